@@ -1,0 +1,167 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# hooke: one non-recursive makefile. `make help` lists what it can do.
+
+CONFIG  ?= release
+CC      ?= gcc
+V       ?= 0
+PREFIX  ?= /usr/local
+DESTDIR ?=
+HOOKE_DATA ?= ../shared/data
+HOOKE_NIST ?= ../shared/nist
+VERSION := 0.1.0
+
+# Layers, left to right: an include may only go left, and each layer's tests link without the layers to its right.
+LIBRARY_LAYERS := base scene method run data analysis figure study
+PROGRAM_LAYERS := command view terminal
+LAYERS := $(LIBRARY_LAYERS) $(PROGRAM_LAYERS)
+
+Q := $(if $(filter 1,$(V)),,@)
+say = $(if $(filter 1,$(V)),,@printf '  %-6s %s\n' $(1) $(2))
+
+# ---- flags: each is probed once ---------------------------------------------------------------------------------------
+
+probe = $(shell echo 'int main(void){return 0;}' | $(CC) -Werror $(1) -x c -o /dev/null - >/dev/null 2>&1 && echo '$(1)')
+
+WARNINGS := -Wall -Wextra -Wpedantic -Wformat=2 -Wconversion -Wsign-conversion -Wshadow -Wvla -Wnull-dereference \
+  -Wimplicit-fallthrough -Wdouble-promotion -Wundef -Wcast-qual -Wstrict-prototypes -Wmissing-prototypes -Wwrite-strings \
+  -Werror=implicit -Werror=int-conversion $(if $(WERROR),-Werror)
+NUMBERS := -ffp-contract=off
+HARDEN  := -fno-common -fno-delete-null-pointer-checks -fstack-protector-strong $(call probe,-fstack-clash-protection) \
+  $(call probe,-fcf-protection=full)
+FORTIFY := -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=3
+LDHARDEN := -pie -Wl,-z,relro,-z,now,-z,noexecstack,--as-needed
+
+OPT_release  := -O2 -g $(FORTIFY)
+OPT_asan     := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer
+OPT_coverage := -O0 -g --coverage
+OPT_clang    := -O2 -g $(FORTIFY)
+OPT_debug    := -O0 -g
+
+PKG := pkg-config
+GSL_CFLAGS  := $(shell $(PKG) --cflags gsl 2>/dev/null)
+GSL_LIBS    := $(shell $(PKG) --libs gsl 2>/dev/null || echo -lgsl -lgslcblas -lm)
+LINE_CFLAGS := $(shell $(PKG) --cflags readline 2>/dev/null)
+LINE_LIBS   := $(shell $(PKG) --libs readline 2>/dev/null || echo -lreadline)
+TEST_LIBS   := $(shell $(PKG) --libs cmocka 2>/dev/null || echo -lcmocka)
+
+CPPFLAGS += -D_GNU_SOURCE -DHOOKE_VERSION='"$(VERSION)"' -Iinclude
+CFLAGS   := -std=c11 $(OPT_$(CONFIG)) $(WARNINGS) $(NUMBERS) $(HARDEN) -fPIE $(CFLAGS_EXTRA)
+LDFLAGS  := $(filter -fsanitize% --coverage,$(OPT_$(CONFIG))) $(LDHARDEN) $(LDFLAGS_EXTRA)
+LIBS     := $(GSL_LIBS) -lm
+
+# ---- what there is ----------------------------------------------------------------------------------------------------
+
+B   := build/$(CONFIG)
+TOP := $(if $(filter release,$(CONFIG)),build,$(B))
+
+objects  = $(patsubst src/%.c,$(B)/%.o,$(sort $(wildcard src/$(1)/*.c)))
+upto     = $(if $(filter $(1),$(firstword $(2))),$(1),$(firstword $(2)) $(call upto,$(1),$(wordlist 2,99,$(2))))
+
+LIBRARY_OBJECTS := $(foreach l,$(LIBRARY_LAYERS),$(call objects,$(l)))
+PROGRAM_OBJECTS := $(foreach l,$(PROGRAM_LAYERS),$(call objects,$(l))) $(B)/main.o
+
+TEST_SOURCES := $(sort $(wildcard tests/unit/*.c tests/numerics/*.c tests/data/*.c tests/faults/*.c tests/terminal/*.c \
+  tests/fuzz/*.c))
+TEST_PROGRAMS := $(patsubst tests/%.c,$(B)/tests/%,$(TEST_SOURCES))
+TEST_SCRIPTS := $(sort $(wildcard tests/*/*.sh))
+FUZZERS      := $(patsubst tests/fuzz/%.c,%,$(sort $(wildcard tests/fuzz/*.c)))
+
+.DEFAULT_GOAL := all
+.DELETE_ON_ERROR:
+.SUFFIXES:
+
+all: $(TOP)/libhooke.a $(TOP)/hooke $(TOP)/hooke.1 ## build the library, the program and its man page
+
+$(TOP)/libhooke.a: $(LIBRARY_OBJECTS)
+	$(call say,AR,$@)
+	$(Q)rm -f $@ && ar rcs $@ $^
+
+$(TOP)/hooke: $(PROGRAM_OBJECTS) $(TOP)/libhooke.a
+	$(call say,LINK,$@)
+	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LINE_LIBS) $(LIBS)
+
+$(TOP)/hooke.1: $(TOP)/hooke scripts/reference
+	$(call say,MAN,$@)
+	$(Q)scripts/reference man $(TOP)/hooke > $@
+
+$(B)/%.o: src/%.c Makefile
+	$(call say,CC,$<)
+	@mkdir -p $(@D)
+	$(Q)$(CC) $(CPPFLAGS) $(if $(filter terminal,$(notdir $(@D))),$(LINE_CFLAGS)) $(GSL_CFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
+
+# ---- tests ------------------------------------------------------------------------------------------------------------
+# tests/<kind>/<layer>_<subject>.c is linked with the layers up to <layer> only.
+
+$(B)/tests/%.o: tests/%.c Makefile
+	$(call say,CC,$<)
+	@mkdir -p $(@D)
+	$(Q)$(CC) $(CPPFLAGS) -Itests $(GSL_CFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
+
+layer_of = $(if $(findstring fuzz/,$(1)),command,$(firstword $(subst _, ,$(notdir $(1)))))
+
+.SECONDEXPANSION:
+$(TEST_PROGRAMS): $(B)/tests/%: $(B)/tests/%.o \
+  $$(foreach l,$$(call upto,$$(call layer_of,$$*),$(LAYERS)),$$(call objects,$$l))
+	$(call say,LINK,$@)
+	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(if $(filter terminal,$(call layer_of,$*)),$(LINE_LIBS)) $(TEST_LIBS) $(LIBS)
+
+tests-build: $(TOP)/hooke $(TOP)/libhooke.a $(TEST_PROGRAMS)
+
+RUN_TESTS = HOOKE=$(TOP)/hooke LIBHOOKE=$(TOP)/libhooke.a OBJECTS=$(B) HOOKE_DATA='$(HOOKE_DATA)' HOOKE_NIST='$(HOOKE_NIST)' \
+  CONFIG=$(CONFIG) LONG=$(LONG) scripts/run-tests
+
+check: tests-build ## the quick tests
+	$(Q)$(RUN_TESTS) $(TEST_PROGRAMS) $(TEST_SCRIPTS)
+
+check-all: ## the long forms: every allocation, every system call, many synthetic recordings
+	$(Q)$(MAKE) --no-print-directory check LONG=1
+
+check-asan: ## the quick tests under AddressSanitizer and UBSan
+	$(Q)$(MAKE) --no-print-directory check CONFIG=asan
+
+check-valgrind: all tests-build ## the unit tests under valgrind
+	$(Q)$(RUN_TESTS) --under 'valgrind -q --error-exitcode=9 --leak-check=full' $(filter $(B)/tests/unit/%,$(TEST_PROGRAMS))
+
+coverage: ## line coverage of the quick tests
+	$(Q)$(MAKE) --no-print-directory check CONFIG=coverage
+	$(Q)scripts/coverage build/coverage
+
+bench: all ## speed as ratios, measured in one run (never a test)
+	$(Q)scripts/bench
+
+fuzz: ## run each fuzz target for FUZZ_SECONDS (default 60)
+	$(Q)scripts/fuzz $(or $(FUZZ_SECONDS),60) $(FUZZERS)
+
+lint: ## clang-tidy and cppcheck
+	$(Q)scripts/lint
+
+format: ## clang-format in place
+	$(Q)clang-format -i $$(git ls-files '*.c' '*.h')
+
+reference: all ## rewrite the generated parts of the README
+	$(Q)scripts/reference readme $(TOP)/hooke
+
+screens-update: all ## rewrite the expected screens from what the program draws now
+	$(Q)scripts/screens update
+
+install: all ## install the program, library, headers and man page under PREFIX
+	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib $(DESTDIR)$(PREFIX)/include/hooke $(DESTDIR)$(PREFIX)/share/man/man1
+	install -m 755 $(TOP)/hooke $(DESTDIR)$(PREFIX)/bin/hooke
+	install -m 644 $(TOP)/libhooke.a $(DESTDIR)$(PREFIX)/lib/libhooke.a
+	install -m 644 include/hooke/*.h $(DESTDIR)$(PREFIX)/include/hooke/
+	install -m 644 $(TOP)/hooke.1 $(DESTDIR)$(PREFIX)/share/man/man1/hooke.1
+
+uninstall: ## remove what install put there
+	rm -f $(DESTDIR)$(PREFIX)/bin/hooke $(DESTDIR)$(PREFIX)/lib/libhooke.a $(DESTDIR)$(PREFIX)/share/man/man1/hooke.1
+	rm -rf $(DESTDIR)$(PREFIX)/include/hooke
+
+clean: ## remove build/
+	rm -rf build
+
+help: ## this list
+	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  %-16s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+
+.PHONY: all tests-build check check-all check-asan check-valgrind coverage bench fuzz lint format reference screens-update install uninstall clean help
+.SECONDARY:
+
+-include $(LIBRARY_OBJECTS:.o=.d) $(PROGRAM_OBJECTS:.o=.d) $(TEST_PROGRAMS:=.d)

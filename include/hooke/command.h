@@ -1,0 +1,355 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * command: the session and the language that changes it.
+ *
+ * A session changes only by executing command lines: scripts, keys, options, saved sessions and tests all go through command_exec(). Handlers
+ * never print: they speak through a struct reply, which the front end connects to streams, a log pane or a buffer.
+ */
+#ifndef HOOKE_COMMAND_H
+#define HOOKE_COMMAND_H
+
+#include <hooke/study.h>
+
+/* ---- reply: what a command says ------------------------------------------------------------------------------------------
+ * Lines are for people, records for programs. FORMAT_TEXT writes lines and ignores records; FORMAT_JSON writes one object a line, and the lines of
+ * a command that made no record as {kind, text}; FORMAT_CSV writes rows with a header whenever the kind changes, lines without a record as comments.
+ */
+
+enum output_format { FORMAT_TEXT, FORMAT_CSV, FORMAT_JSON };
+
+extern const struct catalog format_choice_catalog; /* struct row at the enum's place: text, csv, json */
+
+struct sink {
+    bool (*out)(void *context, struct text text); /* results; false: they cannot be written (closed, full device) */
+    bool (*err)(void *context, struct text text); /* messages */
+    void *context;
+};
+
+#define REPLY_DEPTH 8
+
+struct reply {
+    struct sink sink;
+    bool quiet;           /* lines are left out (option -q); records, warnings and errors stay */
+    enum output_format format;   /* follows the session's setting, statement by statement */
+    bool failed;          /* the sink refused results; nothing more is written there */
+    struct buffer json;   /* the record under construction */
+    struct buffer header, row; /* its CSV form */
+    struct buffer lines;  /* lines of a command that may yet make a record */
+    struct buffer last_header; /* what stands above the last CSV row */
+    bool recorded;        /* this command made a record */
+    int depth;            /* objects and arrays open in the record */
+    struct {
+        const char *key;
+        bool array, empty;
+    } level[REPLY_DEPTH];
+};
+
+void reply_init(struct reply *reply, struct sink sink);
+void reply_free(struct reply *reply);
+void reply_line(struct reply *reply, const char *format, ...) PRINTF_LIKE(2, 3); /* one or more lines, without the last newline */
+void reply_text(struct reply *reply, struct text text);                          /* the same, ready-made */
+void reply_warning(struct reply *reply, const char *format, ...) PRINTF_LIKE(2, 3);
+void reply_note(struct reply *reply, const char *format, ...) PRINTF_LIKE(2, 3); /* a message on the error stream, as it is */
+
+/* A record. key NULL: the next element of an array. Numbers that are not finite become null. */
+void reply_begin(struct reply *reply, const char *kind);
+void reply_string(struct reply *reply, const char *key, const char *value); /* NULL: null */
+void reply_real(struct reply *reply, const char *key, double value);
+void reply_int(struct reply *reply, const char *key, int64_t value);
+void reply_bool(struct reply *reply, const char *key, bool value);
+void reply_null(struct reply *reply, const char *key);
+void reply_measured(struct reply *reply, const char *key, struct measured value, enum quantity quantity);
+void reply_object(struct reply *reply, const char *key);
+void reply_array(struct reply *reply, const char *key);
+void reply_close(struct reply *reply); /* the innermost object or array */
+void reply_end(struct reply *reply);   /* the record */
+
+/* ---- where a line comes from ----------------------------------------------------------------------------------------------- */
+
+struct source {
+    const char *name;            /* "lab1.hk", "-c", "-" ; NULL: typed at the prompt */
+    int line;                    /* counted from 1 */
+    const struct source *parent; /* who sourced it */
+};
+
+/* ---- settings ---------------------------------------------------------------------------------------------------------------- */
+
+enum charset_choice { CHOOSE_AUTO, CHOOSE_ASCII, CHOOSE_BLOCK, CHOOSE_BRAILLE };
+enum color_choice { COLOR_AUTO, COLOR_ALWAYS, COLOR_NEVER };
+enum phase_axes { PHASE_SCALED, PHASE_RAW };
+
+struct settings {
+    double dt;       /* [s] */
+    double tol;      /* 0: off */
+    double duration; /* [s] */
+    struct recording_rule record;
+    int width, height; /* [cell] of plots, 0: the front end's */
+    int digits;        /* significant, in text */
+    int charset, color, format, timing, phase_axes; /* the enums above, enum output_format, enum timing */
+};
+
+struct setting {
+    struct row row;
+    enum quantity quantity;
+    size_t offset;         /* of the field in struct settings */
+    bool display;          /* how results look, not part of the experiment: neither saved nor undone */
+    const struct catalog *choices; /* the field is an int at the choice's place; NULL: a double */
+    double least, most;    /* of a number: allowed are least < x <= most; most 0: not a number */
+    /* For those that are neither; NULL otherwise. */
+    bool (*parse)(struct settings *settings, struct text value, struct error *error);
+    void (*show)(const struct settings *settings, struct buffer *text);
+};
+
+extern const struct catalog setting_catalog;
+
+/* ---- the session --------------------------------------------------------------------------------------------------------------- */
+
+#define LIMIT_LET 128         /* variables made by let */
+#define LIMIT_RESULTS 128     /* names of results: measured_period, fit_gamma … */
+#define LIMIT_CHECKPOINTS 64
+
+struct named_value {
+    char name[LIMIT_NAME + 1];
+    double value, uncertainty; /* SI */
+    enum quantity quantity;    /* QUANTITY_OTHER: unknown */
+};
+
+/* The part that is plain data: undo copies it. */
+struct setup {
+    struct scene scene;
+    const struct method *method;
+    enum drag drag;   /* DRAG_DEFAULT: the method's own */
+    bool fixed;       /* dt= was given with the method: fixed steps although it could adapt */
+    struct settings settings;
+    struct named_value let[LIMIT_LET];
+    int lets;
+};
+
+/* Runs and recordings are shared by the session and its undo entries. */
+struct held_run {
+    struct run *run;
+    int references;
+    char *note; /* NULL: none */
+};
+
+struct held_recording {
+    struct recording *recording;
+    int references;
+    char *options; /* as they have to stand after the file name to load it again */
+};
+
+struct measurement {
+    char quantity[24];
+    struct measured value;
+    enum quantity unit;
+    double periods; /* NAN: does not apply */
+    char of[LIMIT_NAME + 16]; /* "run 1", "data swing3" */
+};
+
+struct session;
+
+/* ---- what the screen shows: changed by commands only, drawn by the view layer ------------------------------------------------- */
+
+enum layout { LAYOUT_TRIO, LAYOUT_DUO, LAYOUT_SINGLE, LAYOUT_STACK, LAYOUT_QUAD, LAYOUT_PLOT, LAYOUT_LOG };
+
+extern const struct catalog layout_catalog; /* struct row at the enum's place */
+
+enum pane { PANE_POSITION, PANE_ENERGY, PANE_PHASE, PANE_VELOCITY, PANE_ERROR, PANE_RESIDUAL, PANE_SPECTRUM, PANE_COUNT };
+
+/* A pane is a kind of plot. `offered`: whether it makes sense for this session (no error pane where nothing exact is known). */
+struct pane_row {
+    struct row row; /* name, unit of the vertical axis, brief */
+    bool (*offered)(const struct session *session);
+};
+
+extern const struct catalog pane_catalog; /* at the enum's place */
+
+enum snap { SNAP_CROSSING, SNAP_PEAK, SNAP_SAMPLE, SNAP_NONE };
+
+extern const struct catalog snap_catalog; /* struct row at the enum's place */
+
+struct cursors {
+    bool shown;           /* the two cursors stand on the plot */
+    bool on_data;         /* they stand on the recording, else on the current run */
+    int active;           /* 0: A, 1: B */
+    bool locked;          /* both move together */
+    struct {
+        bool set;
+        double t, t_uncertainty, y; /* [s] [s] SI */
+        int crossing;     /* number of the up-crossing, 0: not on one */
+    } at[2];
+    enum snap snap;
+    double periods;       /* between A and B, as counted; NAN: not known */
+};
+
+struct view {
+    enum layout layout;
+    enum pane focus;      /* the pane that commands and zooming act on */
+    bool full;            /* the focused pane alone */
+    double x[2], y[2];    /* fixed ranges of the focused pane (time [s], SI); NAN: automatic */
+    double window;        /* [s] of time shown; 0: automatic */
+    double trail;         /* periods of the phase trail; HUGE_VAL: all */
+    int scroll;           /* lines the log is scrolled up */
+    bool paging;          /* the live view sweeps, then pages; otherwise it scrolls by whole cells */
+    struct cursors cursors;
+};
+
+/* The last lines that commands said, for the log pane. A ring: line `first` is the oldest. */
+#define LIMIT_LOG 2000
+
+struct log {
+    char **line; /* [LIMIT_LOG], allocated when the first line comes; each made safe, without newline */
+    int first, count;
+};
+
+void log_add(struct log *log, struct text text); /* one or more lines; without memory they are dropped */
+const char *log_line(const struct log *log, int i); /* i = 0: the newest */
+void log_clear(struct log *log);
+
+/* A run that goes on while a person watches. */
+enum live_state { LIVE_IDLE, LIVE_RUNNING, LIVE_PAUSED, LIVE_DIVERGED };
+
+struct live {
+    enum live_state state;
+    double speed;     /* simulated seconds a second; HUGE_VAL: as fast as possible */
+    double achieved;  /* the same, measured over the last second; below speed: "RUNNING 0.4x (CPU)" */
+    double fraction;  /* of the way to the target, < 0: unknown */
+    double marks[32]; /* [s] times at which parameters were changed during the run */
+    int mark_count;
+};
+
+struct snapshot; /* private: undo, redo, checkpoints */
+
+enum front_change { FRONT_PANES, FRONT_PLAIN, FRONT_REDRAW };
+
+/* What the front end offers; the session only calls it. Every callback may be NULL. */
+struct front {
+    bool interactive; /* a person types: prefixes of names are accepted, long runs are asked about instead of refused */
+    bool utf8, color; /* what the output can show */
+    int width, height; /* [cell] of the output, 0: 80x24 */
+    const struct cancel *cancel;
+    void *context;
+    bool (*confirm)(void *context, const char *question);
+    void (*progress)(void *context, const struct run *run, double fraction); /* between slices; fraction < 0: unknown; > 1: over, erase */
+    void (*clear)(void *context);
+    /*
+     * Live runs. `watched`: a person watches a screen of panes. Then run and continue advance in slices of at most 10 ms and call `slice` between
+     * them: it polls the terminal, executes what was typed (command_exec may be called again from inside; what would disturb the run is
+     * refused) and draws. It returns at the latest at `until` [clock_ns]; false: pause.
+     */
+    bool watched;
+    bool (*slice)(void *context, struct session *session, int64_t until);
+    /* Draws the present screen into a file, as ncurses would show it (batch: of front.width x height). */
+    bool (*screenshot)(void *context, const struct session *session, const char *path, struct write_policy policy, struct error *error);
+    /* Changes of the front end itself; false: not possible here, with the reason. */
+    bool (*change)(void *context, enum front_change change, struct error *error);
+};
+
+struct session {
+    struct front front;
+    struct setup setup;
+    struct held_run *run[LIMIT_RUNS];
+    int runs, current_run; /* index, -1: none */
+    int next_run;          /* number of the next run */
+    struct held_recording *recording[LIMIT_RECORDINGS];
+    int recordings, current_recording; /* index, -1: none */
+    bool data_is_latest;   /* the recording is more recent than the run: measure acts on it */
+
+    struct named_value result[LIMIT_RESULTS]; /* of measurements and fits */
+    int results;
+    bool has_fit;
+    struct fit fit;
+    char fit_of[LIMIT_NAME + 16]; /* "data swing3", "run 2" */
+    struct measurement *measurement;
+    int measurements;
+
+    struct snapshot *undo[LIMIT_UNDO], *redo[LIMIT_UNDO];
+    int undos, redos;
+    struct snapshot *checkpoint[LIMIT_CHECKPOINTS];
+    int checkpoints;
+
+    char **history; /* lines executed, oldest first */
+    int histories;
+    char *record_path; /* file that executed lines are appended to, NULL: none */
+    int record_fd;
+    bool keep_going;  /* option -k */
+    bool safe;        /* option --safe: write only below the current directory */
+    bool quit;        /* the user asked to leave */
+    int status;       /* exit status so far */
+    uint64_t changes; /* counts changes: autosave compares it */
+    int commands;     /* statements executed */
+    bool typed;       /* the statement being executed was typed by a person */
+
+    struct view view;
+    struct log log;
+    struct live live;
+};
+
+/* A new session with the lab's defaults. NULL: no memory. */
+struct session *session_create(const struct front *front);
+void session_destroy(struct session *session);
+/* Appends the commands that recreate the set-up; sourcing them gives the same state. */
+void session_save(const struct session *session, struct buffer *text);
+/* Short state for a prompt or a state line: "spring m=200 g k=15 N/m | euler dt=10 ms | t=9.6 s". */
+void session_state_line(const struct session *session, struct buffer *text);
+
+/* ---- executing ------------------------------------------------------------------------------------------------------------------- */
+
+/*
+ * Executes one line, which may hold several statements. Each statement is atomic: everything is checked before the session changes. The first
+ * error ends the line: it is written to the reply, session->status is set, and the result is false.
+ */
+bool command_exec(struct session *session, struct text line, const struct source *where, struct reply *reply);
+
+/* A script that arrives line by line: joins lines that end in a backslash, counts, stops at the first error unless keep_going. */
+struct script {
+    struct source where;
+    struct buffer pending;
+    int pending_line; /* where the joined line began */
+    int commands;     /* session->commands at the start */
+    bool ok, stopped;
+};
+
+void script_begin(struct script *script, struct session *session, const char *name, const struct source *parent);
+/* One line without its newline. False: the script has stopped (error, quit); feeding more does nothing. */
+bool script_feed(struct script *script, struct session *session, struct text line, struct reply *reply);
+/* End of the input: executes what is pending, says where it stopped. True if every command succeeded. */
+bool script_end(struct script *script, struct session *session, struct reply *reply);
+/* A whole file, "-" is not special here. ERROR_USAGE if it cannot be read or holds a NUL byte. */
+bool script_file(struct session *session, const char *path, const struct source *parent, struct reply *reply);
+
+/* Writes an error the way users see it: position, line, caret, hint; or as JSON. where may be NULL, line may be empty. */
+void reply_error(struct reply *reply, const struct error *error, const struct source *where, struct text line);
+
+/* ---- completion -------------------------------------------------------------------------------------------------------------------- */
+
+/*
+ * Candidates for the word that ends at `cursor`, by the type of the argument that stands there. *start: where that word begins [byte]. `offer` gets
+ * each candidate with a line of explanation ("" if none). Returns false where a file name is wanted: the front end completes it.
+ */
+bool command_complete(struct session *session, struct text line, size_t cursor, size_t *start,
+                      void (*offer)(void *context, const char *candidate, const char *brief), void *context);
+
+/* ---- the catalog of commands: the man page and the README are made from it ----------------------------------------------------------- */
+
+struct argument;  /* private: what may stand after the name */
+struct arguments; /* private: what stood there */
+
+struct command {
+    struct row row;       /* name, "", brief, "", aliases that hold in files too */
+    const char *group;    /* "SCENE", "RUN" … */
+    const char *text;     /* a few lines for help */
+    const char *examples; /* two lines that can be pasted */
+    const char *see;      /* names separated by blanks */
+    const struct argument *argument;
+    int arguments;
+    unsigned flags;
+    bool (*handler)(struct session *session, const struct arguments *given, struct reply *reply, struct error *error);
+};
+
+extern const struct catalog command_catalog;
+
+/* "run [DURATION | to T | until COND] [--force]", made from the arguments. */
+void command_usage(const struct command *command, struct buffer *text);
+
+#endif

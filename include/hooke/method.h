@@ -1,0 +1,125 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * method: integrators as rows, one step of each, step-size control, linear stability.
+ *
+ * This is level 0, the specification: tables and step bodies that call the terms through pointers. A faster kernel may
+ * replace a step only if it gives the same bits.
+ */
+#ifndef HOOKE_METHOD_H
+#define HOOKE_METHOD_H
+
+#include <hooke/scene.h>
+
+enum step_status {
+    STEP_OK,
+    STEP_NONFINITE,   /* the new state is not finite; y is unchanged */
+    STEP_NO_SOLUTION, /* the implicit equation was not solved; y is unchanged */
+    STEP_STALLED      /* the tolerance asks for a step below the rounding of t; y is unchanged (method_adapt only) */
+};
+
+/* How drag (forces that depend on velocity) enters a step; which of them a method knows, its row says. */
+enum drag { DRAG_DEFAULT, DRAG_EXACT, DRAG_IMPLICIT, DRAG_EXPLICIT, DRAG_COUNT };
+
+extern const struct catalog drag_catalog; /* struct row: "exact", "implicit", "explicit" at their enum's place - 1 */
+
+struct cost {
+    int64_t evals;     /* force evaluations (right-hand sides) */
+    int64_t jacobians; /* Jacobians */
+    int64_t solves;    /* linear solves or closed-form solves */
+    int64_t rejected;  /* rejected steps, their evaluations counted above */
+};
+
+/*
+ * Everything that one step sees.
+ *
+ * y     [n]  in: state at t; out: at t + h. Unchanged unless STEP_OK, bit for bit.
+ * h     [s]  any sign, not 0.
+ * error [n]  optional: local error estimate in units of y (NULL: not wanted, or the method has none).
+ * work       method_work_size() doubles, owned by the caller. `warm` says that it holds what the previous step of the
+ *            same method left (first same as last, history). method_step() sets it; whoever changes y, the system or t
+ *            (by more than rounding) between steps clears it.
+ */
+struct step {
+    const struct system *system;
+    enum drag drag; /* resolved by method_applies(): DRAG_DEFAULT only where the method has no variants */
+    double t, h;
+    double *y, *error, *work;
+    bool warm;
+    struct cost cost; /* accumulates */
+};
+
+enum method_flag {
+    METHOD_IMPLICIT = 1,
+    METHOD_SYMPLECTIC = 2,   /* for separable conservative scenes */
+    METHOD_SYMMETRIC = 4,    /* a step of h, then one of -h, restores the state */
+    METHOD_ENERGY = 8,       /* keeps the energy of an undamped linear oscillator exactly */
+    METHOD_A_STABLE = 16,
+    METHOD_L_STABLE = 32,
+    METHOD_ADAPTIVE = 64,    /* has an error estimate */
+    METHOD_SECOND_ORDER = 128, /* only for q'' = a(t, q, q') */
+    METHOD_EXACT = 256,      /* propagates the exact solution: needs system_has_exact() */
+};
+
+struct tableau;   /* Runge–Kutta coefficients, private */
+struct splitting; /* drift and kick weights, private */
+
+struct method {
+    struct row row;      /* name, "", brief, citation, aliases */
+    const char *formula; /* one step, as text with textbook letters, for help */
+    int order;           /* order of convergence; 0: exact */
+    int embedded;        /* order of the error estimator's companion, 0: none */
+    int evals;           /* force evaluations a step (once warm) */
+    unsigned flags;
+    enum drag drag;      /* default; DRAG_DEFAULT: drag is part of the right-hand side and has no variants */
+    unsigned drags;      /* bit 1 << enum drag for each variant offered */
+    enum step_status (*step)(const struct method *method, struct step *step);
+    size_t (*work)(const struct method *method, int n); /* doubles */
+    /* State at t + theta h (0 <= theta <= 1) after a successful step; NULL: cubic Hermite through both ends. */
+    void (*dense)(const struct method *method, const struct step *step, double theta, double *y);
+    const struct tableau *tableau;
+    const struct splitting *splitting;
+};
+
+extern const struct catalog method_catalog;
+
+/* Whether this method can step this system with this drag variant (false: a reason). Resolves DRAG_DEFAULT. */
+bool method_applies(const struct method *method, const struct system *system, enum drag *drag, struct error *error);
+size_t method_work_size(const struct method *method, int n);
+/* One step: STEP_OK, and t has advanced by h; else y and t are as they were, bit for bit. Never allocates. */
+enum step_status method_step(const struct method *method, struct step *step);
+/* State inside the last step: [t - h, t]. before [n]: state at its start. */
+void method_dense(const struct method *method, const struct step *step, const double *before, double theta, double *y);
+
+/* ---- step-size control ----------------------------------------------------------------------------------------------
+ * One accepted step of an adaptive method with |error_i| <= tol * max(scale_i, |y_i|) in the RMS sense, PI control
+ * (Gustafsson 1991; Hairer, Norsett, Wanner II.4). tol is relative to the system's own scale, never to raw SI numbers.
+ *
+ * Steps towards t_end (either side of t), never past it; a step that reaches it sets t = t_end exactly and leaves the
+ * proposal as it was. step->h is then the step taken. A state that is not finite is retried with h/4, up to 20 times.
+ * Anything but STEP_OK leaves y and t as they were.
+ */
+struct controller {
+    double tol;      /* at least 10 eps */
+    double h;        /* [s] proposal for the next step, 0: choose a first one */
+    double previous; /* error of the last accepted step, 0: none */
+    double stiffness; /* |h| * the Jacobian's norm, estimated and smoothed: near the stability limit means stiff */
+    bool rejected;
+};
+
+enum step_status method_adapt(const struct method *method, struct step *step, struct controller *controller,
+                              double t_end);
+
+/* ---- linear stability -----------------------------------------------------------------------------------------------
+ * q'' + gamma q' + omega^2 q = 0 in the scaled state (q, v/omega), with x = omega dt, zeta = gamma / (2 omega).
+ */
+
+/* One-step matrix, row-major, found by stepping the two unit vectors. False: the method does not apply. */
+bool method_amplification(const struct method *method, enum drag drag, double x, double zeta, double matrix[4]);
+double matrix_spectral_radius(const double matrix[4]);
+/*
+ * Supremum of the x with growth <= 1 counted from 0: HUGE_VAL where every step is stable, 0 where none is, NAN where
+ * the method or variant does not apply. Growth of up to 1e-12 is taken for rounding, unless it rises as a power of x.
+ */
+double method_stable_limit(const struct method *method, enum drag drag, double zeta);
+
+#endif

@@ -1,0 +1,214 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * scene: expressions, force terms, parameters, presets, exact solutions.
+ *
+ * A scene is what the user sets (parameters by name, in lab notation). scene_bind() turns it into a system: the terms
+ * that are really there with their coefficients, which is all that integrators see. A term whose coefficient is zero is
+ * not in the system and costs nothing.
+ *
+ * State vector of n variables: a second-order scene holds n/2 positions, then n/2 velocities; a first-order scene holds
+ * n values. The spring is n = 2: y [m], v [m/s].
+ */
+#ifndef HOOKE_SCENE_H
+#define HOOKE_SCENE_H
+
+#include <hooke/base.h>
+
+/* ---- expressions ----------------------------------------------------------------------------------------------------
+ * + - * / ^ ( ), unary -, numbers, pi, functions, and names that a scope knows. Compiled once (operator precedence
+ * parsing with constant folding) into a stack program; values are SI numbers. `^` binds tighter than unary minus and to
+ * the right: -2^2 = -4. A name may have a hyphen inside (phase-error) where the scope knows it as a whole.
+ */
+
+struct expr_scope {
+    const void *context;
+    /* Slot of a name; false: unknown. */
+    bool (*find)(const void *context, struct text name, int *slot);
+    double (*load)(const void *context, int slot);
+    /* Offers every known name for "did you mean"; may be NULL. */
+    void (*offer)(const void *context, struct suggestion *suggestion);
+};
+
+struct expr;
+
+extern const struct catalog function_catalog; /* sin, cos, …: help and completion */
+
+/*
+ * Compiles the longest expression at the start of `text`; *used [byte] is where it stops (at a unit, a comma, a colon, "+-",
+ * a comparison or the end). Memory from `arena`. scope may be NULL (constants only).
+ * Errors: unknown name with suggestion, malformed number, missing operand or parenthesis, depth and size limits.
+ */
+const struct expr *expr_compile(struct text text, const struct expr_scope *scope, struct arena *arena, size_t *used,
+                                struct error *error);
+double expr_value(const struct expr *expr, const struct expr_scope *scope); /* NaN and infinities pass through */
+bool expr_constant(const struct expr *expr, double *value);                 /* no names inside */
+
+/* A comparison `expr < expr` (also <= > >=), as in `run until y < 0`. The sides may carry units: y < 1 cm. */
+struct condition {
+    const struct expr *left, *right;
+    double left_factor, right_factor; /* of the units */
+    bool less, or_equal;
+};
+
+bool condition_compile(struct text text, const struct expr_scope *scope, struct arena *arena, struct condition *condition,
+                       size_t *used, struct error *error);
+/* left - right, with the sign such that the condition holds where the value is < 0 (or <= 0). */
+double condition_value(const struct condition *condition, const struct expr_scope *scope);
+bool condition_holds(const struct condition *condition, double value);
+
+/* ---- parameters -----------------------------------------------------------------------------------------------------
+ * src/scene/terms.def lists each force term with its parameters; the table comes from there. A parameter is known by its
+ * row; its place in the table indexes scene.value.
+ */
+
+#define PARAM_MAX 64
+
+struct param_row {
+    struct row row; /* name, SI unit, brief */
+    enum quantity quantity;
+    double initial;       /* default, SI */
+    double least;         /* smallest value allowed, -HUGE_VAL: any */
+    bool least_excluded;  /* value > least */
+};
+
+extern const struct catalog param_catalog; /* struct param_row, at most PARAM_MAX */
+
+int param_index(const char *name); /* of a name that exists in the table (asserted) */
+
+struct scene {
+    const struct preset *preset;
+    double value[PARAM_MAX];       /* SI */
+    double uncertainty[PARAM_MAX]; /* one standard uncertainty, 0: exact */
+    bool given[PARAM_MAX];         /* set by the user since the preset */
+};
+
+struct preset {
+    struct row row;
+    struct {
+        const char *param; /* NULL: end */
+        double value;      /* SI */
+    } value[16];           /* what differs from the parameters' defaults */
+};
+
+extern const struct catalog preset_catalog;
+
+void scene_init(struct scene *scene, const struct preset *preset); /* NULL: "spring" with the lab's defaults */
+/* Checks the range (m > 0, …, finite) and that k/m does not overflow; the scene is unchanged on error. */
+bool scene_set(struct scene *scene, int param, struct measured value, struct error *error);
+void scene_unset(struct scene *scene, int param); /* back to the preset's value */
+
+/* Quantities that follow from the parameters: omega0, T0, f0, zeta, Q, omega_d, T_d, equilibrium … NaN where not defined. */
+struct derived_row {
+    struct row row;
+    enum quantity quantity;
+    struct measured (*value)(const struct scene *scene); /* with the propagated uncertainty */
+    /* Setting it sets this parameter (omega0, T0 and f0 set k); NULL: cannot be set. */
+    double (*inverse)(const struct scene *scene, double value);
+    const char *target;
+};
+
+extern const struct catalog derived_catalog;
+
+/* Sets the row's target parameter so that the quantity takes this value; the uncertainty goes with it. */
+bool scene_set_derived(struct scene *scene, const struct derived_row *row, struct measured value, struct error *error);
+
+/* Re = rho v length / eta for a speed [m/s]; regime in words: "laminar", "transitional", "turbulent". */
+double scene_reynolds(const struct scene *scene, double speed);
+const char *reynolds_regime(double reynolds);
+
+/* ---- terms and the bound system -------------------------------------------------------------------------------------- */
+
+#define TERM_COEFFICIENTS 6
+#define TERM_MAX 16
+
+enum term_flag {
+    TERM_LINEAR = 1,       /* linear in the state, or independent of it */
+    TERM_VELOCITY = 2,     /* depends on velocity */
+    TERM_TIME = 4,         /* depends on time */
+    TERM_CONSERVATIVE = 8, /* has a potential; otherwise it has a power */
+};
+
+/*
+ * The scene as one oscillator, where it is one:
+ *   q'' = -stiffness q - damping q' - quadratic |q'| q' - gravity + drive cos(omega t + phase)
+ * Closed-form steps, exact drag flows and exact solutions use it. `whole`: nothing else acts.
+ */
+struct oscillator {
+    double stiffness; /* [1/s^2] k/m, any sign */
+    double damping;   /* [1/s] gamma */
+    double quadratic; /* [1/m] C rho area / m */
+    double gravity;   /* [m/s^2] */
+    double drive;     /* [m/s^2] F0/m */
+    double omega, phase; /* [rad/s] [rad] */
+    bool whole;
+};
+
+struct term_row {
+    struct row row; /* name, unit of what `add` adds, brief, citation */
+    unsigned flags;
+    /* Coefficients from the parameters, also added into `oscillator`; false: the term is absent (its coefficient is zero). */
+    bool (*bind)(const double *param, double *c, struct oscillator *oscillator);
+    void (*add)(const double *c, double t, const double *y, double *a);        /* adds to the accelerations [n/2] */
+    /* Adds d a / d y, [n/2][n] row-major; NULL: the term does not depend on the state. */
+    void (*jacobian)(const double *c, double t, const double *y, double *jac);
+    double (*potential)(const double *c, const double *y);                     /* [J], NULL unless TERM_CONSERVATIVE */
+    double (*power)(const double *c, double t, const double *y);               /* [W], NULL if TERM_CONSERVATIVE */
+};
+
+extern const struct catalog term_catalog;
+
+struct bound_term {
+    const struct term_row *row;
+    double c[TERM_COEFFICIENTS];
+};
+
+struct system {
+    int n;     /* state variables, at most LIMIT_VARIABLES */
+    int order; /* 2 or 1 */
+    int terms;
+    struct bound_term term[TERM_MAX];
+    bool linear;       /* every term TERM_LINEAR: y' = A y + b(t) */
+    bool autonomous;   /* no TERM_TIME */
+    bool velocity;     /* some force depends on velocity */
+    bool conservative; /* every term has a potential: energy is constant */
+    double mass;       /* [kg] kinetic energy = mass v^2 / 2 */
+    struct oscillator oscillator;
+    double start[LIMIT_VARIABLES]; /* state at t0 */
+    double t0;                     /* [s] */
+    double scale[LIMIT_VARIABLES]; /* natural size of each variable (amplitude, amplitude * omega): error norms; > 0 */
+};
+
+bool scene_bind(const struct scene *scene, struct system *system, struct error *error);
+
+void system_acceleration(const struct system *system, double t, const double *y, double *a); /* [n/2], order 2 only */
+void system_derivative(const struct system *system, double t, const double *y, double *dydt); /* [n] */
+/* Only the terms that do not depend on velocity. */
+void system_force(const struct system *system, double t, const double *y, double *a);
+/* Only the terms that do depend on velocity. */
+void system_drag(const struct system *system, double t, const double *y, double *a);
+/* Exact flow of v' = -gamma v - c |v| v over h (NUMERICS 2.5): sign-preserving, exact at v = 0; oscillator.whole only. */
+double oscillator_drag_flow(const struct oscillator *oscillator, double v, double h);
+void system_jacobian(const struct system *system, double t, const double *y, double *jac); /* d y'/d y, [n][n] row-major */
+
+double system_kinetic(const struct system *system, const double *y);              /* [J] */
+double system_potential(const struct system *system, const double *y);            /* [J] */
+double system_power(const struct system *system, double t, const double *y);      /* [W] of the non-conservative terms */
+double system_dissipation(const struct system *system, double t, const double *y); /* [W] of the drag terms alone, <= 0 */
+
+/* Name, unit and quantity of state variable i ("y" m length, "v" m/s velocity; y2, v2 … beyond). */
+struct variable {
+    char name[16];
+    enum quantity quantity;
+};
+struct variable system_variable(const struct system *system, int i);
+
+/* ---- exact solutions -------------------------------------------------------------------------------------------------
+ * For linear oscillators in every regime: under-, critically and overdamped, k = 0, k < 0, gamma < 0, constant force,
+ * driven, resonance, with formulas that do not cancel. From `start` at t0 to t (before or after t0); growth beyond double
+ * ends as infinity. floor [n], or NULL: what one ulp in the coefficients does to the answer (about eps * omega * |t - t0|
+ * times the amplitude): no error below it means anything.
+ */
+bool system_has_exact(const struct system *system);
+void system_exact(const struct system *system, double t0, const double *start, double t, double *y, double *floor);
+
+#endif

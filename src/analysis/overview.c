@@ -1,0 +1,225 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What a series looks like before any model, and the robust damped sine that every analysis of an oscillation starts
+ * from. */
+#include "internal.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#define PERIODS_LEAST 1.8  /* fewer are no oscillation: nothing repeats */
+#define DECREMENT_MOST 3.2 /* gamma T/2: the amplitude changes by a factor 25 in a period */
+#define WEAKLY_DAMPED 0.01 /* gamma/omega: the amplitude changes by 6 % in two periods */
+#define SAMPLES_A_PERIOD 2.5
+#define CHANCE 20.0 /* -ln of the chance that noise looks like it, per frequency; much for wandering records */
+
+static void refuse(struct overview *overview, const char *format, ...) PRINTF_LIKE(2, 3);
+
+static void refuse(struct overview *overview, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    vsnprintf(overview->reason, sizeof overview->reason, format, args);
+    va_end(args);
+    overview->oscillates = false;
+    overview->period = overview->periods = NAN;
+}
+
+static void extremes(struct motion *m)
+{
+    struct overview *o = &m->overview;
+    double sum = 0;
+    size_t used = 0;
+    o->low = HUGE_VAL;
+    o->high = -HUGE_VAL;
+    for (size_t i = 0; i < m->samples.n; i++) {
+        if (m->samples.use[i]) {
+            o->low = fmin(o->low, m->samples.y[i]);
+            o->high = fmax(o->high, m->samples.y[i]);
+            sum += m->samples.y[i];
+            used++;
+        }
+    }
+    o->mean = used ? sum / (double)used : NAN;
+}
+
+/* The step to which values are rounded: the smallest between neighbours, if all are multiples of it; else 0. */
+static double find_quantum(const struct samples *x)
+{
+    double quantum = HUGE_VAL;
+    for (size_t i = 1; i < x->n; i++) {
+        double step = fabs(x->y[i] - x->y[i - 1]);
+        quantum = step > 0 && step < quantum ? step : quantum;
+    }
+    for (size_t i = 1; i < x->n; i++) {
+        double multiple = (x->y[i] - x->y[i - 1]) / quantum;
+        if (fabs(multiple - nearbyint(multiple)) > 0.01) {
+            return 0;
+        }
+    }
+    return quantum;
+}
+
+/* Where the energy of exp(-gamma t/2) cos lies on average: there the parameters are least correlated. */
+static double centre(const struct samples *x, double gamma)
+{
+    double span = x->t[x->n - 1] - x->t[0], g = gamma * span;
+    double at = fabs(g) < 1e-3 ? 0.5 - g / 12 : 1 / g - 1 / expm1(g);
+    return x->t[0] + at * span;
+}
+
+/* The damping rate to start from: the best of a few, from none to gone within a thirtieth of the record. */
+static bool start_gamma(struct motion *m, double omega)
+{
+    static const double rates[] = {0, 2, 6, 18, 54};
+    double span = m->samples.t[m->samples.n - 1] - m->samples.t[0];
+    bool found = false;
+    for (size_t i = 0; i < COUNT_OF(rates); i++) {
+        struct harmonic trial = {.omega = omega, .gamma = rates[i] / span};
+        trial.origin = centre(&m->samples, trial.gamma);
+        if (!harmonic_fit(&m->samples, FREE_LINEAR, &trial, NULL)) {
+            continue;
+        }
+        if (found && trial.rss > m->harmonic.rss) {
+            break;
+        }
+        m->harmonic = trial;
+        found = true;
+    }
+    return found;
+}
+
+/*
+ * Could noise have done this? Variance ratio of the damped sine against the residuals about a straight line; residuals
+ * that hang together count as fewer.
+ */
+static bool significant(const struct motion *m)
+{
+    const struct samples *x = &m->samples;
+    double n = 0, st = 0, sy = 0, stt = 0, sty = 0, syy = 0, t0 = m->harmonic.origin, y0 = m->harmonic.c;
+    for (size_t i = 0; i < x->n; i++) {
+        double use = x->use[i], t = x->t[i] - t0, y = x->y[i] - y0;
+        n += use;
+        st += use * t;
+        sy += use * y;
+        stt += use * t * t;
+        sty += use * t * y;
+        syy += use * y * y;
+    }
+    double vt = stt - st * st / n, vy = syy - sy * sy / n, c = sty - st * sy / n, total = vy - c * c / vt;
+    double explained = total - m->harmonic.rss, independent = n / autocorrelation_factor(m->autocorrelation);
+    if (m->autocorrelation >
+        0.5) { /* no white noise: a wandering offset, which has 1/k^2 of its variance in k periods */
+        independent = fmax(independent, m->overview.periods * m->overview.periods);
+        if (explained < m->harmonic.rss) { /* steps, jumps */
+            return false;
+        }
+    }
+    return 0.5 * independent * explained > (log(0.5 * n) + CHANCE) * m->harmonic.rss;
+}
+
+static void judge(struct motion *m)
+{
+    struct overview *o = &m->overview;
+    const struct harmonic *h = &m->harmonic;
+    double span = m->samples.t[m->samples.n - 1] - m->samples.t[0], decrement = PI * h->gamma / h->omega;
+    o->period = TWO_PI / h->omega;
+    o->periods = span / o->period;
+    if (o->periods < PERIODS_LEAST) {
+        refuse(o, "it does not repeat: the window of %.3g s holds only %.2g periods, two are needed", span, o->periods);
+    } else if (o->period < SAMPLES_A_PERIOD * m->samples.dt) {
+        refuse(o, "fewer than %.2g samples a period", SAMPLES_A_PERIOD);
+    } else if (!significant(m)) {
+        refuse(o, "no oscillation stands out of the noise");
+    } else if (fabs(decrement) > DECREMENT_MOST) {
+        refuse(o, "it dies out within one cycle");
+    } else {
+        o->oscillates = true;
+        o->mean = h->c;
+    }
+}
+
+bool motion_init(struct motion *m, const struct series *series, struct arena *arena)
+{
+    *m = (struct motion){.overview = {.period = NAN, .periods = NAN, .noise = NAN}};
+    m->residual = arena_array(arena, series->n + 1, sizeof(double));
+    m->scratch = arena_array(arena, series->n + 1, sizeof(double));
+    if (!m->residual || !m->scratch || !samples_init(&m->samples, series, arena)) {
+        return false;
+    }
+    struct overview *o = &m->overview;
+    extremes(m);
+    if (series->n < 8 || !(m->samples.dt > 0)) {
+        refuse(o, "it has only %zu samples", series->n);
+        return true;
+    }
+    if (!(o->high - o->low > 1e-12 * fmax(fabs(o->high), fabs(o->low)))) {
+        o->noise = 0;
+        refuse(o, "it is constant");
+        return true;
+    }
+    m->quantum = find_quantum(&m->samples);
+    o->noise = fmax(samples_noise(&m->samples, m->scratch), m->quantum / sqrt(12.0));
+    samples_flag_spikes(&m->samples, m->scratch);
+    bool memory;
+    double omega = peak_frequency(&m->samples, arena, &memory);
+    if (!memory) {
+        return false;
+    }
+    if (!isfinite(omega)) {
+        refuse(o, "its spectrum has no peak above drift");
+        return true;
+    }
+    /* Over two periods the start is good enough to tell outliers, unless the amplitude changes much in so short a time.
+     */
+    bool found = start_gamma(m, omega);
+    if (found && m->harmonic.gamma > WEAKLY_DAMPED * omega) {
+        found = harmonic_fit(&m->samples, FREE_GAMMA, &m->harmonic, NULL);
+    }
+    if (found && !reject_outliers(m, arena)) {
+        return false;
+    }
+    if (!found || !harmonic_fit(&m->samples, FREE_GAMMA, &m->harmonic, m->residual)) {
+        refuse(o, "no damped sine can be fitted to it");
+        return true;
+    }
+    m->autocorrelation = residual_autocorrelation(&m->samples, m->residual);
+    extremes(m);
+    judge(m);
+    return true;
+}
+
+bool motion_require(struct motion *m, const struct series *series, struct arena *arena, struct error *error)
+{
+    if (!motion_init(m, series, arena)) {
+        return error_memory(error);
+    }
+    if (!m->overview.oscillates) {
+        error_set(error, ERROR_COMMAND, "the signal does not oscillate: %s", m->overview.reason);
+        return error_hint(error, "choose another window or column; at least two periods are needed");
+    }
+    return true;
+}
+
+void series_overview(const struct series *series, struct arena *arena, struct overview *overview)
+{
+    struct motion motion;
+    if (!motion_init(&motion, series, arena)) {
+        motion.overview =
+            (struct overview){.mean = NAN, .low = NAN, .high = NAN, .noise = NAN, .period = NAN, .periods = NAN};
+        refuse(&motion.overview, "out of memory");
+    }
+    *overview = motion.overview;
+}
+
+struct series series_window(struct series series, double from, double to)
+{
+    struct samples samples = {.t = series.t, .n = series.n};
+    size_t first = samples_index(&samples, from), last = samples_index(&samples, to);
+    while (last < series.n && series.t[last] <= to) {
+        last++;
+    }
+    series.t += first;
+    series.y += first;
+    series.n = last > first ? last - first : 0;
+    return series;
+}

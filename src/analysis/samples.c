@@ -1,0 +1,143 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A series prepared for analysis: its time grid, its noise, its spikes. */
+#include "internal.h"
+
+#include <gsl/gsl_statistics_double.h>
+#include <math.h>
+#include <string.h>
+
+double quantile(double *values, size_t n, double q)
+{
+    double at = q * (double)(n - 1);
+    return gsl_stats_select(values, 1, n, (size_t)(at + 0.5));
+}
+
+/*
+ * Instruments print i/60 s as 0.017 0.033 0.050: such times are the grid's, rounded to a multiple of 10^-digits. True
+ * if all times are multiples of it and lie close to the grid.
+ */
+static bool rounded_grid(const struct series *series, double dt, double deviation)
+{
+    for (int digits = 2; digits <= 5; digits++) {
+        double scale = pow(10.0, digits), limit = 1.01 / scale; /* of a time, and of the first or last */
+        if (deviation > limit || limit > 0.2 * dt) {
+            continue;
+        }
+        bool multiples = true;
+        for (size_t i = 0; i < series->n && multiples; i++) {
+            double x = series->t[i] * scale;
+            multiples = fabs(x - nearbyint(x)) < 1e-6 + 1e-12 * fabs(x);
+        }
+        if (multiples) {
+            return true;
+        }
+    }
+    return false;
+}
+
+bool samples_init(struct samples *samples, const struct series *series, struct arena *arena)
+{
+    *samples = (struct samples){.t = series->t, .y = series->y, .n = series->n};
+    samples->use = arena_alloc(arena, series->n + 1);
+    if (!samples->use) {
+        return false;
+    }
+    memset(samples->use, 1, series->n);
+    if (series->n < 2) {
+        return true;
+    }
+    double first = series->t[0], dt = (series->t[series->n - 1] - first) / (double)(series->n - 1), deviation = 0;
+    for (size_t i = 0; i < series->n; i++) {
+        deviation = fmax(deviation, fabs(series->t[i] - (first + (double)i * dt)));
+    }
+    samples->t0 = first;
+    samples->dt = dt;
+    samples->uniform = dt > 0 && (deviation <= 1e-9 * dt + 4e-16 * fabs(series->t[series->n - 1]) ||
+                                  (rounded_grid(series, dt, deviation)));
+    return true;
+}
+
+struct samples samples_part(const struct samples *samples, size_t from, size_t to)
+{
+    struct samples part = *samples;
+    part.t += from;
+    part.y += from;
+    part.use += from;
+    part.n = to - from;
+    part.t0 += (double)from * samples->dt;
+    return part;
+}
+
+size_t samples_index(const struct samples *samples, double t)
+{
+    size_t low = 0, high = samples->n;
+    while (low < high) {
+        size_t mid = low + (high - low) / 2;
+        if (samples->t[mid] < t) {
+            low = mid + 1;
+        } else {
+            high = mid;
+        }
+    }
+    return low;
+}
+
+/*
+ * Sixth differences: a sine with m samples a period enters them only as (2 pi/m)^6, white noise as sqrt(924). Their
+ * median does not see single spikes.
+ */
+double samples_noise(const struct samples *samples, double *scratch)
+{
+    if (samples->n < 8) {
+        return NAN;
+    }
+    const double *y = samples->y;
+    size_t count = samples->n - 6;
+    for (size_t i = 0; i < count; i++) {
+        const double *w = y + i;
+        scratch[i] = fabs((w[0] + w[6]) - 6 * (w[1] + w[5]) + 15 * (w[2] + w[4]) - 20 * w[3]);
+    }
+    return MAD_TO_SIGMA * quantile(scratch, count, 0.5) / sqrt(924.0);
+}
+
+/*
+ * A missed echo: the value leaves by more than 0.6 of the robust range in one sample and is back within six, or the
+ * record ends there. Slow enough for every oscillation with at least six samples a period; a coarse net that only
+ * protects the spectrum: local fits decide later. Once forwards, once backwards: seen from a bad first sample all
+ * others are off.
+ */
+void samples_flag_spikes(struct samples *samples, double *scratch)
+{
+    enum { LONGEST = 6 };
+    if (samples->n < 16) {
+        return;
+    }
+    size_t n = samples->n, stride = n / 2048 + 1, count = 0;
+    for (size_t i = 0; i < n; i += stride) {
+        scratch[count++] = samples->y[i];
+    }
+    double high = quantile(scratch, count, 0.95), low = quantile(scratch, count, 0.05), jump = 0.6 * (high - low);
+    if (!(jump > 0)) {
+        return;
+    }
+    for (int backwards = 0; backwards < 2; backwards++) {
+        const double *y = samples->y + (backwards ? n - 1 : 0);
+        unsigned char *use = samples->use + (backwards ? n - 1 : 0);
+        ptrdiff_t step = backwards ? -1 : 1;
+        for (size_t i = 1; i < n; i++) {
+            double base = y[(ptrdiff_t)(i - 1) * step];
+            if (fabs(y[(ptrdiff_t)i * step] - base) <= jump) {
+                continue;
+            }
+            size_t back = i + 1;
+            while (back < n && back <= i + LONGEST && fabs(y[(ptrdiff_t)back * step] - base) >= 0.5 * jump) {
+                back++;
+            }
+            if (back <= i + LONGEST) {
+                for (; i < back; i++) {
+                    use[(ptrdiff_t)i * step] = 0;
+                }
+            }
+        }
+    }
+}

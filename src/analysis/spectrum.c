@@ -1,0 +1,160 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Spectra: Hann window, zero padding, log-parabolic peak; the peak is refined by least squares (Lomb–Scargle) on the
+ * true times. */
+#include "internal.h"
+
+#include <gsl/gsl_fft_real.h>
+#include <math.h>
+
+#define LOWEST_PERIODS 1.3 /* a peak below so many periods in the record is drift */
+
+struct transform {
+    double *power; /* [bins] |X|^2 */
+    size_t bins;   /* 0 … Nyquist */
+    double step;   /* [Hz] between bins */
+    double gain;   /* sum of the window: amplitude = 2 |X|/gain */
+    bool memory;
+};
+
+/* Values on an even grid of n points, rejected samples bridged by straight lines, the least-squares line removed. */
+static void fill_even(const struct samples *x, double *out)
+{
+    size_t right = 0, left = 0;
+    double dt = (x->t[x->n - 1] - x->t[0]) / (double)(x->n - 1);
+    double sum = 0, moment = 0, square = 0, middle = 0.5 * (double)(x->n - 1);
+    for (size_t i = 0; i < x->n; i++) {
+        double t = x->uniform ? x->t[i] : x->t[0] + (double)i * dt;
+        if (x->uniform && x->use[i]) {
+            out[i] = x->y[i];
+            left = i;
+        } else {
+            while (right < x->n && (!x->use[right] || x->t[right] < t)) {
+                left = x->use[right] ? right : left;
+                right++;
+            }
+            size_t to = right < x->n ? right : left;
+            double width = x->t[to] - x->t[left];
+            out[i] = width > 0 ? x->y[left] + (x->y[to] - x->y[left]) * fmin((t - x->t[left]) / width, 1) : x->y[to];
+        }
+        double s = (double)i - middle;
+        sum += out[i];
+        moment += s * out[i];
+        square += s * s;
+    }
+    double mean = sum / (double)x->n, slope = moment / square;
+    for (size_t i = 0; i < x->n; i++) {
+        out[i] -= mean + slope * ((double)i - middle);
+    }
+}
+
+static struct transform transform(const struct samples *x, struct arena *arena)
+{
+    struct transform result = {.memory = true};
+    size_t length = 32;
+    while (length < x->n || (length < 2 * x->n && length < 16384)) {
+        length *= 2;
+    }
+    double *data = arena_array(arena, length, sizeof *data);
+    if (!data) {
+        result.memory = false;
+        return result;
+    }
+    fill_even(x, data);
+    double angle = TWO_PI / (double)x->n, c = cos(angle), s = sin(angle), re = cos(0.5 * angle), im = sin(0.5 * angle);
+    for (size_t i = 0; i < x->n; i++) {
+        double window = 0.5 * (1 - re); /* Hann: re = cos(2 pi (i + 1/2)/n) */
+        data[i] *= window;
+        result.gain += window;
+        double next = re * c - im * s;
+        im = re * s + im * c;
+        re = next;
+    }
+    gsl_fft_real_radix2_transform(data, 1, length); /* cannot fail: the length is a power of two */
+    result.bins = length / 2 + 1;
+    result.step = (double)(x->n - 1) / (x->t[x->n - 1] - x->t[0]) / (double)length;
+    for (size_t k = 1; k < length / 2;
+         k++) { /* in place: data[k] and data[length - k] are read before data[k] is written */
+        data[k] = data[k] * data[k] + data[length - k] * data[length - k];
+    }
+    data[0] *= data[0];
+    data[length / 2] *= data[length / 2];
+    result.power = data;
+    return result;
+}
+
+double peak_frequency(const struct samples *x, struct arena *arena, bool *memory)
+{
+    *memory = true;
+    if (x->n < 8) {
+        return NAN;
+    }
+    struct transform spectrum = transform(x, arena);
+    *memory = spectrum.memory;
+    if (!spectrum.memory) {
+        return NAN;
+    }
+    const double *p = spectrum.power;
+    double span = x->t[x->n - 1] - x->t[0];
+    size_t peak = 0, first = (size_t)ceil(LOWEST_PERIODS / span / spectrum.step);
+    for (size_t k = first > 1 ? first : 1; k < spectrum.bins * 4 / 5; k++) { /* 2.5 samples a period */
+        if (p[k] > p[k - 1] && p[k] >= p[k + 1] && (peak == 0 || p[k] > p[peak])) {
+            peak = k;
+        }
+    }
+    if (peak == 0 || !(p[peak - 1] > 0) || !(p[peak + 1] > 0)) {
+        return peak == 0 ? NAN : TWO_PI * spectrum.step * (double)peak;
+    }
+    double l = log(p[peak - 1]), m = log(p[peak]), r = log(p[peak + 1]);
+    return TWO_PI * spectrum.step * ((double)peak + 0.5 * (l - r) / (l - 2 * m + r));
+}
+
+/* Three points of the least-squares spectrum (Zechmeister & Kürster 2009: with a floating mean) and a parabola. */
+static double refine(const struct samples *x, double omega)
+{
+    double span = x->t[x->n - 1] - x->t[0], step = PI / (4 * span), rss[3];
+    for (int i = 0; i < 3; i++) {
+        struct harmonic h = {.omega = omega + (i - 1) * step, .origin = x->t[0] + 0.5 * span};
+        if (!harmonic_fit(x, FREE_LINEAR, &h, NULL)) {
+            return omega;
+        }
+        rss[i] = h.rss;
+    }
+    double curvature = rss[0] - 2 * rss[1] + rss[2], shift = 0.5 * (rss[0] - rss[2]) / curvature;
+    return curvature > 0 && fabs(shift) <= 1 ? omega + shift * step : omega;
+}
+
+double series_peak_frequency(const struct series *series, struct arena *arena)
+{
+    struct samples samples;
+    bool memory;
+    double *scratch = arena_array(arena, series->n + 1, sizeof *scratch);
+    if (!scratch || !samples_init(&samples, series, arena)) {
+        return NAN;
+    }
+    samples_flag_spikes(&samples, scratch);
+    double omega = peak_frequency(&samples, arena, &memory);
+    return isfinite(omega) ? refine(&samples, omega) : NAN;
+}
+
+bool series_spectrum(const struct series *series, struct arena *arena, const double **frequency,
+                     const double **amplitude, size_t *bins)
+{
+    struct samples samples;
+    *bins = 0;
+    if (series->n < 8 || !samples_init(&samples, series, arena)) {
+        return false;
+    }
+    struct transform spectrum = transform(&samples, arena);
+    double *f = spectrum.memory ? arena_array(arena, spectrum.bins, sizeof *f) : NULL;
+    if (!f) {
+        return false;
+    }
+    for (size_t k = 0; k < spectrum.bins; k++) {
+        f[k] = spectrum.step * (double)k;
+        spectrum.power[k] = (k == 0 || k + 1 == spectrum.bins ? 1 : 2) * sqrt(spectrum.power[k]) / spectrum.gain;
+    }
+    *frequency = f;
+    *amplitude = spectrum.power;
+    *bins = spectrum.bins;
+    return true;
+}

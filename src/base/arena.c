@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "hooke/base.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define BLOCK_FIRST 4096u
+#define BLOCK_LARGEST (1u << 20)
+
+struct arena_block {
+    struct arena_block *next;
+    size_t size, used;
+    max_align_t data[];
+};
+
+static struct arena_block *block_create(size_t size)
+{
+    struct arena_block *block = calloc(1, sizeof *block + size);
+    if (block)
+        block->size = size;
+    return block;
+}
+
+void *arena_alloc(struct arena *arena, size_t size)
+{
+    const size_t unit = sizeof(max_align_t);
+    if (size > PTRDIFF_MAX / 2) /* no object is that large, and no sum below overflows */
+        return NULL;
+    size = size ? (size + unit - 1) / unit * unit : unit;
+
+    struct arena_block *block = arena->blocks;
+    if (!block || block->size - block->used < size) {
+        size_t fresh = !block ? BLOCK_FIRST : block->size < BLOCK_LARGEST / 2 ? block->size * 2 : BLOCK_LARGEST;
+        block = block_create(size > fresh ? size : fresh);
+        if (!block)
+            return NULL;
+        block->next = arena->blocks;
+        arena->blocks = block;
+    }
+    void *data = (char *)block->data + block->used;
+    block->used += size;
+    return data;
+}
+
+void *arena_array(struct arena *arena, size_t count, size_t size)
+{
+    size_t total;
+    return __builtin_mul_overflow(count, size, &total) ? NULL : arena_alloc(arena, total);
+}
+
+char *arena_text(struct arena *arena, struct text text)
+{
+    char *copy = arena_alloc(arena, text.len + 1);
+    if (copy && text.len)
+        memcpy(copy, text.at, text.len);
+    return copy;
+}
+
+void arena_reset(struct arena *arena)
+{
+    while (arena->blocks) {
+        struct arena_block *block = arena->blocks;
+        arena->blocks = block->next;
+        free(block);
+    }
+}

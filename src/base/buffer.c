@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "hooke/base.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Makes room for `extra` more bytes and the NUL. */
+static bool reserve(struct buffer *buffer, size_t extra)
+{
+    if (buffer->failed)
+        return false;
+    size_t needed;
+    if (__builtin_add_overflow(buffer->len + 1, extra, &needed)) {
+        buffer->failed = true;
+        return false;
+    }
+    if (needed <= buffer->cap)
+        return true;
+    size_t cap = buffer->cap > SIZE_MAX / 2 ? needed : buffer->cap * 2;
+    cap = cap < needed ? needed : cap;
+    cap = cap < 64 ? 64 : cap;
+    char *data = realloc(buffer->data, cap);
+    if (!data) {
+        buffer->failed = true;
+        return false;
+    }
+    buffer->data = data;
+    buffer->cap = cap;
+    return true;
+}
+
+void buffer_put(struct buffer *buffer, struct text text)
+{
+    if (!reserve(buffer, text.len))
+        return;
+    if (text.len)
+        memcpy(buffer->data + buffer->len, text.at, text.len);
+    buffer->len += text.len;
+    buffer->data[buffer->len] = '\0';
+}
+
+void buffer_char(struct buffer *buffer, char c)
+{
+    buffer_put(buffer, (struct text){&c, 1});
+}
+
+void buffer_codepoint(struct buffer *buffer, uint32_t codepoint)
+{
+    static const unsigned char lead[] = {0, 0x00, 0xC0, 0xE0, 0xF0};
+    if (codepoint > 0x10FFFF || (codepoint >= 0xD800 && codepoint <= 0xDFFF))
+        codepoint = CODEPOINT_INVALID;
+    size_t len = codepoint < 0x80 ? 1 : codepoint < 0x800 ? 2 : codepoint < 0x10000 ? 3 : 4;
+    char bytes[4];
+    for (size_t i = len; i-- > 1; codepoint >>= 6)
+        bytes[i] = (char)(0x80 | (codepoint & 0x3F));
+    bytes[0] = (char)(lead[len] | codepoint);
+    buffer_put(buffer, (struct text){bytes, len});
+}
+
+void buffer_vformat(struct buffer *buffer, const char *format, va_list args)
+{
+    va_list again;
+    va_copy(again, args);
+    int len = vsnprintf(NULL, 0, format, again);
+    va_end(again);
+    if (len < 0)
+        buffer->failed = true;
+    if (len < 0 || !reserve(buffer, (size_t)len))
+        return;
+    vsnprintf(buffer->data + buffer->len, (size_t)len + 1, format, args);
+    buffer->len += (size_t)len;
+}
+
+void buffer_format(struct buffer *buffer, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    buffer_vformat(buffer, format, args);
+    va_end(args);
+}
+
+void buffer_clear(struct buffer *buffer)
+{
+    buffer->len = 0;
+    buffer->failed = false;
+    if (buffer->data)
+        buffer->data[0] = '\0';
+}
+
+void buffer_free(struct buffer *buffer)
+{
+    free(buffer->data);
+    *buffer = (struct buffer){0};
+}
+
+struct text buffer_text(const struct buffer *buffer)
+{
+    return buffer->data ? (struct text){buffer->data, buffer->len} : (struct text){"", 0};
+}

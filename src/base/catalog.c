@@ -1,0 +1,142 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "hooke/base.h"
+#include "internal.h"
+
+#include <stdio.h>
+#include <string.h>
+
+const struct row *catalog_row(const struct catalog *catalog, size_t i)
+{
+    return (const struct row *)(const void *)((const char *)catalog->rows + i * catalog->stride);
+}
+
+static bool next_alias(struct text *rest, struct text *alias)
+{
+    while (text_split(rest, ' ', alias))
+        if (alias->len > 0)
+            return true;
+    return false;
+}
+
+static bool row_is(const struct row *row, struct text name)
+{
+    if (text_is(name, row->name))
+        return true;
+    struct text rest = text_of(row->alias), alias;
+    while (next_alias(&rest, &alias))
+        if (text_equal(alias, name))
+            return true;
+    return false;
+}
+
+const struct row *catalog_find(const struct catalog *catalog, struct text name)
+{
+    for (size_t i = 0; i < catalog->count; i++)
+        if (row_is(catalog_row(catalog, i), name))
+            return catalog_row(catalog, i);
+    return NULL;
+}
+
+const struct row *catalog_prefix(const struct catalog *catalog, struct text name, size_t least)
+{
+    const struct row *found = catalog_find(catalog, name);
+    if (found || name.len == 0 || name.len < least)
+        return found;
+    for (size_t i = 0; i < catalog->count; i++) {
+        const struct row *row = catalog_row(catalog, i);
+        if (!text_starts(text_of(row->name), name))
+            continue;
+        if (found)
+            return NULL;
+        found = row;
+    }
+    return found;
+}
+
+bool catalog_unknown(const struct catalog *catalog, struct text name, struct error *error)
+{
+    char shown[SAFE_NAME_SIZE];
+    error_at(error, name, "unknown %s '%s'", catalog->kind, safe_name(name, shown));
+    struct suggestion suggestion = {.wanted = name};
+    for (size_t i = 0; i < catalog->count; i++) {
+        const struct row *row = catalog_row(catalog, i);
+        suggestion_offer(&suggestion, row->name);
+        struct text rest = text_of(row->alias), alias;
+        while (next_alias(&rest, &alias)) {
+            char z[LIMIT_NAME + 1];
+            if (alias.len < sizeof z) {
+                snprintf(z, sizeof z, "%.*s", (int)alias.len, alias.at);
+                suggestion_offer(&suggestion, z);
+            }
+        }
+    }
+    suggestion_hint(&suggestion, error);
+    return false;
+}
+
+static char lower(char c)
+{
+    return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
+}
+
+static bool same_but_case(struct text a, struct text b)
+{
+    if (a.len != b.len)
+        return false;
+    for (size_t i = 0; i < a.len; i++)
+        if (lower(a.at[i]) != lower(b.at[i]))
+            return false;
+    return true;
+}
+
+/* How far a misspelling of this length may be from what was meant. */
+static int reach(size_t len)
+{
+    return len <= 3 ? 1 : len <= 7 ? 2 : (int)(len / 3);
+}
+
+void suggestion_offer(struct suggestion *suggestion, const char *name)
+{
+    struct text wanted = suggestion->wanted, candidate = text_of(name);
+    if (wanted.len == 0 || wanted.len > LIMIT_NAME || candidate.len >= sizeof suggestion->name[0])
+        return;
+    const int far = reach(wanted.len);
+    int distance = text_distance(wanted, candidate);
+    /* The beginning of a long name is near it; a name that shares no letter is not, however short. */
+    if (same_but_case(wanted, candidate))
+        distance = 0;
+    else if (wanted.len >= 3 && distance > far && text_starts(candidate, wanted))
+        distance = far;
+    else if ((size_t)distance >= (wanted.len > candidate.len ? wanted.len : candidate.len))
+        return;
+    if (distance > far)
+        return;
+
+    const int most = (int)COUNT_OF(suggestion->name);
+    int place = suggestion->count;
+    for (int i = 0; i < suggestion->count; i++)
+        if (text_is(candidate, suggestion->name[i]))
+            return;
+    while (place > 0 && distance < suggestion->distance[place - 1])
+        place--;
+    if (place == most)
+        return;
+    for (int i = suggestion->count < most ? suggestion->count : most - 1; i > place; i--) {
+        suggestion->distance[i] = suggestion->distance[i - 1];
+        memcpy(suggestion->name[i], suggestion->name[i - 1], sizeof suggestion->name[i]);
+    }
+    suggestion->distance[place] = distance;
+    memcpy(suggestion->name[place], name, candidate.len + 1);
+    suggestion->count += suggestion->count < most;
+}
+
+void suggestion_hint(const struct suggestion *suggestion, struct error *error)
+{
+    const char(*name)[sizeof suggestion->name[0]] = suggestion->name;
+    if (suggestion->count == 1)
+        error_hint(error, "did you mean '%s'?", name[0]);
+    else if (suggestion->count == 2)
+        error_hint(error, "did you mean '%s' or '%s'?", name[0], name[1]);
+    else if (suggestion->count == 3)
+        error_hint(error, "did you mean '%s', '%s' or '%s'?", name[0], name[1], name[2]);
+}

@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Decimals inside base: what the reader and the writer of numbers share.
+ *
+ * With 10^p = 5^p 2^p and 5^27 < 2^63, m 10^p is an exact 128-bit integer for every double mantissa m and 0 <= p <= 27,
+ * so that both directions are exact integer arithmetic for the numbers a laboratory has; the rest goes through libc.
+ */
+#ifndef HOOKE_BASE_DECIMAL_H
+#define HOOKE_BASE_DECIMAL_H
+
+#include "hooke/base.h"
+
+__extension__ typedef unsigned __int128 wide;
+
+#define POWER5_MAX 27
+#define POWER10_MAX 22 /* the largest power of ten that is a double */
+
+extern const uint64_t power5[POWER5_MAX + 1];
+extern const double power10[POWER10_MAX + 1];
+
+/* digits * 10^exponent */
+struct decimal {
+    bool negative;
+    uint64_t digits; /* below 10^17 */
+    int exponent;
+};
+
+/* The finite value with the fewest digits that read back to it, and of those the nearest; no trailing zeros. */
+struct decimal decimal_shortest(double value);
+/* The finite value rounded to 1..17 significant digits, trailing zeros dropped. */
+struct decimal decimal_rounded(double value, int digits);
+/* Power of ten of the first digit: 0 for 1..9; for zero, that of its last place. */
+int decimal_decade(struct decimal decimal);
+/* Digits of n, right-aligned before `end`; returns their first. */
+char *decimal_digits(char *end, uint64_t n);
+/* "e-7" at `at`, without NUL; returns its end. */
+char *decimal_power(char *at, int exponent);
+/* Plain notation while low <= decade < high, else d.ddde-7. Returns the length without the NUL. */
+size_t decimal_write(struct decimal decimal, int low, int high, char out[REAL_TEXT_SIZE]);
+
+#endif

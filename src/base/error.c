@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "hooke/base.h"
+#include "internal.h"
+
+#include <locale.h>
+#include <stdio.h>
+#include <string.h>
+
+/* Ends the text before a UTF-8 sequence that snprintf has cut in two. */
+static void drop_partial(char *z, size_t size)
+{
+    size_t len = strlen(z);
+    if (len + 1 < size)
+        return;
+    size_t start = len;
+    while (start > 0 && len - start < 4 && ((unsigned char)z[start - 1] & 0xC0) == 0x80)
+        start--;
+    if (start == 0 || (unsigned char)z[start - 1] < 0xC0)
+        return;
+    size_t used;
+    struct text last = {z + start - 1, len - start + 1};
+    if (text_codepoint(last, &used) == CODEPOINT_INVALID && used == 1)
+        z[start - 1] = '\0';
+}
+
+static PRINTF_LIKE(3, 0) void fill(struct error *error, enum error_code code, const char *format, va_list args)
+{
+    error->code = code;
+    error->hint[0] = '\0';
+    error->where = (struct text){NULL, 0};
+    vsnprintf(error->text, sizeof error->text, format, args);
+    drop_partial(error->text, sizeof error->text);
+}
+
+bool error_set(struct error *error, enum error_code code, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    fill(error, code, format, args);
+    va_end(args);
+    return false;
+}
+
+bool error_at(struct error *error, struct text where, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    fill(error, ERROR_COMMAND, format, args);
+    va_end(args);
+    error->where = where;
+    return false;
+}
+
+bool error_hint(struct error *error, const char *format, ...)
+{
+    size_t len = strlen(error->hint);
+    if (len > 0 && len + 2 < sizeof error->hint) {
+        memcpy(error->hint + len, "  ", 3);
+        len += 2;
+    }
+    va_list args;
+    va_start(args, format);
+    vsnprintf(error->hint + len, sizeof error->hint - len, format, args);
+    va_end(args);
+    drop_partial(error->hint, sizeof error->hint);
+    return false;
+}
+
+bool error_memory(struct error *error)
+{
+    return error_set(error, ERROR_COMMAND, "out of memory: nothing was changed");
+}
+
+const char *error_name(enum error_code code)
+{
+    static const char *const names[] = {"none", "command", "usage", "numerical", "io"};
+    return code == ERROR_CANCELLED ? "cancelled" : (size_t)code < COUNT_OF(names) ? names[code] : "unknown";
+}
+
+const char *system_message(int number)
+{
+    /* The "C" locale is static in the C library: nothing is allocated, nothing has to be freed. */
+    locale_t plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
+    return plain ? strerror_l(number, plain) : "unknown error";
+}

@@ -1,0 +1,198 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "decimal.h"
+#include "hooke/base.h"
+
+#include <locale.h>
+#include <math.h>
+#include <stdlib.h>
+
+/* A double's nearest neighbours are told apart by at most 768 significant digits; of what follows only "zero or not"
+ * counts. */
+#define DIGITS_MAX 800
+#define EXPONENT_MAX 1000000000000000 /* beyond any that could matter, far from overflow */
+
+const uint64_t power5[POWER5_MAX + 1] = {
+    1u,
+    5u,
+    25u,
+    125u,
+    625u,
+    3125u,
+    15625u,
+    78125u,
+    390625u,
+    1953125u,
+    9765625u,
+    48828125u,
+    244140625u,
+    1220703125u,
+    6103515625ull,
+    30517578125ull,
+    152587890625ull,
+    762939453125ull,
+    3814697265625ull,
+    19073486328125ull,
+    95367431640625ull,
+    476837158203125ull,
+    2384185791015625ull,
+    11920928955078125ull,
+    59604644775390625ull,
+    298023223876953125ull,
+    1490116119384765625ull,
+    7450580596923828125ull,
+};
+
+const double power10[POWER10_MAX + 1] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
+                                         1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+
+/* What the text says: 0.digits * 10^..., kept as the first 19 digits and where the number lies in the text. */
+struct scanned {
+    bool negative;
+    uint64_t leading;                 /* the first (up to) 19 significant digits */
+    size_t digits;                    /* significant digits, without leading zeros */
+    int64_t exponent;                 /* value = all digits as an integer * 10^exponent */
+    size_t first, mantissa_end, used; /* [byte] */
+};
+
+static bool is_digit(char c)
+{
+    return c >= '0' && c <= '9';
+}
+
+/* The exponent part at text[at], if there is a whole one; *at moves behind it. */
+static int64_t scan_exponent(struct text text, size_t *at)
+{
+    size_t i = *at;
+    if (i >= text.len || (text.at[i] != 'e' && text.at[i] != 'E'))
+        return 0;
+    i++;
+    bool negative = i < text.len && text.at[i] == '-';
+    if (i < text.len && (text.at[i] == '-' || text.at[i] == '+'))
+        i++;
+    if (i >= text.len || !is_digit(text.at[i]))
+        return 0;
+    int64_t value = 0;
+    for (; i < text.len && is_digit(text.at[i]); i++)
+        value = value < EXPONENT_MAX ? value * 10 + (text.at[i] - '0') : value;
+    *at = i;
+    return negative ? -value : value;
+}
+
+static bool scan(struct text text, char decimal, struct scanned *s)
+{
+    *s = (struct scanned){0};
+    size_t i = 0;
+    if (text.len > 0 && (text.at[0] == '-' || text.at[0] == '+'))
+        s->negative = text.at[i++] == '-';
+    bool point = false, any = false;
+    for (s->first = i; i < text.len; i++) {
+        char c = text.at[i];
+        if (c == decimal && !point) {
+            point = true;
+            continue;
+        }
+        if (!is_digit(c))
+            break;
+        any = true;
+        s->exponent -= point;
+        if (s->digits > 0 || c != '0') {
+            if (s->digits < 19)
+                s->leading = s->leading * 10 + (uint64_t)(c - '0');
+            s->digits++;
+        }
+    }
+    s->mantissa_end = i;
+    if (any) {
+        s->exponent += scan_exponent(text, &i);
+        s->used = i;
+    }
+    return any;
+}
+
+/* n * 2^exponent rounded to nearest even, n >= 2^53; `more`: n has lost a non-zero tail (and has at least 64 bits
+ * then). */
+static double compose(wide n, int exponent, bool more)
+{
+    uint64_t high = (uint64_t)(n >> 64);
+    int bits = high ? 128 - __builtin_clzll(high) : 64 - __builtin_clzll((uint64_t)n);
+    int drop = bits - 53;
+    uint64_t mantissa = (uint64_t)(n >> drop);
+    wide half = (wide)1 << (drop - 1), rest = n & (2 * half - 1);
+    if (rest > half || (rest == half && (more || (mantissa & 1))))
+        mantissa++;
+    return ldexp((double)mantissa, exponent + drop);
+}
+
+/* Any number of digits, by libc in its "C" locale, which it neither allocates nor changes. */
+static double by_library(struct text text, const struct scanned *s)
+{
+    char z[DIGITS_MAX + 32];
+    size_t len = 0, seen = 0;
+    bool more = false;
+    for (size_t i = s->first; i < s->mantissa_end; i++) {
+        char c = text.at[i];
+        if (!is_digit(c) || (seen == 0 && c == '0'))
+            continue;
+        if (seen++ < DIGITS_MAX)
+            z[len++] = c;
+        else
+            more = more || c != '0';
+    }
+    int64_t exponent = s->exponent + (int64_t)(seen - len);
+    if (more) {
+        z[len++] = '1';
+        exponent--;
+    }
+    exponent = exponent > 2000 ? 2000 : exponent < -2000 ? -2000 : exponent;
+    *decimal_power(z + len, (int)exponent) = '\0';
+    locale_t plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
+    return plain ? strtod_l(z, NULL, plain) : NAN;
+}
+
+static double magnitude(struct text text, const struct scanned *s)
+{
+    const uint64_t w = s->leading;
+    const int64_t e = s->exponent;
+    if (w == 0)
+        return 0.0;
+    if (s->digits > 19 || e < -POWER5_MAX || e > POWER5_MAX)
+        return by_library(text, s);
+    /* Clinger (1990): both factors are exact doubles, so that one rounding is all there is. */
+    if (w <= (uint64_t)1 << 53 && e >= -POWER10_MAX && e <= POWER10_MAX)
+        return e < 0 ? (double)w / power10[-e] : (double)w * power10[e];
+    if (e >= 0)
+        return compose((wide)w * power5[e], (int)e, false);
+    /* A numerator with its top bit set leaves a quotient of at least 65 bits. */
+    int shift = 64 + __builtin_clzll(w);
+    wide numerator = (wide)w << shift;
+    return compose(numerator / power5[-e], (int)e - shift, numerator % power5[-e] != 0);
+}
+
+enum real_status real_scan(struct text text, char decimal, double *value, size_t *used)
+{
+    struct scanned s;
+    *used = 0;
+    if (text.len == 0)
+        return REAL_EMPTY;
+    if (!scan(text, decimal, &s))
+        return REAL_MALFORMED;
+    double size = magnitude(text, &s);
+    *value = s.negative ? -size : size;
+    *used = s.used;
+    if (!isfinite(size))
+        return REAL_OVERFLOW;
+    return s.leading != 0 && size < 0x1p-1022 ? REAL_UNDERFLOW : REAL_OK;
+}
+
+enum real_status real_parse(struct text text, double *value)
+{
+    size_t used;
+    double number;
+    enum real_status status = real_scan(text, '.', &number, &used);
+    if (status == REAL_EMPTY || status == REAL_MALFORMED)
+        return status;
+    if (used != text.len)
+        return REAL_MALFORMED;
+    *value = number;
+    return status;
+}

@@ -1,0 +1,268 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "decimal.h"
+#include "hooke/base.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static uint64_t bits_of(double value)
+{
+    uint64_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    return bits;
+}
+
+static struct decimal stripped(struct decimal d)
+{
+    while (d.digits && d.digits % 10 == 0) {
+        d.digits /= 10;
+        d.exponent++;
+    }
+    return d;
+}
+
+/* Rounded to `digits` digits, all of them kept. */
+static struct decimal rounded(double value, int digits)
+{
+    struct decimal d = {.negative = signbit(value)};
+    char z[REAL_TEXT_SIZE];
+    snprintf(z, sizeof z, "%.*e", digits - 1, fabs(value));
+    const char *c = z;
+    for (; *c && *c != 'e'; c++) /* whatever stands between the digits is the locale's decimal point */
+        if (*c >= '0' && *c <= '9')
+            d.digits = d.digits * 10 + (uint64_t)(*c - '0');
+    int exponent = 0;
+    for (const char *e = c + 2; *c && *e; e++)
+        exponent = exponent * 10 + (*e - '0');
+    d.exponent = (*c && c[1] == '-' ? -exponent : exponent) - (digits - 1);
+    return d;
+}
+
+struct decimal decimal_rounded(double value, int digits)
+{
+    struct decimal d = rounded(value, digits);
+    return d.digits ? stripped(d) : (struct decimal){.negative = d.negative};
+}
+
+/*
+ * Exact form for 1e-11 <= value < 1e17: with 17 digits before the point, the value is v 2^-shift and its rounding
+ * interval reaches 2 u 2^-shift up and down, where u = 5^p is a quarter of the distance to the next double. The
+ * decimals that read back are the integers in between; the shortest is the one that can be divided by 10 most often.
+ */
+static struct decimal shortest_exact(double value)
+{
+    const uint64_t bits = bits_of(value);
+    const uint64_t fraction = bits & (((uint64_t)1 << 52) - 1), m = fraction | (uint64_t)1 << 52;
+    const int e = (int)(bits >> 52) - 1075;
+    /* floor(log10(value)) from the binary exponent, at most one too small; `point` is 17 digits before the point. */
+    int decade = (int)floor((e + 52) * 0.30102999566398120);
+    decade += decade < 0 ? value >= 1.0 / power10[-decade - 1] : value >= power10[decade + 1];
+    const int p = 16 - decade;
+
+    const wide u = power5[p];
+    const int up = e + p > 2 ? e + p - 2 : 0, shift = e + p > 2 ? 0 : 2 - e - p;
+    const wide v = (4 * u * m) << up, above = (2 * u) << up, below = (fraction ? 2 * u : u) << up;
+    const wide one = (wide)1 << shift;
+    const wide closed = (m & 1) == 0; /* a tie reads as the even mantissa */
+    uint64_t low = (uint64_t)((v - below + one - closed) >> shift);
+    uint64_t high = (uint64_t)((v + above - 1 + closed) >> shift);
+
+    struct decimal d = {.exponent = -p};
+    uint64_t scale = 1;
+    const uint64_t many = 100000000; /* eight zeros at once: most numbers that people typed */
+    if (high / many * many >= low) {
+        low = (low + many - 1) / many;
+        high /= many;
+        scale = many;
+        d.exponent += 8;
+    }
+    while (high / 10 * 10 >= low) {
+        low = (low + 9) / 10;
+        high /= 10;
+        scale *= 10;
+        d.exponent++;
+    }
+    /* Of those left, the nearest. */
+    const uint64_t whole = (uint64_t)(v >> shift);
+    const wide rest = ((wide)(whole % scale) << shift) + (v & (one - 1));
+    const wide all = (wide)scale << shift;
+    d.digits = whole / scale;
+    d.digits += d.digits < low || (d.digits < high && (2 * rest > all || (2 * rest == all && (d.digits & 1))));
+    return d;
+}
+
+static bool reads_back(struct decimal d, double value)
+{
+    char z[REAL_TEXT_SIZE];
+    double again;
+    size_t len = decimal_write(d, 0, 0, z);
+    real_parse((struct text){z, len}, &again);
+    return again == value;
+}
+
+/* Any finite value, by trying. 15 digits always survive, so that fewer come from them by dropping zeros; not so the
+ * denormal. */
+static struct decimal shortest_by_trying(double value)
+{
+    const bool power_of_two = (bits_of(value) << 12) == 0;
+    for (int digits = value < 0x1p-1022 ? 1 : 15; digits < 17; digits++) {
+        struct decimal d = rounded(value, digits);
+        if (reads_back(d, value))
+            return stripped(d);
+        /* Below a power of two the doubles are denser: the nearest decimal may miss where its neighbour above does not.
+         */
+        d.digits++;
+        if (power_of_two && reads_back(d, value))
+            return stripped(d);
+    }
+    return decimal_rounded(value, 17);
+}
+
+struct decimal decimal_shortest(double value)
+{
+    const double size = fabs(value);
+    struct decimal d = {0};
+    if (size >= 1e-11 && size < 1e17)
+        d = shortest_exact(size);
+    else if (size > 0)
+        d = shortest_by_trying(size);
+    d.negative = signbit(value);
+    return d;
+}
+
+char *decimal_digits(char *end, uint64_t n)
+{
+    static const char pairs[201] = "00010203040506070809101112131415161718192021222324252627282930313233343536373839"
+                                   "40414243444546474849505152535455565758596061626364656667686970717273747576777879"
+                                   "8081828384858687888990919293949596979899";
+    for (; n >= 100; n /= 100)
+        memcpy(end -= 2, pairs + 2 * (n % 100), 2);
+    do
+        *--end = (char)('0' + n % 10);
+    while (n /= 10);
+    return end;
+}
+
+char *decimal_power(char *at, int exponent)
+{
+    char digits[20], *const end = digits + sizeof digits;
+    const char *first = decimal_digits(end, (uint64_t)(exponent < 0 ? -exponent : exponent));
+    *at++ = 'e';
+    if (exponent < 0)
+        *at++ = '-';
+    memcpy(at, first, (size_t)(end - first));
+    return at + (end - first);
+}
+
+int decimal_decade(struct decimal decimal)
+{
+    int decade = decimal.exponent;
+    for (uint64_t n = decimal.digits; n >= 10; n /= 10)
+        decade++;
+    return decade;
+}
+
+size_t decimal_write(struct decimal decimal, int low, int high, char out[REAL_TEXT_SIZE])
+{
+    char digits[20], *const end = digits + sizeof digits, *first = decimal_digits(end, decimal.digits), *at = out;
+    const int count = (int)(end - first), point = count + decimal.exponent, decade = point - 1;
+    const bool plain = low <= decade && decade < high;
+    /* Digits before the point; what is missing there or between the point and the first digit is zeros. */
+    const int before = plain ? point : 1, whole = before < 0 ? 0 : before < count ? before : count;
+    if (decimal.negative)
+        *at++ = '-';
+    if (before <= 0)
+        *at++ = '0';
+    memcpy(at, first, (size_t)whole);
+    at += whole;
+    for (int i = count; i < before; i++)
+        *at++ = '0';
+    if (whole < count)
+        *at++ = '.';
+    for (int i = before; i < 0; i++)
+        *at++ = '0';
+    memcpy(at, first + whole, (size_t)(count - whole));
+    at += count - whole;
+    if (!plain && decimal.digits)
+        at = decimal_power(at, decade);
+    *at = '\0';
+    return (size_t)(at - out);
+}
+
+/* The text of what is no decimal; 0 when `value` is finite. */
+static size_t write_nonfinite(double value, char out[REAL_TEXT_SIZE])
+{
+    if (isfinite(value))
+        return 0;
+    struct text name = isnan(value) ? TEXT("nan") : value < 0 ? TEXT("-inf") : TEXT("inf");
+    memcpy(out, name.at, name.len + 1);
+    return name.len;
+}
+
+size_t real_format(double value, char out[REAL_TEXT_SIZE])
+{
+    size_t len = write_nonfinite(value, out);
+    return len ? len : decimal_write(decimal_shortest(value), -4, 17, out);
+}
+
+void buffer_real(struct buffer *buffer, double value)
+{
+    char z[REAL_TEXT_SIZE];
+    size_t len = real_format(value, z);
+    buffer_put(buffer, (struct text){z, len});
+}
+
+void buffer_short(struct buffer *buffer, double value, int digits)
+{
+    if (digits < 1 || digits > 17) {
+        buffer_real(buffer, value);
+        return;
+    }
+    char z[REAL_TEXT_SIZE];
+    size_t len = write_nonfinite(value, z);
+    if (!len)
+        len = decimal_write(decimal_rounded(value, digits), -4, digits > 6 ? digits : 6, z);
+    buffer_put(buffer, (struct text){z, len});
+}
+
+/* value rounded to a multiple of 10^place, zeros kept: 1.9370 for place -4. At most 17 digits. */
+static struct decimal rounded_to(double value, int place)
+{
+    struct decimal d = rounded(value, 17);
+    const int digits = value != 0 ? decimal_decade(d) - place + 1 : 0;
+    if (digits < 1) {
+        bool up = digits == 0 && d.digits >= 50000000000000000u;
+        return (struct decimal){d.negative && up, up, place};
+    }
+    d = rounded(value, digits);
+    for (; d.exponent > place; d.exponent--) /* 9.996 became 10.00 */
+        d.digits *= 10;
+    return d;
+}
+
+void buffer_uncertain(struct buffer *buffer, double value, double uncertainty)
+{
+    if (!isfinite(value) || !isfinite(uncertainty) || uncertainty <= 0) {
+        buffer_short(buffer, value, 6);
+        return;
+    }
+    const struct decimal two = rounded(uncertainty, 2), one = rounded(uncertainty, 1);
+    const int place = two.digits < 20 ? two.exponent : one.exponent - (one.digits == 1);
+    const int decade_value = value != 0 ? decimal_decade(rounded(value, 17)) : place;
+    if (decade_value - place >= 17) { /* more exact than a double can be: nothing to match */
+        buffer_real(buffer, value);
+        buffer_put(buffer, TEXT(" +- "));
+        buffer_short(buffer, uncertainty, 1 + (two.digits < 20));
+        return;
+    }
+    const int decade_error = decimal_decade(one), decade = decade_value > decade_error ? decade_value : decade_error;
+    const bool plain = decade >= -4 && decade < (place > 0 ? 6 : 15);
+    const int high = plain ? 100 : 0, low = -high;
+    char z[REAL_TEXT_SIZE];
+    size_t len = decimal_write(rounded_to(value, place), low, high, z);
+    buffer_put(buffer, (struct text){z, len});
+    buffer_put(buffer, TEXT(" +- "));
+    len = decimal_write(rounded_to(uncertainty, place), low, high, z);
+    buffer_put(buffer, (struct text){z, len});
+}

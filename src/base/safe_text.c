@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "hooke/base.h"
+#include "internal.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* Not visible, or steering how the rest is shown: Unicode's Cc, Zl, Zp and the Cf that reorder, join or hide. */
+static const struct {
+    uint32_t first, last;
+} hidden[] = {
+    {0x0080, 0x009F}, {0x00AD, 0x00AD},   {0x061C, 0x061C},   {0x115F, 0x1160},   {0x180E, 0x180E}, {0x200B, 0x200F},
+    {0x2028, 0x202E}, {0x2060, 0x206F},   {0x3164, 0x3164},   {0xFDD0, 0xFDEF},   {0xFEFF, 0xFEFF}, {0xFFA0, 0xFFA0},
+    {0xFFF0, 0xFFFB}, {0x1BCA0, 0x1BCA3}, {0x1D173, 0x1D17A}, {0xE0000, 0xE0FFF},
+};
+
+static bool is_hidden(uint32_t codepoint)
+{
+    if ((codepoint & 0xFFFE) == 0xFFFE)
+        return true;
+    for (size_t i = 0; i < COUNT_OF(hidden); i++)
+        if (codepoint >= hidden[i].first && codepoint <= hidden[i].last)
+            return true;
+    return false;
+}
+
+/* The first character of `text` made visible, in `piece`; *used is how many bytes it stands for. */
+static struct text visible(struct text text, bool keep_layout, char piece[16], size_t *used)
+{
+    const uint32_t codepoint = text_codepoint(text, used);
+    const unsigned char byte = (unsigned char)text.at[0];
+    const bool invalid = codepoint == CODEPOINT_INVALID && *used == 1;
+    int len;
+    if (keep_layout && (byte == '\n' || byte == '\t'))
+        return (struct text){text.at, 1};
+    if (invalid || codepoint < 0x20 || codepoint == 0x7F)
+        len = snprintf(piece, 16, "\\x%02x", byte);
+    else if (is_hidden(codepoint))
+        len = snprintf(piece, 16, "<U+%04X>", (unsigned)codepoint);
+    else
+        return (struct text){text.at, *used};
+    return (struct text){piece, (size_t)len};
+}
+
+void safe_text(struct buffer *out, struct text text, bool keep_layout)
+{
+    char piece[16];
+    for (size_t used; text.len > 0; text.at += used, text.len -= used)
+        buffer_put(out, visible(text, keep_layout, piece, &used));
+}
+
+const char *safe_name(struct text name, char out[SAFE_NAME_SIZE])
+{
+    char piece[16];
+    size_t len = 0;
+    for (size_t used; name.len > 0; name.at += used, name.len -= used) {
+        struct text shown = visible(name, false, piece, &used);
+        if (len + shown.len > SAFE_NAME_SIZE - 4) {
+            shown = TEXT("...");
+            used = name.len;
+        }
+        memcpy(out + len, shown.at, shown.len);
+        len += shown.len;
+    }
+    out[len] = '\0';
+    return out;
+}

@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "hooke/base.h"
+
+#include <limits.h>
+#include <string.h>
+
+struct text text_of(const char *z)
+{
+    return z ? (struct text){z, strlen(z)} : (struct text){"", 0};
+}
+
+bool text_equal(struct text a, struct text b)
+{
+    return a.len == b.len && (a.len == 0 || memcmp(a.at, b.at, a.len) == 0);
+}
+
+bool text_is(struct text a, const char *z)
+{
+    return text_equal(a, text_of(z));
+}
+
+bool text_starts(struct text a, struct text prefix)
+{
+    return a.len >= prefix.len && text_equal((struct text){a.at, prefix.len}, prefix);
+}
+
+static bool is_blank(char c)
+{
+    return c == ' ' || c == '\t' || c == '\r';
+}
+
+struct text text_trim(struct text a)
+{
+    while (a.len > 0 && is_blank(a.at[a.len - 1]))
+        a.len--;
+    while (a.len > 0 && is_blank(a.at[0])) {
+        a.at++;
+        a.len--;
+    }
+    return a;
+}
+
+bool text_split(struct text *rest, char separator, struct text *head)
+{
+    if (rest->at == NULL)
+        return false;
+    const char *cut = rest->len ? memchr(rest->at, separator, rest->len) : NULL;
+    if (cut) {
+        *head = (struct text){rest->at, (size_t)(cut - rest->at)};
+        *rest = (struct text){cut + 1, rest->len - head->len - 1};
+    } else {
+        *head = *rest;
+        *rest = (struct text){NULL, 0};
+    }
+    return true;
+}
+
+static int least(int a, int b)
+{
+    return a < b ? a : b;
+}
+
+/* Optimal string alignment: the recurrence needs the last three rows only (Boytsov 2011, section 2.1). */
+int text_distance(struct text a, struct text b)
+{
+    size_t longer = a.len > b.len ? a.len : b.len;
+    if (longer > LIMIT_NAME)
+        return longer > INT_MAX ? INT_MAX : (int)longer;
+
+    int rows[3][LIMIT_NAME + 1];
+    for (size_t j = 0; j <= b.len; j++)
+        rows[0][j] = (int)j;
+    for (size_t i = 1; i <= a.len; i++) {
+        const int *before = rows[(i + 1) % 3], *above = rows[(i - 1) % 3];
+        int *row = rows[i % 3];
+        row[0] = (int)i;
+        for (size_t j = 1; j <= b.len; j++) {
+            int replaced = above[j - 1] + (a.at[i - 1] != b.at[j - 1]);
+            row[j] = least(replaced, least(above[j], row[j - 1]) + 1);
+            if (i > 1 && j > 1 && a.at[i - 1] == b.at[j - 2] && a.at[i - 2] == b.at[j - 1])
+                row[j] = least(row[j], before[j - 2] + 1);
+        }
+    }
+    return rows[a.len % 3][b.len];
+}

@@ -1,0 +1,193 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "decimal.h"
+#include "hooke/base.h"
+
+#include <math.h>
+#include <string.h>
+
+#define PI 3.14159265358979323846
+
+/* Within a quantity from the largest unit shown to the smallest. */
+static const struct unit units[] = {
+    {{"m", "m", "metre", "", NULL}, QUANTITY_LENGTH, 1.0, UNIT_SHOWN},
+    {{"cm", "m", "centimetre", "", NULL}, QUANTITY_LENGTH, 1e-2, UNIT_HOME},
+    {{"mm", "m", "millimetre", "", NULL}, QUANTITY_LENGTH, 1e-3, UNIT_SHOWN},
+    {{"kg", "kg", "kilogram", "", NULL}, QUANTITY_MASS, 1.0, UNIT_HOME},
+    {{"g", "kg", "gram", "", NULL}, QUANTITY_MASS, 1e-3, UNIT_SHOWN},
+    {{"mg", "kg", "milligram", "", NULL}, QUANTITY_MASS, 1e-6, UNIT_SHOWN},
+    {{"s", "s", "second", "", NULL}, QUANTITY_TIME, 1.0, UNIT_HOME},
+    {{"ms", "s", "millisecond", "", NULL}, QUANTITY_TIME, 1e-3, UNIT_SHOWN},
+    {{"min", "s", "minute", "", NULL}, QUANTITY_TIME, 60.0, UNIT_READ},
+    {{"N", "N", "newton", "", NULL}, QUANTITY_FORCE, 1.0, UNIT_HOME},
+    {{"mN", "N", "millinewton", "", NULL}, QUANTITY_FORCE, 1e-3, UNIT_SHOWN},
+    {{"N/m", "N/m", "newton per metre", "", NULL}, QUANTITY_STIFFNESS, 1.0, UNIT_HOME},
+    {{"N/cm", "N/m", "newton per centimetre", "", NULL}, QUANTITY_STIFFNESS, 100.0, UNIT_READ},
+    {{"1/s", "1/s", "per second", "", NULL}, QUANTITY_RATE, 1.0, UNIT_HOME},
+    {{"kg/s", "kg/s", "kilogram per second", "", NULL}, QUANTITY_MASS_RATE, 1.0, UNIT_HOME},
+    {{"g/s", "kg/s", "gram per second", "", NULL}, QUANTITY_MASS_RATE, 1e-3, UNIT_SHOWN},
+    {{"m/s", "m/s", "metre per second", "", NULL}, QUANTITY_VELOCITY, 1.0, UNIT_SHOWN},
+    {{"cm/s", "m/s", "centimetre per second", "", NULL}, QUANTITY_VELOCITY, 1e-2, UNIT_HOME},
+    {{"mm/s", "m/s", "millimetre per second", "", NULL}, QUANTITY_VELOCITY, 1e-3, UNIT_SHOWN},
+    {{"m/s^2", "m/s^2", "metre per second squared", "", NULL}, QUANTITY_ACCELERATION, 1.0, UNIT_HOME},
+    {{"m^2", "m^2", "square metre", "", NULL}, QUANTITY_AREA, 1.0, UNIT_SHOWN},
+    {{"cm^2", "m^2", "square centimetre", "", NULL}, QUANTITY_AREA, 1e-4, UNIT_HOME},
+    {{"kg/m^3", "kg/m^3", "kilogram per cubic metre", "", NULL}, QUANTITY_DENSITY, 1.0, UNIT_HOME},
+    {{"Pa*s", "Pa*s", "pascal second", "", NULL}, QUANTITY_VISCOSITY, 1.0, UNIT_HOME},
+    {{"rad", "rad", "radian", "", NULL}, QUANTITY_ANGLE, 1.0, UNIT_HOME},
+    {{"deg", "rad", "degree", "", NULL}, QUANTITY_ANGLE, PI / 180.0, UNIT_READ},
+    {{"mrad", "rad", "milliradian", "", NULL}, QUANTITY_ANGLE, 1e-3, UNIT_READ},
+    {{"rad/s", "rad/s", "radian per second", "", NULL}, QUANTITY_ANGULAR_FREQUENCY, 1.0, UNIT_HOME},
+    {{"Hz", "Hz", "hertz", "", NULL}, QUANTITY_FREQUENCY, 1.0, UNIT_HOME},
+    {{"mHz", "Hz", "millihertz", "", NULL}, QUANTITY_FREQUENCY, 1e-3, UNIT_SHOWN},
+    {{"J", "J", "joule", "", NULL}, QUANTITY_ENERGY, 1.0, UNIT_HOME},
+    {{"mJ", "J", "millijoule", "", NULL}, QUANTITY_ENERGY, 1e-3, UNIT_SHOWN},
+    {{"uJ", "J", "microjoule", "", NULL}, QUANTITY_ENERGY, 1e-6, UNIT_SHOWN},
+    {{"W", "W", "watt", "", NULL}, QUANTITY_POWER, 1.0, UNIT_HOME},
+    {{"mW", "W", "milliwatt", "", NULL}, QUANTITY_POWER, 1e-3, UNIT_SHOWN},
+    {{"uW", "W", "microwatt", "", NULL}, QUANTITY_POWER, 1e-6, UNIT_SHOWN},
+};
+
+const struct catalog unit_catalog = CATALOG("unit", units);
+
+static const struct {
+    const char *name, *unit;
+} quantities[QUANTITY_COUNT] = {
+    [QUANTITY_NUMBER] = {"number", ""},
+    [QUANTITY_LENGTH] = {"length", "m"},
+    [QUANTITY_MASS] = {"mass", "kg"},
+    [QUANTITY_TIME] = {"time", "s"},
+    [QUANTITY_FORCE] = {"force", "N"},
+    [QUANTITY_STIFFNESS] = {"stiffness", "N/m"},
+    [QUANTITY_RATE] = {"rate", "1/s"},
+    [QUANTITY_MASS_RATE] = {"mass rate", "kg/s"},
+    [QUANTITY_VELOCITY] = {"velocity", "m/s"},
+    [QUANTITY_ACCELERATION] = {"acceleration", "m/s^2"},
+    [QUANTITY_AREA] = {"area", "m^2"},
+    [QUANTITY_DENSITY] = {"density", "kg/m^3"},
+    [QUANTITY_VISCOSITY] = {"viscosity", "Pa*s"},
+    [QUANTITY_ANGLE] = {"angle", "rad"},
+    [QUANTITY_ANGULAR_FREQUENCY] = {"angular frequency", "rad/s"},
+    [QUANTITY_FREQUENCY] = {"frequency", "Hz"},
+    [QUANTITY_ENERGY] = {"energy", "J"},
+    [QUANTITY_POWER] = {"power", "W"},
+    [QUANTITY_OTHER] = {"other quantity", ""},
+};
+
+const char *quantity_name(enum quantity quantity)
+{
+    return quantities[quantity].name;
+}
+
+const char *quantity_unit(enum quantity quantity)
+{
+    return quantities[quantity].unit;
+}
+
+/* 57 cm is 57 / 100 = 0.57 m: by division decimal fractions are rounded once, 57 * 0.01 would be another double. */
+static double to_si(double number, double factor)
+{
+    return factor < 1 && nearbyint(1 / factor) * factor == 1 ? number / nearbyint(1 / factor) : number * factor;
+}
+
+bool unit_convert(const struct unit *unit, enum quantity wanted, double number, double *si)
+{
+    const double value = to_si(number, unit->factor);
+    if (unit->quantity == wanted)
+        *si = value;
+    else if (unit->quantity == QUANTITY_FREQUENCY && wanted == QUANTITY_ANGULAR_FREQUENCY)
+        *si = value * (2 * PI);
+    else if (unit->quantity == QUANTITY_ANGULAR_FREQUENCY && wanted == QUANTITY_FREQUENCY)
+        *si = value / (2 * PI);
+    else
+        return false;
+    return true;
+}
+
+void quantity_units(enum quantity quantity, struct buffer *names)
+{
+    double si;
+    bool some = false;
+    for (int exact = 1; exact >= 0; exact--)
+        for (size_t i = 0; i < COUNT_OF(units); i++)
+            if ((units[i].quantity == quantity) == exact && unit_convert(&units[i], quantity, 1.0, &si)) {
+                buffer_put(names, some ? TEXT(", ") : TEXT(""));
+                buffer_put(names, text_of(units[i].row.name));
+                some = true;
+            }
+}
+
+/* Bytes that go on with a word, UTF-8 letters included. */
+static bool continues_word(char c)
+{
+    return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '_' ||
+           (unsigned char)c >= 0x80;
+}
+
+const struct unit *unit_match(struct text text)
+{
+    const struct unit *best = NULL;
+    size_t longest = 0;
+    for (size_t i = 0; i < COUNT_OF(units); i++) {
+        struct text name = text_of(units[i].row.name);
+        if (name.len > longest && text_starts(text, name) &&
+            (name.len == text.len || !continues_word(text.at[name.len]))) {
+            best = &units[i];
+            longest = name.len;
+        }
+    }
+    return best;
+}
+
+const struct unit *unit_find(struct text name)
+{
+    return (const struct unit *)(const void *)catalog_find(&unit_catalog, name);
+}
+
+const struct unit *unit_display(enum quantity quantity, double value)
+{
+    const struct unit *best = NULL;
+    for (size_t i = 0; i < COUNT_OF(units); i++) {
+        if (units[i].quantity != quantity || units[i].use == UNIT_READ)
+            continue;
+        const double shown = fabs(value) / units[i].factor;
+        if (value == 0 || !isfinite(value)) {
+            if (units[i].use == UNIT_HOME)
+                return &units[i];
+        } else if (shown >= 1) {
+            return &units[i];
+        }
+        best = &units[i];
+    }
+    return best;
+}
+
+/* The shortest decimal of `value` in this unit, by moving the point; false if it does not read back exactly. */
+static bool shown_exactly(double value, const struct unit *unit, char out[REAL_TEXT_SIZE])
+{
+    struct decimal d = decimal_shortest(value);
+    if (d.digits != 0)
+        d.exponent -= (int)lround(log10(unit->factor));
+    decimal_write(d, -4, 17, out);
+    double number, si;
+    return real_parse(text_of(out), &number) == REAL_OK && unit_convert(unit, unit->quantity, number, &si) &&
+           si == value;
+}
+
+void buffer_quantity(struct buffer *buffer, double value, enum quantity quantity, int digits)
+{
+    const struct unit *unit = unit_display(quantity, value);
+    char z[REAL_TEXT_SIZE];
+    if (digits > 0 && unit) {
+        buffer_short(buffer, value / unit->factor, digits);
+    } else if (unit && isfinite(value) && shown_exactly(value, unit, z)) {
+        buffer_put(buffer, text_of(z));
+    } else {
+        buffer_short(buffer, value, digits);
+        unit = NULL;
+    }
+    const char *name = unit ? unit->row.name : quantity_unit(quantity);
+    if (*name) {
+        buffer_char(buffer, ' ');
+        buffer_put(buffer, text_of(name));
+    }
+}

@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "hooke/base.h"
+
+uint32_t text_codepoint(struct text text, size_t *used)
+{
+    static const uint32_t smallest[] = {0, 0, 0x80, 0x800, 0x10000};
+    *used = text.len > 0;
+    if (text.len == 0)
+        return 0;
+    const unsigned char first = (unsigned char)text.at[0];
+    if (first < 0x80)
+        return first;
+    const size_t len = first >= 0xF8 ? 0 : first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : first >= 0xC0 ? 2 : 0;
+    if (len == 0 || len > text.len)
+        return CODEPOINT_INVALID;
+    uint32_t codepoint = first & (0x7Fu >> len);
+    for (size_t i = 1; i < len; i++) {
+        const unsigned char next = (unsigned char)text.at[i];
+        if ((next & 0xC0) != 0x80)
+            return CODEPOINT_INVALID;
+        codepoint = codepoint << 6 | (next & 0x3F);
+    }
+    if (codepoint < smallest[len] || codepoint > 0x10FFFF || (codepoint >= 0xD800 && codepoint <= 0xDFFF))
+        return CODEPOINT_INVALID;
+    *used = len;
+    return codepoint;
+}
+
+int text_width(struct text text)
+{
+    int width = 0;
+    for (size_t used; text.len > 0; text.at += used, text.len -= used)
+        width += codepoint_width(text_codepoint(text, &used));
+    return width;
+}

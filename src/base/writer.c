@@ -1,0 +1,303 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Files whole or not at all. The bytes go into an unnamed file (O_TMPFILE) of the folder, which the kernel forgets when
+ * the program dies. It gets its name by link(2), which fails where the name exists; with force a second step,
+ * rename(2), replaces the old file. Every name is looked up in the folder opened at the start, wherever that is moved.
+ */
+#include "hooke/base.h"
+#include "internal.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/random.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define CHUNK ((size_t)65536)
+#define ATTEMPTS 100 /* at a temporary name that nobody has taken */
+
+static bool refuse(const struct writer *writer, struct error *error, const char *why)
+{
+    char name[SAFE_NAME_SIZE];
+    return error_set(error, ERROR_IO, "cannot write %s: %s", safe_name(text_of(writer->path), name), why);
+}
+
+static bool refuse_existing(const struct writer *writer, struct error *error)
+{
+    char name[SAFE_NAME_SIZE];
+    return error_set(error, ERROR_IO, "%s exists; add --force to replace it", safe_name(text_of(writer->path), name));
+}
+
+/* ---- opening --------------------------------------------------------------------------------------------------------
+ */
+
+/* Opens the folder of writer->path and points at the last component. */
+static bool open_folder(struct writer *writer, struct error *error)
+{
+    char *slash = strrchr(writer->path, '/');
+    writer->base = slash ? slash + 1 : writer->path;
+    if (writer->base[0] == '\0')
+        return refuse(writer, error, slash ? "it is a directory" : "the name is empty");
+    char *name =
+        slash ? strndup(writer->path, slash == writer->path ? 1 : (size_t)(slash - writer->path)) : strdup(".");
+    if (!name)
+        return error_memory(error);
+    writer->folder = open(name, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (writer->folder < 0 && errno == EACCES) /* one may be allowed to make files in a folder but not to list it */
+        writer->folder = open(name, O_PATH | O_DIRECTORY | O_CLOEXEC);
+    const int number = errno;
+    free(name);
+    return writer->folder >= 0 || refuse(writer, error, system_message(number));
+}
+
+static bool same_file(const struct stat *a, const struct stat *b)
+{
+    return a->st_dev == b->st_dev && a->st_ino == b->st_ino;
+}
+
+/* Climbs from the opened folder itself to the root, so that no link and no ".." in the path can deceive. */
+static bool folder_is_below_here(int folder)
+{
+    struct stat here, at, above;
+    int fd = openat(folder, ".", O_PATH | O_DIRECTORY | O_CLOEXEC);
+    bool below = false, climbing = fd >= 0 && stat(".", &here) == 0 && fstat(fd, &at) == 0;
+    while (climbing && !below) {
+        below = same_file(&at, &here);
+        const int parent = openat(fd, "..", O_PATH | O_DIRECTORY | O_CLOEXEC);
+        climbing = parent >= 0 && fstat(parent, &above) == 0 && !same_file(&above, &at);
+        at = above;
+        close(fd);
+        fd = parent;
+    }
+    if (fd >= 0)
+        close(fd);
+    return below;
+}
+
+/* Is the name free, or a regular file that force may replace? *mode: the permissions it has, 0 for a new file. */
+static bool target_allows(const struct writer *writer, mode_t *mode, struct error *error)
+{
+    static const struct {
+        mode_t kind;
+        const char *why;
+    } kinds[] = {
+        {S_IFDIR, "it is a directory"}, {S_IFLNK, "it is a symbolic link"}, {S_IFIFO, "it is a named pipe"},
+        {S_IFCHR, "it is a device"},    {S_IFBLK, "it is a device"},        {S_IFSOCK, "it is a socket"},
+    };
+    struct stat st;
+    *mode = 0;
+    if (fstatat(writer->folder, writer->base, &st, AT_SYMLINK_NOFOLLOW) != 0)
+        return errno == ENOENT || refuse(writer, error, system_message(errno));
+    for (size_t i = 0; i < COUNT_OF(kinds); i++)
+        if ((st.st_mode & S_IFMT) == kinds[i].kind)
+            return refuse(writer, error, kinds[i].why);
+    *mode = st.st_mode & 0777;
+    return writer->force || refuse_existing(writer, error);
+}
+
+/* A hidden name beside the target that says what it is, should a killed program leave it behind. */
+static bool invent_name(struct writer *writer)
+{
+    uint32_t random;
+    if (getrandom(&random, sizeof random, 0) != (ssize_t)sizeof random)
+        return false;
+    snprintf(writer->temporary, sizeof writer->temporary, ".%.40s.hooke-%08x", writer->base, random);
+    return true;
+}
+
+static void proc_name(const struct writer *writer, char out[32])
+{
+    snprintf(out, 32, "/proc/self/fd/%d", writer->fd);
+}
+
+/* Unnamed where the file system and /proc allow it, else under a temporary name. */
+static bool open_temporary(struct writer *writer)
+{
+    char proc[32];
+    writer->fd = openat(writer->folder, ".", O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
+    if (writer->fd >= 0) {
+        proc_name(writer, proc);
+        if (access(proc, F_OK) == 0)
+            return true;
+        close(writer->fd);
+    } else if (errno != EOPNOTSUPP && errno != EISDIR && errno != EINVAL) {
+        return false;
+    }
+    for (int i = 0; i < ATTEMPTS && invent_name(writer); i++) {
+        writer->fd =
+            openat(writer->folder, writer->temporary, O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC | O_NOFOLLOW, 0666);
+        if (writer->fd >= 0)
+            return true;
+        if (errno != EEXIST)
+            break;
+    }
+    writer->temporary[0] = '\0';
+    return false;
+}
+
+static bool open_all(struct writer *writer, bool confine, struct error *error)
+{
+    mode_t mode;
+    if (!writer->path || !writer->chunk)
+        return error_memory(error);
+    if (!open_folder(writer, error))
+        return false;
+    if (confine && !folder_is_below_here(writer->folder))
+        return refuse(writer, error, "it is outside the current directory, where --safe keeps all files");
+    return target_allows(writer, &mode, error) &&
+           (open_temporary(writer) || refuse(writer, error, system_message(errno)));
+}
+
+bool writer_open(struct writer *writer, const char *path, struct write_policy policy, struct error *error)
+{
+    *writer = (struct writer){.fd = -1, .folder = -1, .force = policy.force};
+    writer->path = strdup(path);
+    writer->chunk = malloc(CHUNK);
+    if (open_all(writer, policy.confine, error))
+        return true;
+    writer_abandon(writer);
+    return false;
+}
+
+/* ---- writing --------------------------------------------------------------------------------------------------------
+ */
+
+static void write_all(struct writer *writer, struct text text)
+{
+    while (text.len > 0 && !writer->failed) {
+        const ssize_t done = write(writer->fd, text.at, text.len);
+        if (done > 0) {
+            text.at += done;
+            text.len -= (size_t)done;
+        } else if (done == 0 || errno != EINTR) {
+            writer->failed = true;
+            writer->failure = done == 0 ? ENOSPC : errno;
+        }
+    }
+}
+
+static void flush(struct writer *writer)
+{
+    write_all(writer, (struct text){writer->chunk, writer->used});
+    writer->used = 0;
+}
+
+void writer_put(struct writer *writer, struct text text)
+{
+    if (text.len > CHUNK - writer->used)
+        flush(writer);
+    if (text.len > CHUNK) {
+        write_all(writer, text);
+    } else if (text.len > 0) {
+        memcpy(writer->chunk + writer->used, text.at, text.len);
+        writer->used += text.len;
+    }
+}
+
+/* ---- putting in place: each step returns 0 or an errno
+ * ---------------------------------------------------------------- */
+
+static int synced(int fd)
+{
+    int result;
+    do
+        result = fsync(fd);
+    while (result != 0 && errno == EINTR);
+    return result == 0 ? 0 : errno;
+}
+
+/* Some file systems tell only on close that the disk is full; a duplicate is closed because the file has no name yet.
+ */
+static int closes_well(int fd)
+{
+    const int again = dup(fd);
+    return again >= 0 && (close(again) == 0 || errno == EINTR) ? 0 : errno;
+}
+
+static int link_unnamed(const struct writer *writer, const char *name)
+{
+    char proc[32];
+    proc_name(writer, proc);
+    return linkat(AT_FDCWD, proc, writer->folder, name, AT_SYMLINK_FOLLOW) == 0 ? 0 : errno;
+}
+
+static int link_temporary(struct writer *writer)
+{
+    int number = EEXIST;
+    for (int i = 0; i < ATTEMPTS && number == EEXIST; i++)
+        number = invent_name(writer) ? link_unnamed(writer, writer->temporary) : errno;
+    if (number != 0)
+        writer->temporary[0] = '\0';
+    return number;
+}
+
+/* From the temporary name to its own. Without force the name must be free: not all file systems have RENAME_NOREPLACE.
+ */
+static int rename_temporary(struct writer *writer)
+{
+    const int folder = writer->folder;
+    if (renameat2(folder, writer->temporary, folder, writer->base, writer->force ? 0 : RENAME_NOREPLACE) == 0) {
+        writer->temporary[0] = '\0';
+        return 0;
+    }
+    if (errno != EINVAL || writer->force)
+        return errno;
+    return linkat(folder, writer->temporary, folder, writer->base, 0) == 0 ? 0
+                                                                           : errno; /* the other name goes at the end */
+}
+
+static int publish(struct writer *writer)
+{
+    if (writer->temporary[0] == '\0') {
+        int number = link_unnamed(writer, writer->base);
+        if (number != EEXIST || !writer->force)
+            return number;
+        number = link_temporary(writer);
+        if (number != 0)
+            return number;
+    }
+    return rename_temporary(writer);
+}
+
+bool writer_commit(struct writer *writer, struct error *error)
+{
+    mode_t mode;
+    flush(writer);
+    int number = writer->failed ? writer->failure : synced(writer->fd);
+    if (number == 0)
+        number = closes_well(writer->fd);
+    bool done = number == 0 && target_allows(writer, &mode, error);
+    if (done) {
+        number = mode != 0 && fchmod(writer->fd, mode) != 0 ? errno : publish(writer);
+        if (number == 0) {
+            number = synced(writer->folder);
+            if (number == EINVAL || number == EBADF) /* a folder that cannot be synced, or was opened by O_PATH */
+                number = 0;
+        }
+        done = number == 0;
+    }
+    if (number == EEXIST)
+        refuse_existing(writer, error);
+    else if (number != 0)
+        refuse(writer, error, system_message(number));
+    writer_abandon(writer);
+    return done;
+}
+
+void writer_abandon(struct writer *writer)
+{
+    if (!writer->path) /* not open, or all zeros: 0 would be the descriptor of somebody else */
+        writer->fd = writer->folder = -1;
+    if (writer->temporary[0] != '\0')
+        unlinkat(writer->folder, writer->temporary, 0);
+    if (writer->fd >= 0)
+        close(writer->fd);
+    if (writer->folder >= 0)
+        close(writer->folder);
+    free(writer->path);
+    free(writer->chunk);
+    *writer = (struct writer){.fd = -1, .folder = -1};
+}

@@ -1,0 +1,350 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Reads what stands after the name of a command, by the command's own description of its arguments. */
+#include "internal.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+int catalog_place(const struct catalog *catalog, const struct row *row)
+{
+    return (int)((size_t)((const char *)row - (const char *)catalog->rows) / catalog->stride);
+}
+
+const struct row *choose(const struct session *session, const struct catalog *catalog, struct text name)
+{
+    const size_t least = catalog == &method_catalog ? 3 : 1;
+    return session->typed ? catalog_prefix(catalog, name, least) : catalog_find(catalog, name);
+}
+
+const struct given *given_for(const struct arguments *arguments, const char *name)
+{
+    const struct command *command = arguments->command;
+    int place = 0;
+    while (place < command->arguments && strcmp(command->argument[place].name, name) != 0)
+        place++;
+    assert(place < command->arguments);
+    return &arguments->given[place];
+}
+
+/* Room for one more item; they live in the arena of the statement. */
+static struct item *next_item(struct parser *parser, struct given *given, struct error *error)
+{
+    if (given->count >= LIMIT_TOKENS) {
+        error_set(error, ERROR_COMMAND, "more than %d words in a statement", LIMIT_TOKENS);
+        return NULL;
+    }
+    if ((given->count & (given->count - 1)) == 0) { /* full at every power of two */
+        struct item *larger = arena_array(parser->arena, given->count ? 2 * (size_t)given->count : 1, sizeof *larger);
+        if (!larger) {
+            error_memory(error);
+            return NULL;
+        }
+        if (given->count)
+            memcpy(larger, given->item, (size_t)given->count * sizeof *larger);
+        given->item = larger;
+    }
+    struct item *item = &given->item[given->count];
+    *item = (struct item){.quantity = QUANTITY_OTHER, .index = -1};
+    return item;
+}
+
+static bool in_range(const struct argument *argument, const struct item *item, struct error *error)
+{
+    if ((argument->flags & ARG_NEGATIVE) || argument->type != TYPE_VALUE || item->value.value > 0)
+        return true;
+    return error_at(error, item->text, "%s must be more than 0, got '%.*s'", argument->name, (int)item->text.len, item->text.at);
+}
+
+static bool read_choice(struct parser *parser, const struct argument *argument, const char *stops, struct item *item,
+                        struct error *error)
+{
+    if (!parse_word(parser, stops, item, error))
+        return false;
+    item->row = choose(parser->session, argument->choices, item->text);
+    if (item->row) {
+        item->index = catalog_place(argument->choices, item->row);
+        return true;
+    }
+    catalog_unknown(argument->choices, item->text, error);
+    if (!error->hint[0] && argument->choices->count <= 8) {
+        struct buffer all = {0};
+        for (size_t i = 0; i < argument->choices->count; i++)
+            buffer_format(&all, "%s%s", i ? ", " : "", catalog_row(argument->choices, i)->name);
+        error_hint(error, "it is one of: %s", buffer_view(&all));
+        buffer_free(&all);
+    }
+    return false;
+}
+
+static bool read_run(struct parser *parser, const struct argument *argument, struct item *item, struct error *error)
+{
+    if (!parse_word(parser, ",", item, error))
+        return false;
+    if ((argument->flags & ARG_ALL) && text_is(item->text, "all"))
+        return true;
+    item->index = session_find_run(parser->session, item->text);
+    if (item->index >= 0)
+        return true;
+    if (parser->session->runs == 0) {
+        error_at(error, item->text, "there is no run yet");
+        return error_hint(error, "type: run");
+    }
+    error_at(error, item->text, "there is no run '%.*s'", (int)(item->text.len < 64 ? item->text.len : 64), item->text.at);
+    return error_hint(error, "'runs' lists them");
+}
+
+static bool read_recording(struct parser *parser, struct item *item, struct error *error)
+{
+    const struct session *session = parser->session;
+    if (!parse_word(parser, ",", item, error))
+        return false;
+    item->index = session_find_recording(session, item->text);
+    if (item->index >= 0)
+        return true;
+    error_at(error, item->text, "there is no recording '%.*s'", (int)(item->text.len < 64 ? item->text.len : 64), item->text.at);
+    struct suggestion near = {.wanted = item->text};
+    for (int i = 0; i < session->recordings; i++)
+        suggestion_offer(&near, session->recording[i]->recording->name);
+    suggestion_hint(&near, error);
+    return session->recordings ? error_hint(error, "('data list' lists them)") : error_hint(error, "type: load FILE");
+}
+
+static bool read_condition(struct parser *parser, struct item *item, struct error *error)
+{
+    struct condition *condition = arena_alloc(parser->arena, sizeof *condition);
+    if (!condition)
+        return error_memory(error);
+    size_t used;
+    skip_blanks(&parser->rest);
+    if (!condition_compile(parser->rest, parser->scope, parser->arena, condition, &used, error))
+        return false;
+    item->text = (struct text){parser->rest.at, used};
+    item->condition = condition;
+    parser->rest = (struct text){parser->rest.at + used, parser->rest.len - used};
+    return true;
+}
+
+static bool read_item(struct parser *parser, const struct argument *argument, const char *stops, struct item *item,
+                      struct error *error)
+{
+    const char *name = argument->name;
+    const bool negative = (argument->flags & ARG_NEGATIVE) != 0;
+    switch (argument->type) {
+    case TYPE_NONE:
+        return true;
+    case TYPE_VALUE:
+        return parse_value(parser, name, argument->quantity, item, error) && in_range(argument, item, error);
+    case TYPE_INTEGER:
+        return parse_integer(parser, name, negative, item, error);
+    case TYPE_RANGE:
+        return parse_range(parser, name, argument->quantity, item, error);
+    case TYPE_CONDITION:
+        return read_condition(parser, item, error);
+    case TYPE_EXPR:
+        return strchr("'\"", parser->rest.at[0]) ? parse_word(parser, stops, item, error)
+                                                 : parse_value(parser, name, QUANTITY_OTHER, item, error);
+    case TYPE_CHOICE:
+        return read_choice(parser, argument, stops, item, error);
+    case TYPE_RUN:
+        return read_run(parser, argument, item, error);
+    case TYPE_RECORDING:
+        return read_recording(parser, item, error);
+    case TYPE_UNIT:
+        if (!parse_word(parser, stops, item, error))
+            return false;
+        item->unit = unit_find(item->text);
+        return item->unit || catalog_unknown(&unit_catalog, item->text, error);
+    case TYPE_NAME:
+        item->text = peek_name(parser->rest);
+        if (item->text.len == 0)
+            return error_at(error, peek_word(parser->rest, ""), "%s needs a name", argument->name);
+        parser->rest = (struct text){parser->rest.at + item->text.len, parser->rest.len - item->text.len};
+        return true;
+    case TYPE_TEXT:
+    case TYPE_FILE:
+        return parse_word(parser, stops, item, error);
+    case TYPE_REST:
+        item->text = parser->rest;
+        parser->rest = (struct text){parser->rest.at + parser->rest.len, 0};
+        return true;
+    }
+    return false;
+}
+
+/* Where one argument's items go, and what is still expected. */
+struct progress {
+    struct parser *parser;
+    const struct command *command;
+    struct arguments *arguments;
+    int open;         /* argument that may take more items without a new introduction, -1: none */
+    bool after_value; /* a number was read last */
+};
+
+static bool read_into(struct progress *progress, int place, const char *start, struct error *error)
+{
+    struct parser *parser = progress->parser;
+    const struct argument *argument = &progress->command->argument[place];
+    struct given *given = &progress->arguments->given[place];
+    for (int i = 0; given->count == 0 && argument->group && i < progress->command->arguments; i++)
+        if (i != place && progress->command->argument[i].group == argument->group && has(progress->arguments, i)) {
+            error_at(error, (struct text){start, (size_t)(parser->rest.at - start) ? (size_t)(parser->rest.at - start) : 1},
+                     "'%s' and '%s' exclude each other", progress->command->argument[i].name, argument->name);
+            return false;
+        }
+    const bool many = (argument->flags & ARG_MANY) != 0;
+    const bool needs = argument->type != TYPE_NONE;
+    for (bool more = true; more;) {
+        skip_blanks(&parser->rest);
+        if (needs && parser->rest.len == 0) {
+            error_at(error, (struct text){parser->rest.at, 0}, "%s needs a value after '%s'", progress->command->row.name,
+                     argument->name);
+            struct buffer usage = {0};
+            command_usage(progress->command, &usage);
+            error_hint(error, "usage: %s", buffer_view(&usage));
+            buffer_free(&usage);
+            return false;
+        }
+        struct item *item = next_item(parser, given, error);
+        if (!item || !read_item(parser, argument, many ? "," : "", item, error))
+            return false;
+        given->count++;
+        more = many && parser->rest.len > 0 && parser->rest.at[0] == ',';
+        if (more)
+            parser->rest = (struct text){parser->rest.at + 1, parser->rest.len - 1};
+    }
+    given->where = (struct text){start, (size_t)(parser->rest.at - start)};
+    progress->after_value = argument->type == TYPE_VALUE || argument->type == TYPE_RANGE || argument->type == TYPE_EXPR ||
+                           argument->type == TYPE_INTEGER || argument->type == TYPE_CONDITION;
+    progress->open = many && argument->form == FORM_WORD ? place : -1;
+    return true;
+}
+
+static int find_argument(const struct command *command, enum argument_form form, struct text name)
+{
+    for (int i = 0; i < command->arguments; i++)
+        if (command->argument[i].form == form && text_is(name, command->argument[i].name))
+            return i;
+    return -1;
+}
+
+static bool is_lead(const struct command *command, struct text word)
+{
+    for (int i = 0; i < command->arguments; i++)
+        if (command->argument[i].lead && text_is(word, command->argument[i].lead))
+            return true;
+    return false;
+}
+
+static bool unknown_argument(const struct command *command, enum argument_form form, struct text name, struct error *error)
+{
+    error_at(error, name, "%s has no %s '%.*s'", command->row.name, form == FORM_OPTION ? "option" : "argument",
+             (int)(name.len < 64 ? name.len : 64), name.at);
+    struct suggestion near = {.wanted = name};
+    for (int i = 0; i < command->arguments; i++)
+        if (command->argument[i].form == form)
+            suggestion_offer(&near, command->argument[i].name);
+    suggestion_hint(&near, error);
+    struct buffer usage = {0};
+    command_usage(command, &usage);
+    error_hint(error, "usage: %s", buffer_view(&usage));
+    buffer_free(&usage);
+    return false;
+}
+
+/* The length of NAME and blanks and "=" at the start of text, 0 if it is not of this form. */
+static size_t key_length(struct text text, struct text name)
+{
+    struct text rest = {text.at + name.len, text.len - name.len};
+    skip_blanks(&rest);
+    if (name.len == 0 || rest.len == 0 || rest.at[0] != '=' || (rest.len > 1 && rest.at[1] == '='))
+        return 0;
+    return (size_t)(rest.at + 1 - text.at);
+}
+
+/* The place where an item without introduction goes, -1: none. */
+static int next_place(const struct progress *progress, struct text word)
+{
+    const struct command *command = progress->command;
+    if (progress->open >= 0 && command->argument[progress->open].type == TYPE_RUN && word.len > 0 &&
+        ((word.at[0] >= '0' && word.at[0] <= '9') || session_find_run(progress->parser->session, word) >= 0))
+        return progress->open;
+    if (progress->open >= 0 && command->argument[progress->open].type == TYPE_CHOICE)
+        return progress->open;
+    for (int i = 0; i < command->arguments; i++)
+        if (command->argument[i].form == FORM_PLACE &&
+            (!has(progress->arguments, i) || (command->argument[i].flags & ARG_MANY)))
+            return i;
+    return -1;
+}
+
+static bool read_next(struct progress *progress, struct error *error)
+{
+    struct parser *parser = progress->parser;
+    struct text *rest = &parser->rest;
+    const char *start = rest->at;
+    const struct text name = rest->at[0] == '>' ? (struct text){rest->at, 1} : peek_name(*rest);
+    size_t used = 0;
+    int place = next_place(progress, (struct text){rest->at, 0});
+    if (place >= 0 && progress->command->argument[place].type == TYPE_REST)
+        return read_into(progress, place, start, error);
+    if (text_starts(*rest, TEXT("--")) && rest->len > 2 && is_name_start(rest->at[2])) {
+        const struct text option = peek_name((struct text){rest->at + 2, rest->len - 2});
+        place = find_argument(progress->command, FORM_OPTION, option);
+        if (place < 0)
+            return unknown_argument(progress->command, FORM_OPTION, option, error);
+        used = key_length(*rest, (struct text){rest->at, option.len + 2});
+        used = used ? used : option.len + 2;
+    } else if ((used = key_length(*rest, name)) > 0) {
+        place = find_argument(progress->command, FORM_KEY, name);
+        /* `let NAME = value`: the = belongs to what follows. */
+        if (place < 0 && next_place(progress, name) >= 0 &&
+            progress->command->argument[next_place(progress, name)].type == TYPE_NAME) {
+            place = next_place(progress, name);
+            used = 0;
+        }
+        if (place < 0)
+            return unknown_argument(progress->command, FORM_KEY, name, error);
+    } else if ((place = find_argument(progress->command, FORM_WORD, name)) >= 0 && peek_word(*rest, "").len == name.len) {
+        used = name.len;
+    } else if (is_lead(progress->command, name)) {
+        *rest = (struct text){rest->at + name.len, rest->len - name.len};
+        return true;
+    } else {
+        place = next_place(progress, peek_word(*rest, ","));
+        used = 0;
+        if (place < 0)
+            return refuse_rest(parser, progress->after_value, error);
+    }
+    if (has(progress->arguments, place) && !(progress->command->argument[place].flags & ARG_MANY))
+        return error_at(error, (struct text){start, used ? used : 1}, "'%s' is given twice", progress->command->argument[place].name);
+    *rest = (struct text){rest->at + used, rest->len - used};
+    return read_into(progress, place, start, error);
+}
+
+bool parse_arguments(struct parser *parser, const struct command *command, struct arguments *arguments, struct error *error)
+{
+    struct progress progress = {parser, command, arguments, -1, false};
+    for (;;) {
+        struct text before = parser->rest;
+        skip_blanks(&parser->rest);
+        if (parser->rest.len == 0)
+            break;
+        /* Something glued to a number, as in 0,5 or 5cmm. */
+        if (progress.after_value && before.at == parser->rest.at && before.len > 0)
+            return refuse_rest(parser, true, error);
+        if (!read_next(&progress, error))
+            return false;
+    }
+    for (int i = 0; i < command->arguments; i++)
+        if ((command->argument[i].flags & ARG_REQUIRED) && !has(arguments, i)) {
+            struct buffer usage = {0};
+            command_usage(command, &usage);
+            error_at(error, (struct text){parser->rest.at, 0}, "%s needs %s", command->row.name, command->argument[i].name);
+            error_hint(error, "usage: %s", buffer_view(&usage));
+            buffer_free(&usage);
+            return false;
+        }
+    return true;
+}

@@ -1,0 +1,231 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* load, data */
+#ifndef COMMAND_ROWS
+#include "choices.h"
+
+#include <math.h>
+#include <string.h>
+
+/* The description as lines, its warnings as warnings. */
+static void reply_description(const struct recording *recording, struct reply *reply)
+{
+    struct buffer text = {0};
+    recording_describe(recording, &text);
+    struct text rest = buffer_text(&text), line;
+    while (text_split(&rest, '\n', &line))
+        if (line.len > 0 && !text_starts(line, TEXT("warning: ")))
+            reply_text(reply, line);
+    buffer_free(&text);
+    for (int i = 0; i < recording->warnings; i++) {
+        struct buffer safe = {0};
+        safe_text(&safe, text_of(recording->warning[i]), false);
+        reply_warning(reply, "%s", buffer_view(&safe));
+        buffer_free(&safe);
+    }
+}
+
+static void reply_part(const struct recording *recording, struct reply *reply)
+{
+    const enum quantity quantity = recording->column[recording->value].quantity;
+    struct buffer zero = {0};
+    buffer_measured(&zero, (struct measured){recording->zero, 0}, quantity, 6);
+    reply_line(reply, "%s: window %.6g..%.6g s, zero %s", recording->name, recording->window[0], recording->window[1], buffer_view(&zero));
+    buffer_free(&zero);
+}
+
+static const char *word_of(const struct catalog *catalog, const char *letters, char letter)
+{
+    const char *at = strchr(letters, letter);
+    return at && letter ? catalog_row(catalog, (size_t)(at - letters))->name : NULL;
+}
+
+static void reply_recording(const struct recording *recording, struct reply *reply)
+{
+    reply_begin(reply, "recording");
+    reply_string(reply, "name", recording->name);
+    reply_string(reply, "file", recording->path);
+    reply_string(reply, "format", recording->format);
+    reply_int(reply, "rows", (int64_t)recording->rows);
+    reply_int(reply, "dropped", (int64_t)recording->dropped);
+    reply_real(reply, "t_start", recording->t[0]);
+    reply_real(reply, "t_end", recording->t[recording->rows - 1]);
+    reply_real(reply, "dt", recording->dt);
+    reply_array(reply, "columns");
+    for (int i = 0; i < recording->columns; i++) {
+        reply_object(reply, NULL);
+        reply_string(reply, "name", recording->column[i].name);
+        reply_string(reply, "unit", recording->column[i].unit);
+        reply_close(reply);
+    }
+    reply_close(reply);
+    reply_string(reply, "time", recording->time >= 0 ? recording->column[recording->time].name : NULL);
+    reply_string(reply, "value", recording->column[recording->value].name);
+    reply_int(reply, "header_lines", recording->header_lines);
+    reply_string(reply, "separator", word_of(&separator_catalog, separator_letters, recording->separator));
+    reply_string(reply, "decimal", word_of(&decimal_catalog, decimal_letters, recording->decimal));
+    reply_array(reply, "window");
+    reply_real(reply, NULL, recording->window[0]);
+    reply_real(reply, NULL, recording->window[1]);
+    reply_close(reply);
+    reply_real(reply, "zero", recording->zero);
+    reply_array(reply, "warnings");
+    for (int i = 0; i < recording->warnings; i++)
+        reply_string(reply, NULL, recording->warning[i]);
+    reply_close(reply);
+    reply_end(reply);
+}
+
+/* The options as they have to stand to load the file again in the same way. */
+static void put_options(const struct arguments *given, struct buffer *out)
+{
+    static const char *const keys[] = {"t", "y", "unit", "tunit", "rate", "decimal", "sep", "as"};
+    for (size_t i = 0; i < COUNT_OF(keys); i++) {
+        const struct given *key = given_for(given, keys[i]);
+        if (key->count == 0)
+            continue;
+        buffer_format(out, " %s=", keys[i]);
+        if (strcmp(keys[i], "rate") == 0)
+            buffer_real(out, key->item->value.value);
+        else
+            buffer_word(out, key->item->text);
+    }
+}
+
+static struct text text_given(const struct arguments *given, const char *name)
+{
+    const struct given *one = given_for(given, name);
+    return one->count ? one->item->text : (struct text){NULL, 0};
+}
+
+static const struct unit *unit_given(const struct arguments *given, const char *name)
+{
+    return is_given(given, name) ? given_for(given, name)->item->unit : NULL;
+}
+
+static char letter_given(const struct arguments *given, const char *name, const char *letters)
+{
+    return is_given(given, name) ? letters[given_for(given, name)->item->index] : 0;
+}
+
+HANDLER(load)
+{
+    const struct given *file = given_for(given, "FILE");
+    const struct load_options options = {.time = text_given(given, "t"),
+                                         .value = text_given(given, "y"),
+                                         .unit = unit_given(given, "unit"),
+                                         .time_unit = unit_given(given, "tunit"),
+                                         .rate = is_given(given, "rate") ? given_for(given, "rate")->item->value.value : 0,
+                                         .decimal = letter_given(given, "decimal", decimal_letters),
+                                         .separator = letter_given(given, "sep", separator_letters),
+                                         .name = text_given(given, "as")};
+    if (options.name.len > 0 && (options.name.len > LIMIT_NAME || peek_name(options.name).len != options.name.len))
+        return error_at(error, options.name, "a name is a letter, then letters, digits, _ and -, at most %d of them", LIMIT_NAME);
+    char *path = arena_text(given->arena, file->item->text);
+    struct recording *recording = path ? recording_load(path, &options, error) : NULL;
+    if (!recording) {
+        if (!path)
+            return error_memory(error);
+        if (!error->where.at)
+            error->where = file->item->text;
+        return false;
+    }
+    struct buffer kept = {0};
+    put_options(given, &kept);
+    const int same = session_find_recording(session, text_of(recording->name));
+    if (same >= 0)
+        session_drop_recording(session, same);
+    const bool ok = session_add_recording(session, recording, buffer_view(&kept), error);
+    buffer_free(&kept);
+    if (!ok)
+        return false;
+    reply_description(recording, reply);
+    reply_recording(recording, reply);
+    return true;
+}
+
+static void list_recordings(const struct session *session, struct reply *reply)
+{
+    if (session->recordings == 0)
+        reply_line(reply, "no recordings");
+    for (int i = 0; i < session->recordings; i++) {
+        const struct recording *recording = session->recording[i]->recording;
+        const struct column *value = &recording->column[recording->value];
+        reply_line(reply, "%c %-16s %s [%s], %zu rows, %.6g..%.6g s, window %.6g..%.6g s", i == session->current_recording ? '*' : ' ',
+                   recording->name, value->name, value->unit, recording->rows, recording->t[0], recording->t[recording->rows - 1],
+                   recording->window[0], recording->window[1]);
+        reply_recording(recording, reply);
+    }
+}
+
+static bool set_zero(struct session *session, struct recording *recording, const struct arguments *given, struct error *error)
+{
+    const struct item *item = given_for(given, "zero")->item;
+    const enum quantity quantity = recording->column[recording->value].quantity;
+    if (item->unit && quantity != QUANTITY_OTHER && item->quantity != quantity)
+        return error_at(error, item->text, "zero needs a %s, as the recording holds, got '%.*s' (%s)", quantity_name(quantity),
+                        (int)item->text.len, item->text.at, quantity_name(item->quantity));
+    recording->zero = item->value.value;
+    session_changed(session);
+    return true;
+}
+
+HANDLER(data)
+{
+    struct recording *recording = session_recording(session);
+    const struct given *use = given_for(given, "use"), *window = given_for(given, "window"), *drop = given_for(given, "drop");
+    if (drop->count) {
+        session_drop_recording(session, drop->item->index);
+        list_recordings(session, reply);
+        return true;
+    }
+    if (use->count) {
+        session->current_recording = use->item->index;
+        session->data_is_latest = true;
+        session_changed(session);
+        recording = session_recording(session);
+    } else if (!window->count && !is_given(given, "zero") && !is_given(given, "restore")) {
+        list_recordings(session, reply);
+        return true;
+    }
+    if (!recording) {
+        error_set(error, ERROR_COMMAND, "there is no recording yet");
+        return error_hint(error, "type: load FILE");
+    }
+    if (window->count) {
+        const double *range = window->item->range;
+        if (!recording_window(recording, isnan(range[0]) ? recording->t[0] : range[0],
+                              isnan(range[1]) ? recording->t[recording->rows - 1] : range[1], error)) {
+            error->where = window->item->text;
+            return false;
+        }
+        session_changed(session);
+    } else if (is_given(given, "zero")) {
+        if (!set_zero(session, recording, given, error))
+            return false;
+    } else if (is_given(given, "restore")) {
+        recording_restore(recording);
+        session_changed(session);
+    }
+    reply_part(recording, reply);
+    reply_recording(recording, reply);
+    return true;
+}
+#endif
+
+COMMAND(load, .row = {"load", "", "read a recording from a file", "", NULL}, .group = "DATA",
+        .text = "Finds the table, its separator, decimal mark, columns and units by itself and says what it found; every finding can be\n"
+                "overruled. A file without times needs rate=. A recording of the same name is replaced.",
+        .examples = "load position.txt\nload film.csv t=1 y=3 unit=cm as=film", .see = "data fit measure plot", .flags = COMMAND_CHANGES,
+        ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED), KEY("t", TYPE_TEXT), KEY("y", TYPE_TEXT),
+                  KEY("unit", TYPE_UNIT), KEY("tunit", TYPE_UNIT, .quantity = QUANTITY_TIME),
+                  KEY("rate", TYPE_VALUE, .quantity = QUANTITY_FREQUENCY),
+                  KEY("decimal", TYPE_CHOICE, .choices = &decimal_catalog),
+                  KEY("sep", TYPE_CHOICE, .choices = &separator_catalog), KEY("as", TYPE_TEXT)))
+
+COMMAND(data, .row = {"data", "", "list recordings, choose one, choose the part in use", "", NULL}, .group = "DATA",
+        .text = "window: the part that fit, measure and plot use; zero: subtracted from the values; restore: the whole file, zero 0.",
+        .examples = "data\ndata window 2:20", .see = "load fit", .flags = COMMAND_CHANGES,
+        ARGUMENTS(WORD("list", TYPE_NONE, .group = 1), WORD("use", TYPE_RECORDING, .group = 1),
+                  WORD("window", TYPE_RANGE, .quantity = QUANTITY_TIME, .group = 1),
+                  WORD("zero", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_OTHER, .group = 1),
+                  WORD("restore", TYPE_NONE, .group = 1), WORD("drop", TYPE_RECORDING, .group = 1)))

@@ -1,0 +1,358 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* help, apropos, list */
+#ifndef COMMAND_ROWS
+#include "choices.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const struct command *command_at(const struct row *row)
+{
+    return (const struct command *)(const void *)row;
+}
+
+/* ---- help for one thing ---------------------------------------------------------------------------------------------------- */
+
+static void put_indented(struct buffer *text, const char *lines)
+{
+    struct text rest = text_of(lines), line;
+    while (text_split(&rest, '\n', &line))
+        if (line.len > 0)
+            buffer_format(text, "  %.*s\n", (int)line.len, line.at);
+}
+
+static void help_command(const struct row *row, struct buffer *text)
+{
+    const struct command *command = command_at(row);
+    buffer_put(text, TEXT("usage: "));
+    command_usage(command, text);
+    buffer_format(text, "\n%s", row->brief);
+    if (row->alias)
+        buffer_format(text, " (also: %s)", row->alias);
+    buffer_format(text, "\n%s\nexamples:\n", command->text);
+    put_indented(text, command->examples);
+    buffer_format(text, "see also: %s", command->see);
+}
+
+static void help_param(const struct row *row, struct buffer *text)
+{
+    const struct param_row *param = (const struct param_row *)(const void *)row;
+    buffer_format(text, "%s [%s], a parameter: %s\ndefault ", row->name, *row->unit ? row->unit : "1", row->brief);
+    buffer_quantity(text, param->initial, param->quantity, 0);
+    if (isfinite(param->least))
+        buffer_format(text, ", %s %g", param->least_excluded ? "more than" : "at least", param->least);
+    struct buffer units = {0};
+    quantity_units(param->quantity, &units);
+    if (units.len > 0)
+        buffer_format(text, "; units: %s", buffer_view(&units));
+    struct buffer value = {0};
+    buffer_quantity(&value, param->initial, param->quantity, 0);
+    buffer_format(text, "\nexamples:\n  %s = %s\n  show %s\nsee also: set show", row->name, buffer_view(&value), row->name);
+    buffer_free(&value);
+    buffer_free(&units);
+}
+
+static void help_derived(const struct row *row, struct buffer *text)
+{
+    const struct derived_row *derived = (const struct derived_row *)(const void *)row;
+    buffer_format(text, "%s [%s], follows from the parameters: %s\n", row->name, *row->unit ? row->unit : "1", row->brief);
+    if (derived->inverse)
+        buffer_format(text, "setting it sets %s\n", derived->target);
+    buffer_format(text, "examples:\n  print %s\n  show %s\nsee also: show set", row->name, row->name);
+}
+
+static void help_setting(const struct row *row, struct buffer *text)
+{
+    const struct setting *setting = (const struct setting *)(const void *)row;
+    struct settings defaults;
+    session_default_settings(&defaults);
+    buffer_format(text, "%s, a setting: %s\ndefault ", row->name, row->brief);
+    setting_show(setting, &defaults, text);
+    for (size_t i = 0; setting->choices && i < setting->choices->count; i++)
+        buffer_format(text, "\n  %-8s %s", catalog_row(setting->choices, i)->name, catalog_row(setting->choices, i)->brief);
+    buffer_format(text, "\nexamples:\n  set %s ", row->name);
+    setting_exact(setting, &defaults, text);
+    buffer_format(text, "\n  show %s\nsee also: set unset show", row->name);
+}
+
+static void put_stable_limit(const struct method *method, struct buffer *text)
+{
+    enum drag drag = DRAG_DEFAULT;
+    struct system system;
+    struct scene scene;
+    struct error ignored;
+    scene_init(&scene, NULL);
+    if (!scene_bind(&scene, &system, &ignored) || !method_applies(method, &system, &drag, &ignored))
+        return;
+    const double limit = method_stable_limit(method, drag, 0);
+    buffer_put(text, TEXT("\nstability: on the undamped oscillator "));
+    if (isinf(limit))
+        buffer_put(text, TEXT("stable for every dt"));
+    else if (limit == 0)
+        buffer_put(text, TEXT("no dt is stable"));
+    else {
+        buffer_put(text, TEXT("stable for omega0 dt < "));
+        buffer_short(text, limit, 5);
+    }
+}
+
+static void help_method(const struct row *row, struct buffer *text)
+{
+    static const struct {
+        unsigned flag;
+        const char *word;
+    } words[] = {{METHOD_IMPLICIT, "implicit"},   {METHOD_SYMPLECTIC, "symplectic"},
+                 {METHOD_SYMMETRIC, "symmetric (reversible)"}, {METHOD_ENERGY, "keeps the energy of a linear oscillator"},
+                 {METHOD_A_STABLE, "A-stable"},   {METHOD_L_STABLE, "L-stable"},
+                 {METHOD_ADAPTIVE, "adaptive"},   {METHOD_EXACT, "exact"}};
+    const struct method *method = (const struct method *)(const void *)row;
+    buffer_format(text, "%s, a method: %s\n", row->name, row->brief);
+    put_indented(text, method->formula);
+    if (method->order > 0)
+        buffer_format(text, "order %d", method->order);
+    else
+        buffer_put(text, TEXT("exact"));
+    buffer_format(text, ", %d force evaluation%s a step", method->evals, method->evals == 1 ? "" : "s");
+    for (size_t i = 0; i < COUNT_OF(words); i++)
+        if (method->flags & words[i].flag)
+            buffer_format(text, ", %s", words[i].word);
+    put_stable_limit(method, text);
+    for (enum drag d = DRAG_EXACT; d < DRAG_COUNT; d++)
+        if (method->drags & (1u << d))
+            buffer_format(text, "%s%s%s", method->drags & ((1u << d) - 1) ? ", " : "\ndrag: ", catalog_row(&drag_catalog, (size_t)d - 1)->name,
+                          d == method->drag ? " (default)" : "");
+    if (*row->citation)
+        buffer_format(text, "\nsource: %s", row->citation);
+    buffer_format(text, "\nexamples:\n  method %s\n  compare euler %s\nsee also: method list compare", row->name, row->name);
+}
+
+static void help_unit(const struct row *row, struct buffer *text)
+{
+    const struct unit *unit = (const struct unit *)(const void *)row;
+    struct buffer units = {0};
+    quantity_units(unit->quantity, &units);
+    buffer_format(text, "%s, a unit of %s: %s = ", row->name, quantity_name(unit->quantity), row->brief);
+    buffer_real(text, unit->factor);
+    buffer_format(text, " %s\nunits of %s: %s\nexamples:\n  print 1 %s\n  list units\nsee also: set", row->unit, quantity_name(unit->quantity),
+                  buffer_view(&units), row->name);
+    buffer_free(&units);
+}
+
+static void help_observable(const struct row *row, struct buffer *text)
+{
+    buffer_format(text, "%s [%s], of a run: %s\nexamples:\n  run; print %s\n  run; export run.csv t,%s\nsee also: export print run", row->name,
+                  *row->unit ? row->unit : "1", row->brief, row->name, row->name);
+}
+
+static void help_preset(const struct row *row, struct buffer *text)
+{
+    const struct preset *preset = (const struct preset *)(const void *)row;
+    buffer_format(text, "%s, a scene: %s", row->name, row->brief);
+    for (size_t i = 0; i < COUNT_OF(preset->value) && preset->value[i].param; i++) {
+        const struct param_row *param =
+            (const struct param_row *)(const void *)catalog_row(&param_catalog, (size_t)param_index(preset->value[i].param));
+        buffer_format(text, "%s%s = ", i ? ", " : "\n  ", preset->value[i].param);
+        buffer_quantity(text, preset->value[i].value, param->quantity, 0);
+    }
+    if (*row->citation)
+        buffer_format(text, "\nsource: %s", row->citation);
+    buffer_format(text, "\nexamples:\n  scene %s\n  scene %s; plan\nsee also: scene list", row->name, row->name);
+}
+
+static void help_plain(const struct row *row, struct buffer *text)
+{
+    buffer_format(text, "%s: %s%s%s", row->name, row->brief, *row->citation ? "\nsource: " : "", row->citation);
+}
+
+static const struct topic {
+    const struct catalog *catalog;
+    void (*help)(const struct row *row, struct buffer *text);
+} topics[] = {
+    {&command_catalog, help_command},   {&param_catalog, help_param},           {&derived_catalog, help_derived}, {&setting_catalog, help_setting},
+    {&method_catalog, help_method},     {&observable_catalog, help_observable}, {&preset_catalog, help_preset},   {&unit_catalog, help_unit},
+    {&quantity_catalog, help_plain},    {&function_catalog, help_plain},        {&plot_catalog, help_plain},      {&fit_catalog, help_plain},
+    {&format_catalog, help_plain},      {&drag_catalog, help_plain},
+};
+
+static void help_all(struct reply *reply)
+{
+    struct buffer text = {0};
+    const char *group = "";
+    for (size_t i = 0; i < command_catalog.count; i++) {
+        const struct command *command = command_at(catalog_row(&command_catalog, i));
+        if (strcmp(command->group, group) != 0)
+            buffer_format(&text, "%s%s\n", i ? "\n" : "", command->group);
+        group = command->group;
+        buffer_format(&text, "  %-12s %s\n", command->row.name, command->row.brief);
+    }
+    buffer_put(&text, TEXT("\nNAME = value sets a parameter; 'help WORD' explains a command, parameter, method or unit; 'apropos WORD' searches"));
+    reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+}
+
+HANDLER(help)
+{
+    UNUSED(session);
+    const struct given *word = given_for(given, "WORD");
+    if (word->count == 0) {
+        help_all(reply);
+        return true;
+    }
+    struct suggestion near = {.wanted = word->item->text};
+    struct buffer text = {0};
+    for (size_t i = 0; i < COUNT_OF(topics); i++) {
+        const struct row *row = catalog_find(topics[i].catalog, near.wanted);
+        if (row) {
+            buffer_put(&text, text.len ? TEXT("\n\n") : TEXT(""));
+            topics[i].help(row, &text);
+        }
+        for (size_t j = 0; j < topics[i].catalog->count; j++)
+            suggestion_offer(&near, catalog_row(topics[i].catalog, j)->name);
+    }
+    const bool found = text.len > 0;
+    if (found)
+        reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+    if (found)
+        return true;
+    error_at(error, near.wanted, "there is no help on '%.*s'", (int)(near.wanted.len < 64 ? near.wanted.len : 64), near.wanted.at);
+    suggestion_hint(&near, error);
+    return error_hint(error, "('apropos WORD' searches, 'help' lists the commands)");
+}
+
+/* ---- apropos ----------------------------------------------------------------------------------------------------------------- */
+
+static char lower(char c)
+{
+    return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
+}
+
+static bool mentions(const char *where, struct text word)
+{
+    for (const char *at = where; at && *at; at++) {
+        size_t i = 0;
+        while (i < word.len && at[i] && lower(at[i]) == lower(word.at[i]))
+            i++;
+        if (i == word.len)
+            return true;
+    }
+    return false;
+}
+
+HANDLER(apropos)
+{
+    UNUSED(session);
+    const struct text word = given_for(given, "WORD")->item->text;
+    int found = 0;
+    for (size_t i = 0; i < COUNT_OF(topics); i++)
+        for (size_t j = 0; j < topics[i].catalog->count; j++) {
+            const struct row *row = catalog_row(topics[i].catalog, j);
+            const bool in_text = topics[i].catalog == &command_catalog && mentions(command_at(row)->text, word);
+            if (mentions(row->name, word) || mentions(row->brief, word) || mentions(row->citation, word) || in_text) {
+                reply_line(reply, "%-18s %-10s %s", row->name, topics[i].catalog->kind, row->brief);
+                found++;
+            }
+        }
+    return found > 0 || error_at(error, word, "nothing is known about '%.*s'", (int)(word.len < 64 ? word.len : 64), word.at);
+}
+
+/* ---- list --------------------------------------------------------------------------------------------------------------------- */
+
+static void list_row(const struct catalog *catalog, const struct row *row, struct reply *reply)
+{
+    reply_line(reply, "%-22s %-7s %s%s%s%s", row->name, row->unit, row->brief, *row->citation ? " (" : "", row->citation, *row->citation ? ")" : "");
+    reply_begin(reply, catalog->kind);
+    reply_string(reply, "name", row->name);
+    reply_string(reply, "unit", *row->unit ? row->unit : NULL);
+    reply_string(reply, "brief", row->brief);
+    reply_string(reply, "citation", *row->citation ? row->citation : NULL);
+    reply_string(reply, "alias", row->alias);
+    if (catalog == &command_catalog) {
+        struct buffer usage = {0};
+        command_usage(command_at(row), &usage);
+        reply_string(reply, "group", command_at(row)->group);
+        reply_string(reply, "usage", buffer_view(&usage));
+        reply_string(reply, "text", command_at(row)->text);
+        reply_string(reply, "examples", command_at(row)->examples);
+        reply_string(reply, "see", command_at(row)->see);
+        buffer_free(&usage);
+    }
+    if (catalog == &method_catalog) {
+        const struct method *method = (const struct method *)(const void *)row;
+        reply_int(reply, "order", method->order);
+        reply_int(reply, "evals", method->evals);
+        reply_bool(reply, "implicit", (method->flags & METHOD_IMPLICIT) != 0);
+        reply_bool(reply, "symplectic", (method->flags & METHOD_SYMPLECTIC) != 0);
+        reply_bool(reply, "adaptive", (method->flags & METHOD_ADAPTIVE) != 0);
+        reply_real(reply, "stable_limit", method_stable_limit(method, DRAG_DEFAULT, 0));
+        reply_string(reply, "formula", method->formula);
+    }
+    if (catalog == &limit_catalog)
+        reply_real(reply, "value", ((const struct limit *)(const void *)row)->value);
+    reply_end(reply);
+}
+
+static void list_measurements(const struct session *session, struct reply *reply)
+{
+    if (session->measurements == 0)
+        reply_line(reply, "no measurements");
+    for (int i = 0; i < session->measurements; i++) {
+        const struct measurement *m = &session->measurement[i];
+        struct buffer text = {0};
+        buffer_format(&text, "%3d  %-10s ", i + 1, m->quantity);
+        buffer_measured(&text, m->value, m->unit, session->setup.settings.digits);
+        if (isfinite(m->periods))
+            buffer_format(&text, " (%g periods)", m->periods);
+        buffer_format(&text, "  of %s", m->of);
+        reply_text(reply, buffer_text(&text));
+        buffer_free(&text);
+        reply_begin(reply, "measure");
+        reply_string(reply, "quantity", m->quantity);
+        reply_real(reply, "value", m->value.value);
+        reply_real(reply, "uncertainty", m->value.uncertainty);
+        reply_string(reply, "unit", quantity_unit(m->unit));
+        reply_real(reply, "periods", m->periods);
+        reply_string(reply, "of", m->of);
+        reply_end(reply);
+    }
+}
+
+HANDLER(list)
+{
+    static const struct catalog *const catalogs[] = {
+        [LIST_COMMANDS] = &command_catalog,   [LIST_SCENES] = &preset_catalog,     [LIST_METHODS] = &method_catalog,
+        [LIST_PARAMETERS] = &param_catalog,   [LIST_DERIVED] = &derived_catalog,   [LIST_OBSERVABLES] = &observable_catalog,
+        [LIST_SETTINGS] = &setting_catalog,   [LIST_UNITS] = &unit_catalog,        [LIST_FUNCTIONS] = &function_catalog,
+        [LIST_FORMATS] = &format_catalog,     [LIST_LIMITS] = &limit_catalog};
+    static const char *const others[] = {[LIST_RUNS] = "runs", [LIST_RECORDINGS] = "data"};
+    const enum listed kind = (enum listed)given_for(given, "KIND")->item->index;
+    if (kind == LIST_MEASUREMENTS) {
+        list_measurements(session, reply);
+    } else if (kind < LIST_MEASUREMENTS) {
+        for (size_t i = 0; i < catalogs[kind]->count; i++)
+            list_row(catalogs[kind], catalog_row(catalogs[kind], i), reply);
+    } else {
+        /* These lists are commands of their own. */
+        const struct command *command = command_at(catalog_find(&command_catalog, text_of(others[kind])));
+        struct arguments none = {.command = command, .arena = given->arena, .scope = given->scope, .where = given->where};
+        return command->handler(session, &none, reply, error);
+    }
+    return true;
+}
+#endif
+
+COMMAND(help, .row = {"help", "", "explain a word, or list the commands", "", "h ?"}, .group = "SESSION",
+        .text = "WORD is a command, parameter, setting, method, scene, observable, unit or function.",
+        .examples = "help run\nhelp symplectic-euler", .see = "apropos list", .flags = COMMAND_UNRECORDED,
+        ARGUMENTS(PLACE("WORD", TYPE_REST)))
+
+COMMAND(apropos, .row = {"apropos", "", "search names and explanations", "", NULL}, .group = "SESSION",
+        .text = "Finds the word in names, one-line explanations and sources.", .examples = "apropos energy\napropos Hairer", .see = "help list",
+        .flags = COMMAND_UNRECORDED, ARGUMENTS(PLACE("WORD", TYPE_REST, .flags = ARG_REQUIRED)))
+
+COMMAND(list, .row = {"list", "", "list what there is of a kind", "", "ls"}, .group = "SESSION",
+        .text = "commands, scenes, methods, parameters, derived, observables, settings, units, functions, formats, limits, measurements,\n"
+                "runs, recordings.",
+        .examples = "list methods\nlist measurements", .see = "help show", .flags = COMMAND_UNRECORDED,
+        ARGUMENTS(PLACE("KIND", TYPE_CHOICE, .flags = ARG_REQUIRED, .choices = &list_catalog)))

@@ -1,0 +1,407 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* measure */
+#ifndef COMMAND_ROWS
+#include "choices.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define PI 3.14159265358979323846
+
+struct measuring {
+    struct session *session;
+    const struct arguments *given;
+    struct reply *reply;
+    struct subject subject;
+    const char *quantity; /* "period" */
+    struct error *error;
+};
+
+/* ---- what every measurement leaves behind: a record, a result, a row of the list ---------------------------------------- */
+
+static bool keep(struct measuring *m, const char *name, struct measured value, enum quantity unit, double periods)
+{
+    struct session *session = m->session;
+    if ((session->measurements & (session->measurements - 1)) == 0) { /* full at every power of two */
+        const size_t room = session->measurements ? 2 * (size_t)session->measurements : 1;
+        struct measurement *larger = realloc(session->measurement, room * sizeof *larger);
+        if (!larger)
+            return error_memory(m->error);
+        session->measurement = larger;
+    }
+    struct measurement *row = &session->measurement[session->measurements++];
+    *row = (struct measurement){.value = value, .unit = unit, .periods = periods};
+    snprintf(row->quantity, sizeof row->quantity, "%s", name);
+    snprintf(row->of, sizeof row->of, "%s", m->subject.name);
+    char result[LIMIT_NAME + 1];
+    snprintf(result, sizeof result, "measured_%s", name);
+    session_set_result(session, result, value, unit);
+    return true;
+}
+
+/* Opens the record; the caller adds fields of its own and ends it. */
+static void begin(struct measuring *m, struct measured value, enum quantity unit, double periods)
+{
+    reply_begin(m->reply, "measure");
+    reply_string(m->reply, "quantity", m->quantity);
+    reply_real(m->reply, "value", value.value);
+    reply_real(m->reply, "uncertainty", value.uncertainty);
+    reply_string(m->reply, "unit", quantity_unit(unit));
+    reply_real(m->reply, "periods", periods);
+    reply_string(m->reply, "of", m->subject.name);
+}
+
+static void put(struct buffer *text, const char *name, struct measured value, enum quantity unit)
+{
+    buffer_format(text, "%s = ", name);
+    if (isfinite(value.value))
+        buffer_measured(text, value, unit, 6);
+    else
+        buffer_put(text, TEXT("unknown"));
+}
+
+/* "   theory 1.9390 s (-0.09 %)" */
+static void put_theory(struct buffer *text, double value, double theory, enum quantity unit)
+{
+    if (!isfinite(theory))
+        return;
+    buffer_put(text, TEXT("   theory "));
+    buffer_measured(text, (struct measured){theory, 0}, unit, 5);
+    buffer_format(text, " (%+.2g %%)", 100 * (value - theory) / theory);
+}
+
+/* Of a run its own scene; of a recording the present one, if somebody has said what the spring is. */
+static const struct scene *scene_of(const struct measuring *m)
+{
+    const struct scene *scene = &m->session->setup.scene;
+    if (m->subject.run)
+        return &m->subject.run->scene;
+    return scene->given[param_index("k")] || scene->given[param_index("m")] ? scene : NULL;
+}
+
+static double derived(const struct scene *scene, const char *name)
+{
+    const struct row *row = catalog_find(&derived_catalog, text_of(name));
+    return scene && row ? ((const struct derived_row *)(const void *)row)->value(scene).value : (double)NAN;
+}
+
+static double theory_period(const struct measuring *m)
+{
+    const double damped = derived(scene_of(m), "T_d");
+    return isfinite(damped) ? damped : derived(scene_of(m), "T0");
+}
+
+static bool say(struct measuring *m, struct buffer *text)
+{
+    reply_text(m->reply, buffer_text(text));
+    buffer_free(text);
+    return true;
+}
+
+/* ---- the quantities ------------------------------------------------------------------------------------------------------ */
+
+static struct measured inverse(struct measured x)
+{
+    return (struct measured){1 / x.value, x.uncertainty / (x.value * x.value)};
+}
+
+static bool measure_period(struct measuring *m)
+{
+    struct period p;
+    if (!series_period(&m->subject.series, m->given->arena, &p, m->error) ||
+        !keep(m, m->quantity, p.period, QUANTITY_TIME, p.periods))
+        return false;
+    struct buffer text = {0};
+    put(&text, "T", p.period, QUANTITY_TIME);
+    buffer_format(&text, " (%g period%s, up-crossings)", p.periods, p.periods == 1 ? "" : "s");
+    if (!m->subject.energy)
+        put_theory(&text, p.period.value, theory_period(m), QUANTITY_TIME);
+    begin(m, p.period, QUANTITY_TIME, p.periods);
+    reply_end(m->reply);
+    return say(m, &text);
+}
+
+static bool measure_frequency(struct measuring *m)
+{
+    struct period p;
+    if (!series_period(&m->subject.series, m->given->arena, &p, m->error))
+        return false;
+    const struct measured f = inverse(p.period);
+    if (!keep(m, m->quantity, f, QUANTITY_FREQUENCY, p.periods))
+        return false;
+    struct buffer text = {0};
+    put(&text, "f", f, QUANTITY_FREQUENCY);
+    put(&text, "   omega", (struct measured){2 * PI * f.value, 2 * PI * f.uncertainty}, QUANTITY_ANGULAR_FREQUENCY);
+    buffer_format(&text, " (%g periods)", p.periods);
+    if (!m->subject.energy)
+        put_theory(&text, f.value, 1 / theory_period(m), QUANTITY_FREQUENCY);
+    begin(m, f, QUANTITY_FREQUENCY, p.periods);
+    reply_end(m->reply);
+    return say(m, &text);
+}
+
+/* Times to read at: those given, or the middles of so many equal parts, or the start. */
+static bool reading_times(struct measuring *m, double **at, int *count)
+{
+    const struct given *times = given_for(m->given, "at"), *windows = given_for(m->given, "windows");
+    const struct series *s = &m->subject.series;
+    *count = times->count ? times->count : windows->count ? (int)windows->item->value.value : 1;
+    if (*count > LIMIT_TOKENS)
+        return error_at(m->error, windows->where, "at most %d readings", LIMIT_TOKENS);
+    *at = arena_array(m->given->arena, (size_t)*count, sizeof **at);
+    if (!*at)
+        return error_memory(m->error);
+    const double from = s->t[0], width = s->t[s->n - 1] - from;
+    for (int i = 0; i < *count; i++)
+        (*at)[i] = times->count ? times->item[i].value.value : from + (windows->count ? (i + 0.5) / *count : 0) * width;
+    return true;
+}
+
+static bool measure_amplitude(struct measuring *m)
+{
+    const enum quantity unit = m->subject.series.quantity;
+    double *at;
+    int count;
+    if (!reading_times(m, &at, &count))
+        return false;
+    struct reading *readings = arena_array(m->given->arena, (size_t)count, sizeof *readings);
+    if (!readings)
+        return error_memory(m->error);
+    if (!series_amplitudes(&m->subject.series, m->given->arena, at, count, 0, readings, m->error))
+        return false;
+    struct buffer text = {0};
+    for (int i = 0; i < count; i++) {
+        if (!keep(m, m->quantity, readings[i].amplitude, unit, (double)NAN)) {
+            buffer_free(&text);
+            return false;
+        }
+        put(&text, i ? "\nA" : "A", readings[i].amplitude, unit);
+        buffer_format(&text, " at t = %.6g s", readings[i].t);
+        begin(m, readings[i].amplitude, unit, (double)NAN);
+        reply_real(m->reply, "t", readings[i].t);
+        reply_end(m->reply);
+    }
+    return say(m, &text);
+}
+
+static bool measure_decay(struct measuring *m)
+{
+    const struct given *windows = given_for(m->given, "windows");
+    const int readings = windows->count ? (int)windows->item->value.value : 0;
+    const enum quantity unit = m->subject.series.quantity;
+    struct decay d;
+    if (readings > (int)COUNT_OF(d.reading) || (windows->count && readings < 3))
+        return error_at(m->error, windows->where, "the decay needs 3 to %zu readings", COUNT_OF(d.reading));
+    if (!series_decay(&m->subject.series, m->given->arena, m->subject.energy, readings, &d, m->error) ||
+        !keep(m, "decay", d.gamma, QUANTITY_RATE, (double)NAN))
+        return false;
+    session_set_result(m->session, "measured_gamma", d.gamma, QUANTITY_RATE);
+    session_set_result(m->session, "measured_tau", d.tau, QUANTITY_TIME);
+    session_set_result(m->session, "measured_Q", d.quality, QUANTITY_NUMBER);
+    struct buffer text = {0};
+    put(&text, "gamma", d.gamma, QUANTITY_RATE);
+    buffer_format(&text, " (%s; %d readings)", m->subject.energy ? "energy falls as exp(-gamma t)" : "amplitude falls as exp(-gamma t/2)",
+                  d.readings);
+    const struct scene *scene = scene_of(m);
+    const double gamma = scene ? scene->value[param_index("gamma")] : 0;
+    if (gamma != 0)
+        put_theory(&text, d.gamma.value, gamma, QUANTITY_RATE);
+    put(&text, "\n1/e time of the amplitude tau", d.tau, QUANTITY_TIME);
+    put(&text, "   decrement", d.decrement, QUANTITY_NUMBER);
+    put(&text, "   Q", d.quality, QUANTITY_NUMBER);
+    put(&text, m->subject.energy ? "   E at the start" : "   A at the start", d.initial, unit);
+    if (isfinite(d.halves[0]) && isfinite(d.halves[1])) {
+        buffer_put(&text, TEXT("\nhalves: gamma = "));
+        buffer_quantity(&text, d.halves[0], QUANTITY_RATE, 3);
+        buffer_put(&text, TEXT(" and "));
+        buffer_quantity(&text, d.halves[1], QUANTITY_RATE, 3);
+    }
+    begin(m, d.gamma, QUANTITY_RATE, (double)NAN);
+    reply_measured(m->reply, "tau", d.tau, QUANTITY_TIME);
+    reply_measured(m->reply, "decrement", d.decrement, QUANTITY_NUMBER);
+    reply_measured(m->reply, "Q", d.quality, QUANTITY_NUMBER);
+    reply_measured(m->reply, "initial", d.initial, unit);
+    reply_array(m->reply, "halves");
+    reply_real(m->reply, NULL, d.halves[0]);
+    reply_real(m->reply, NULL, d.halves[1]);
+    reply_close(m->reply);
+    reply_array(m->reply, "readings");
+    for (int i = 0; i < d.readings; i++) {
+        reply_object(m->reply, NULL);
+        reply_real(m->reply, "t", d.reading[i].t);
+        reply_real(m->reply, "value", d.reading[i].amplitude.value);
+        reply_real(m->reply, "uncertainty", d.reading[i].amplitude.uncertainty);
+        reply_close(m->reply);
+    }
+    reply_end(m->reply);
+    for (int i = 0; i < d.readings; i++) {
+        buffer_format(&text, "\n  t = %.6g s   ", d.reading[i].t);
+        put(&text, m->subject.energy ? "E" : "A", d.reading[i].amplitude, unit);
+    }
+    return say(m, &text);
+}
+
+/* Mean over time (trapezoids), so that uneven samples count by how long they stand. */
+static struct measured mean_over_time(const struct series *s)
+{
+    double area = 0, square = 0;
+    for (size_t i = 1; i < s->n; i++) {
+        const double dt = s->t[i] - s->t[i - 1];
+        area += 0.5 * dt * (s->y[i] + s->y[i - 1]);
+    }
+    const double span = s->t[s->n - 1] - s->t[0], mean = area / span;
+    for (size_t i = 1; i < s->n; i++) {
+        const double a = s->y[i] - mean, b = s->y[i - 1] - mean;
+        square += 0.5 * (s->t[i] - s->t[i - 1]) * (a * a + b * b);
+    }
+    return (struct measured){mean, sqrt(square / span)};
+}
+
+static bool measure_energy(struct measuring *m)
+{
+    const struct series *s = &m->subject.series;
+    const struct measured mean = mean_over_time(s);
+    if (!keep(m, m->quantity, mean, QUANTITY_ENERGY, (double)NAN))
+        return false;
+    const double first = s->y[0], last = s->y[s->n - 1];
+    struct buffer text = {0};
+    put(&text, "E", mean, QUANTITY_ENERGY);
+    buffer_format(&text, " (mean and spread over %.6g..%.6g s)   from ", s->t[0], s->t[s->n - 1]);
+    buffer_measured(&text, (struct measured){first, 0}, QUANTITY_ENERGY, 6);
+    buffer_put(&text, TEXT(" to "));
+    buffer_measured(&text, (struct measured){last, 0}, QUANTITY_ENERGY, 6);
+    buffer_put(&text, TEXT(", a factor of "));
+    buffer_short(&text, last / first, 6);
+    begin(m, mean, QUANTITY_ENERGY, (double)NAN);
+    reply_real(m->reply, "first", first);
+    reply_real(m->reply, "last", last);
+    reply_end(m->reply);
+    return say(m, &text);
+}
+
+static bool measure_drift(struct measuring *m)
+{
+    struct ledger ledger;
+    if (!m->subject.run)
+        return error_set(m->error, ERROR_COMMAND, "drift is the error of the energy balance of a run, not of a recording");
+    run_ledger(m->subject.run, &ledger);
+    const struct measured drift = {ledger.error, 0};
+    if (!isfinite(ledger.error))
+        return error_set(m->error, ERROR_COMMAND, "%s has no energy to balance", m->subject.name);
+    if (!keep(m, m->quantity, drift, QUANTITY_NUMBER, (double)NAN))
+        return false;
+    struct buffer text = {0};
+    buffer_put(&text, TEXT("dE/E0 = "));
+    buffer_short(&text, ledger.error, 4);
+    buffer_put(&text, TEXT(" at the end, max "));
+    buffer_short(&text, ledger.error_max, 4);
+    buffer_format(&text, "   (%s)", m->subject.run->plan.ledger ? "of the balance E - E0 - work" : "of E - E0");
+    begin(m, drift, QUANTITY_NUMBER, (double)NAN);
+    reply_real(m->reply, "max", ledger.error_max);
+    reply_end(m->reply);
+    return say(m, &text);
+}
+
+/* The largest speed: of a run as recorded, of a recording from amplitude and period. */
+static bool largest_speed(struct measuring *m, struct measured *speed)
+{
+    const struct series *s = &m->subject.series;
+    if (m->subject.run) {
+        const struct run *run = m->subject.run;
+        *speed = (struct measured){0, 0};
+        for (size_t i = 0; i < trace_count(run->trace); i++)
+            if (trace_time(run->trace, i) >= s->t[0] && trace_time(run->trace, i) <= s->t[s->n - 1])
+                speed->value = fmax(speed->value, fabs(trace_state(run->trace, i)[run->system.n / 2]));
+        return run->system.order == 2 || error_set(m->error, ERROR_COMMAND, "%s has no velocity", m->subject.name);
+    }
+    struct period p;
+    struct reading a;
+    if (s->quantity != QUANTITY_LENGTH)
+        return error_set(m->error, ERROR_COMMAND, "the Reynolds number needs positions, %s holds another quantity", m->subject.name);
+    if (!series_period(s, m->given->arena, &p, m->error) ||
+        !series_amplitudes(s, m->given->arena, &s->t[0], 1, 0, &a, m->error))
+        return false;
+    speed->value = a.amplitude.value * 2 * PI / p.period.value;
+    speed->uncertainty = speed->value * hypot(a.amplitude.uncertainty / a.amplitude.value, p.period.uncertainty / p.period.value);
+    return true;
+}
+
+static bool measure_reynolds(struct measuring *m)
+{
+    struct measured speed;
+    if (!largest_speed(m, &speed))
+        return false;
+    const struct scene *scene = m->subject.run ? &m->subject.run->scene : &m->session->setup.scene;
+    const struct measured re = {scene_reynolds(scene, speed.value), scene_reynolds(scene, speed.uncertainty)};
+    if (!keep(m, m->quantity, re, QUANTITY_NUMBER, (double)NAN))
+        return false;
+    struct buffer text = {0};
+    put(&text, "Re", re, QUANTITY_NUMBER);
+    buffer_format(&text, " (%s) at the largest speed ", reynolds_regime(re.value));
+    buffer_measured(&text, speed, QUANTITY_VELOCITY, 4);
+    buffer_put(&text, TEXT("; rho, length and eta are those of the scene"));
+    begin(m, re, QUANTITY_NUMBER, (double)NAN);
+    reply_string(m->reply, "regime", reynolds_regime(re.value));
+    reply_measured(m->reply, "speed", speed, QUANTITY_VELOCITY);
+    reply_end(m->reply);
+    return say(m, &text);
+}
+
+/* k = m (omega^2 + gamma^2/4), gamma from the decay where it can be measured. */
+static bool measure_k(struct measuring *m)
+{
+    const struct scene *scene = m->subject.run ? &m->subject.run->scene : &m->session->setup.scene;
+    const int index = param_index("m");
+    const double mass = scene->value[index], u = scene->uncertainty[index];
+    struct period p;
+    struct decay d;
+    struct error ignored;
+    if (!series_period(&m->subject.series, m->given->arena, &p, m->error))
+        return false;
+    const double omega = 2 * PI / p.period.value;
+    const double gamma = series_decay(&m->subject.series, m->given->arena, false, 0, &d, &ignored) ? d.gamma.value : 0;
+    struct measured k = {.value = mass * (omega * omega + gamma * gamma / 4)};
+    k.uncertainty = k.value * hypot(2 * p.period.uncertainty / p.period.value, u / mass);
+    if (!keep(m, m->quantity, k, QUANTITY_STIFFNESS, p.periods))
+        return false;
+    struct buffer text = {0};
+    put(&text, "k", k, QUANTITY_STIFFNESS);
+    put(&text, " (m", (struct measured){mass, u}, QUANTITY_MASS);
+    put(&text, ", T", p.period, QUANTITY_TIME);
+    buffer_char(&text, ')');
+    if (m->subject.run)
+        put_theory(&text, k.value, scene->value[param_index("k")], QUANTITY_STIFFNESS);
+    else if (!scene->given[index])
+        reply_warning(m->reply, "the mass is the default of the scene: set it, for example m = 200 g");
+    begin(m, k, QUANTITY_STIFFNESS, p.periods);
+    reply_end(m->reply);
+    return say(m, &text);
+}
+
+HANDLER(measure)
+{
+    static bool (*const measures[])(struct measuring *) = {
+        [MEASURE_PERIOD] = measure_period, [MEASURE_FREQUENCY] = measure_frequency, [MEASURE_AMPLITUDE] = measure_amplitude,
+        [MEASURE_DECAY] = measure_decay,   [MEASURE_ENERGY] = measure_energy,       [MEASURE_DRIFT] = measure_drift,
+        [MEASURE_REYNOLDS] = measure_reynolds, [MEASURE_K] = measure_k};
+    const struct item *quantity = given_for(given, "QUANTITY")->item;
+    const enum measurable which = (enum measurable)quantity->index;
+    const bool energy = is_given(given, "energy") || which == MEASURE_ENERGY;
+    struct measuring m = {session, given, reply, {.run = NULL}, quantity->row->name, error};
+    return subject_open(session, given_for(given, "run"), given_for(given, "data"), given_for(given, "window"), energy, 2, given->arena,
+                        &m.subject, error) &&
+           measures[which](&m);
+}
+#endif
+
+COMMAND(measure, .row = {"measure", "", "measure a quantity of a run or a recording", "", NULL}, .group = "MEASURE",
+        .text = "Acts on the most recent run or recording unless told. The period comes from line fits at the up-crossings and is given\n"
+                "with its standard uncertainty. at= or windows= choose where the amplitude is read.",
+        .examples = "run; measure period\nmeasure amplitude at=0,20,40 of run 1", .see = "fit list plot",
+        ARGUMENTS(PLACE("QUANTITY", TYPE_CHOICE, .flags = ARG_REQUIRED, .choices = &quantity_catalog),
+                  WORD("run", TYPE_RUN, .lead = "of", .group = 1), WORD("data", TYPE_RECORDING, .lead = "of", .group = 1),
+                  WORD("energy", TYPE_NONE, .lead = "of"), KEY("window", TYPE_RANGE, .quantity = QUANTITY_TIME),
+                  KEY("at", TYPE_VALUE, .flags = ARG_MANY | ARG_NEGATIVE, .quantity = QUANTITY_TIME),
+                  KEY("windows", TYPE_INTEGER)))

@@ -1,0 +1,120 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* export, print, echo */
+#ifndef COMMAND_ROWS
+#include "export.h"
+
+#include <math.h>
+#include <string.h>
+
+static enum table_format choose_format(const struct arguments *given, struct text path)
+{
+    const struct given *format = given_for(given, "format");
+    if (format->count)
+        return (enum table_format)format->item->index;
+    size_t dot = path.len;
+    while (dot > 0 && path.at[dot - 1] != '.' && path.at[dot - 1] != '/')
+        dot--;
+    const struct text end = {path.at + dot, path.len - dot};
+    const struct row *row = catalog_find(&table_format_catalog, end);
+    return row ? (enum table_format)catalog_place(&table_format_catalog, row) : TABLE_CSV;
+}
+
+static bool fill_table(struct session *session, const struct arguments *given, struct export *export, struct error *error)
+{
+    const struct given *runs = given_for(given, "run");
+    if (is_given(given, "measurements"))
+        return export_measurements(session, export, error);
+    if (is_given(given, "table"))
+        return export_run_table(session, export, error);
+    if (is_given(given, "data"))
+        return export_recording(session, export, error);
+    return export_runs(session, runs, given_for(given, "COLUMN"), given_for(given, "every"), export, error);
+}
+
+HANDLER(export)
+{
+    const struct item *file = given_for(given, "FILE")->item;
+    char *path = arena_text(given->arena, file->text);
+    struct export export = {.arena = given->arena};
+    if (!path)
+        return error_memory(error);
+    if (!fill_table(session, given, &export, error))
+        return false;
+    const struct write_policy policy = session_policy(session, is_given(given, "force"));
+    if (!table_write(&export.table, choose_format(given, file->text), path, policy, error)) {
+        if (!error->where.at)
+            error->where = file->text;
+        return false;
+    }
+    struct buffer names = {0}, shown = {0};
+    for (int i = 0; i < export.table.columns; i++)
+        buffer_format(&names, "%s%s", i ? "," : "", export.table.column[i].name);
+    safe_text(&shown, file->text, false);
+    reply_line(reply, "%s: %zu rows of %s", buffer_view(&shown), export.table.rows, buffer_view(&names));
+    reply_begin(reply, "export");
+    reply_string(reply, "file", path);
+    reply_int(reply, "rows", (int64_t)export.table.rows);
+    reply_array(reply, "columns");
+    for (int i = 0; i < export.table.columns; i++)
+        reply_string(reply, NULL, export.table.column[i].name);
+    reply_end(reply);
+    buffer_free(&names);
+    buffer_free(&shown);
+    return true;
+}
+
+HANDLER(print)
+{
+    UNUSED(error);
+    const struct item *item = given_for(given, "EXPR")->item;
+    struct buffer text = {0};
+    if (item->is_string)
+        safe_text(&text, item->text, true);
+    else
+        buffer_measured(&text, item->value, item->quantity, session->setup.settings.digits);
+    reply_text(reply, buffer_text(&text));
+    reply_begin(reply, "print");
+    reply_string(reply, "text", buffer_view(&text));
+    reply_real(reply, "value", item->is_string ? (double)NAN : item->value.value);
+    reply_string(reply, "unit", item->is_string || item->quantity == QUANTITY_OTHER ? NULL : quantity_unit(item->quantity));
+    reply_end(reply);
+    buffer_free(&text);
+    return true;
+}
+
+HANDLER(echo)
+{
+    const struct given *rest = given_for(given, "TEXT");
+    struct parser parser = {session, given->scope, given->arena, rest->count ? rest->item->text : TEXT("")};
+    struct item whole = {0};
+    /* A text that is one string is shown without its quotes. */
+    const bool quoted = parser.rest.len > 0 && strchr("'\"", parser.rest.at[0]);
+    if (quoted && !parse_word(&parser, "", &whole, error))
+        return false;
+    struct buffer text = {0};
+    safe_text(&text, quoted && parser.rest.len == 0 ? whole.text : rest->count ? rest->item->text : TEXT(""), true);
+    reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+    return true;
+}
+#endif
+
+COMMAND(export, .row = {"export", "", "write columns of runs, a recording or measurements to a file", "", NULL}, .group = "OUTPUT",
+        .text = "Of the current run t, y, v and energy in SI units, unless told; any observable can be a column. Several runs stand below\n"
+                "each other with a column run. every= takes every N-th row or one row each so much time. The form follows the end of the\n"
+                "name: .csv .tsv .json. 'table' has one row for each run.",
+        .examples = "run; export run1.csv t,y,v\nexport all.csv run all every=100ms", .see = "print save plot list",
+        ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED), WORD("run", TYPE_RUN, .flags = ARG_MANY | ARG_ALL, .group = 1),
+                  WORD("data", TYPE_NONE, .group = 1), WORD("measurements", TYPE_NONE, .group = 1),
+                  WORD("table", TYPE_NONE, .group = 1),
+                  PLACE("COLUMN", TYPE_CHOICE, .flags = ARG_MANY, .choices = &observable_catalog),
+                  KEY("every", TYPE_VALUE, .quantity = QUANTITY_OTHER), OPTION("force", TYPE_NONE),
+                  OPTION("format", TYPE_CHOICE, .choices = &table_format_catalog)))
+
+COMMAND(print, .row = {"print", "", "show the value of an expression, or a text", "", NULL}, .group = "OUTPUT",
+        .text = "Names are SI numbers: parameters, the state and the observables of the current run, results of measurements and fits.",
+        .examples = "print T0\nprint 2*pi*sqrt(m/k)", .see = "show echo let",
+        ARGUMENTS(PLACE("EXPR", TYPE_EXPR, .flags = ARG_REQUIRED)))
+
+COMMAND(echo, .row = {"echo", "", "show a text", "", NULL}, .group = "OUTPUT", .text = "Quotes are only needed around ; and #.",
+        .examples = "echo first session\necho 'one; two'", .see = "print note", ARGUMENTS(PLACE("TEXT", TYPE_REST)))

@@ -1,0 +1,123 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* plot */
+#ifndef COMMAND_ROWS
+#include "choices.h"
+
+#include <math.h>
+#include <string.h>
+
+static bool ends_with(struct text text, const char *end)
+{
+    const size_t len = strlen(end);
+    return text.len > len && text_is((struct text){text.at + text.len - len, len}, end);
+}
+
+/* The recording that lies over the run without being asked for: the current one, where times overlap. */
+static int overlapping(const struct session *session, enum plot_kind kind)
+{
+    const struct run *run = session_run(session);
+    const struct recording *recording = session_recording(session);
+    if (!recording || kind != PLOT_POSITION)
+        return -1;
+    if (!run)
+        return session->current_recording;
+    if (recording->column[recording->value].quantity != QUANTITY_LENGTH)
+        return -1;
+    const double a = trace_time(run->trace, 0), b = trace_time(run->trace, trace_count(run->trace) - 1);
+    return fmin(a, b) < recording->window[1] && fmax(a, b) > recording->window[0] ? session->current_recording : -1;
+}
+
+/* Which runs: those named, every one, or the current one unless only a recording was named. */
+static bool choose_runs(struct session *session, const struct arguments *given, struct figure_request *request, struct error *error)
+{
+    const struct given *runs = given_for(given, "run"), *data = given_for(given, "data");
+    int *place = arena_array(given->arena, LIMIT_RUNS + (size_t)runs->count + 1, sizeof *place);
+    if (!place)
+        return error_memory(error);
+    request->run = place;
+    for (int i = 0; i < runs->count; i++) {
+        const bool all = runs->item[i].index < 0;
+        for (int r = 0; r < session->runs; r++) {
+            bool listed = false;
+            for (int j = 0; j < request->runs; j++)
+                listed |= place[j] == r;
+            if ((all || runs->item[i].index == r) && !listed)
+                place[request->runs++] = r;
+        }
+    }
+    if (runs->count == 0 && data->count == 0 && session->current_run >= 0)
+        place[request->runs++] = session->current_run;
+    request->recording = data->count ? data->item->index : runs->count ? -1 : overlapping(session, request->kind);
+    if (request->runs == 0 && request->recording >= 0 && request->kind != PLOT_POSITION)
+        return error_at(error, data->where, "of a recording there is only a plot of the position");
+    if (request->runs > 0 || request->recording >= 0)
+        return true;
+    error_set(error, ERROR_COMMAND, "there is nothing to plot: no run and no recording");
+    return error_hint(error, "type: run, or: load FILE");
+}
+
+static bool write_figure(const struct session *session, const struct arguments *given, const struct figure *figure, int width, int height,
+                         struct reply *reply, struct error *error)
+{
+    const struct item *file = given_for(given, ">")->item;
+    char *path = arena_text(given->arena, file->text);
+    struct buffer text = {0};
+    struct writer writer;
+    if (!path || !figure_print(figure, width, height, session_charset(session), false, &text)) {
+        buffer_free(&text);
+        return error_memory(error);
+    }
+    bool ok = writer_open(&writer, path, session_policy(session, is_given(given, "force")), error);
+    if (ok) {
+        writer_put(&writer, buffer_text(&text));
+        ok = writer_commit(&writer, error);
+    }
+    buffer_free(&text);
+    if (ok)
+        reply_line(reply, "figure written to %s", path);
+    else if (!error->where.at)
+        error->where = file->text;
+    return ok;
+}
+
+HANDLER(plot)
+{
+    const struct given *window = given_for(given, "window"), *file = given_for(given, ">");
+    struct figure_request request = {.kind = (enum plot_kind)given_for(given, "KIND")->item->index,
+                                     .window = {(double)NAN, (double)NAN},
+                                     .charset = session_charset(session),
+                                     .log = is_given(given, "log")};
+    struct figure figure;
+    int width, height;
+    if (file->count && !ends_with(file->item->text, ".txt")) {
+        error_at(error, file->item->text, "pictures are not written yet: only a text figure into a file that ends in .txt");
+        return error_hint(error, "plot %s > figure.txt", catalog_row(&plot_catalog, (size_t)request.kind)->name);
+    }
+    session_size(session, &width, &height);
+    request.width = width;
+    if (window->count)
+        memcpy(request.window, window->item->range, sizeof request.window);
+    if (!choose_runs(session, given, &request, error) || !session_figure(session, &request, given->arena, &figure, error))
+        return false;
+    if (file->count)
+        return write_figure(session, given, &figure, width, height, reply, error);
+    const bool color = session->setup.settings.color == COLOR_ALWAYS ||
+                       (session->setup.settings.color == COLOR_AUTO && session->front.color);
+    struct buffer text = {0};
+    const bool ok = figure_print(&figure, width, height, request.charset, color && reply->format == FORMAT_TEXT, &text);
+    if (ok)
+        reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+    return ok || error_memory(error);
+}
+#endif
+
+COMMAND(plot, .row = {"plot", "", "draw position, velocity, phase, energy or error", "", "p"}, .group = "PLOT",
+        .text = "Of the current run and of the recording where they overlap in time, unless told. Without a window at least 8 columns a\n"
+                "period are kept (5 with dots) and the phase plot shows the last 2 periods; the frame says so. A run that grows out of\n"
+                "bounds leaves the frame and does not flatten the others.",
+        .examples = "run; plot position\ncompare euler symplectic-euler; plot energy run all", .see = "set export measure",
+        ARGUMENTS(PLACE("KIND", TYPE_CHOICE, .flags = ARG_REQUIRED, .choices = &plot_catalog),
+                  WORD("run", TYPE_RUN, .flags = ARG_MANY | ARG_ALL), WORD("data", TYPE_RECORDING),
+                  KEY("window", TYPE_RANGE, .quantity = QUANTITY_TIME), OPTION("log", TYPE_NONE),
+                  WORD(">", TYPE_FILE), OPTION("force", TYPE_NONE)))

@@ -1,0 +1,312 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* scene, set, unset, let, show, plan */
+#ifndef COMMAND_ROWS
+#include "internal.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const struct param_row *param_at(int i)
+{
+    return (const struct param_row *)(const void *)catalog_row(&param_catalog, (size_t)i);
+}
+
+static void put_param(const struct session *session, int param, struct buffer *text)
+{
+    const struct scene *scene = &session->setup.scene;
+    buffer_format(text, "%s = ", param_at(param)->row.name);
+    buffer_measured(text, (struct measured){scene->value[param], scene->uncertainty[param]}, param_at(param)->quantity,
+                    session->setup.settings.digits);
+}
+
+/* ---- scene --------------------------------------------------------------------------------------------------------- */
+
+static bool preset_sets(const struct preset *preset, const char *name)
+{
+    for (size_t i = 0; i < COUNT_OF(preset->value) && preset->value[i].param; i++)
+        if (strcmp(preset->value[i].param, name) == 0)
+            return true;
+    return false;
+}
+
+/* Parameters that matter here: those of every spring, of the preset, and those the user has set. */
+static void reply_scene(const struct session *session, struct reply *reply)
+{
+    static const char always[] = " m k gamma y0 v0 ";
+    const struct scene *scene = &session->setup.scene;
+    struct buffer text = {0};
+    buffer_format(&text, "%s: %s\n ", scene->preset->row.name, scene->preset->row.brief);
+    for (int i = 0; i < (int)param_catalog.count; i++) {
+        char padded[LIMIT_NAME + 3];
+        snprintf(padded, sizeof padded, " %s ", param_at(i)->row.name);
+        if (!strstr(always, padded) && !scene->given[i] && !preset_sets(scene->preset, param_at(i)->row.name))
+            continue;
+        buffer_char(&text, ' ');
+        put_param(session, i, &text);
+        buffer_char(&text, ' ');
+    }
+    reply_text(reply, text_trim(buffer_text(&text)));
+    buffer_free(&text);
+}
+
+HANDLER(scene)
+{
+    UNUSED(error);
+    const struct given *name = given_for(given, "NAME");
+    if (name->count) {
+        scene_init(&session->setup.scene, (const struct preset *)(const void *)name->item->row);
+        session_changed(session);
+    }
+    reply_scene(session, reply);
+    return true;
+}
+
+/* ---- set, unset, let ------------------------------------------------------------------------------------------------- */
+
+static bool unknown_name(const struct session *session, struct text name, struct error *error)
+{
+    struct suggestion near = {.wanted = name};
+    const struct catalog *const catalogs[] = {&param_catalog, &derived_catalog, &setting_catalog};
+    if (catalog_find(&command_catalog, name)) {
+        error_at(error, name, "'%.*s' is a command, not a parameter", (int)name.len, name.at);
+        return error_hint(error, "type it without '=': %.*s ...", (int)name.len, name.at);
+    }
+    for (size_t c = 0; c < COUNT_OF(catalogs); c++)
+        for (size_t i = 0; i < catalogs[c]->count; i++)
+            suggestion_offer(&near, catalog_row(catalogs[c], i)->name);
+    for (int i = 0; i < session->setup.lets; i++)
+        suggestion_offer(&near, session->setup.let[i].name);
+    error_at(error, name, "unknown parameter '%.*s'", (int)(name.len < 80 ? name.len : 80), name.at);
+    suggestion_hint(&near, error);
+    return error_hint(error, near.count ? "('show all' lists the parameters)"
+                                        : "'show all' lists the parameters; 'let NAME = value' makes a variable");
+}
+
+static bool set_param(struct session *session, int param, const struct item *item, struct reply *reply, struct error *error)
+{
+    if (!scene_set(&session->setup.scene, param, item->value, error)) {
+        error->where = item->text;
+        return false;
+    }
+    struct buffer text = {0};
+    put_param(session, param, &text);
+    reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+    return true;
+}
+
+/* Setting T0 sets k: the relative uncertainty goes along through the derivative of the inverse. */
+static bool set_derived(struct session *session, const struct derived_row *derived, const struct item *item,
+                        struct reply *reply, struct error *error)
+{
+    struct scene *scene = &session->setup.scene;
+    if (!derived->inverse) {
+        error_at(error, item->text, "%s follows from the parameters and cannot be set", derived->row.name);
+        return error_hint(error, "help %s says from which", derived->row.name);
+    }
+    const double x = item->value.value, u = item->value.uncertainty;
+    const double value = derived->inverse(scene, x), h = 1e-6 * fabs(x);
+    const double slope = h > 0 ? (derived->inverse(scene, x + h) - derived->inverse(scene, x - h)) / (2 * h) : 0;
+    if (!isfinite(value))
+        return error_at(error, item->text, "%s cannot have this value here", derived->row.name);
+    const int target = param_index(derived->target);
+    if (!scene_set(scene, target, (struct measured){value, u > 0 ? fabs(slope) * u : 0}, error)) {
+        error->where = item->text;
+        return false;
+    }
+    struct buffer text = {0};
+    buffer_format(&text, "%s = ", derived->row.name);
+    buffer_measured(&text, item->value, derived->quantity, session->setup.settings.digits);
+    buffer_put(&text, TEXT(" ("));
+    put_param(session, target, &text);
+    buffer_char(&text, ')');
+    reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+    return true;
+}
+
+static void reply_setting(const struct session *session, const struct setting *setting, struct reply *reply)
+{
+    struct buffer text = {0};
+    buffer_format(&text, "%s = ", setting->row.name);
+    setting_show(setting, &session->setup.settings, &text);
+    const struct method *method = session->setup.method;
+    const struct run_settings now = session_run_settings(session);
+    if (strcmp(setting->row.name, "dt") == 0 && now.tol > 0)
+        buffer_format(&text, " (the first step: %s chooses its own; 'tol = off' for fixed steps)", method->row.name);
+    if (strcmp(setting->row.name, "tol") == 0 && !(method->flags & METHOD_ADAPTIVE))
+        buffer_format(&text, " (for methods that adapt; %s has fixed steps)", method->row.name);
+    reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+}
+
+static bool set_let(struct session *session, struct text name, const struct item *item, struct reply *reply, struct error *error)
+{
+    struct setup *setup = &session->setup;
+    struct named_value *let = NULL;
+    for (int i = 0; i < setup->lets; i++)
+        if (text_is(name, setup->let[i].name))
+            let = &setup->let[i];
+    if (name.len > LIMIT_NAME)
+        return error_at(error, name, "a name of more than %d letters", LIMIT_NAME);
+    if (!let && setup->lets == LIMIT_LET)
+        return error_at(error, name, "%d variables exist already", LIMIT_LET);
+    if (!let)
+        let = &setup->let[setup->lets++];
+    *let = (struct named_value){.value = item->value.value, .uncertainty = item->value.uncertainty, .quantity = item->quantity};
+    memcpy(let->name, name.at, name.len);
+    session_changed(session);
+    struct buffer text = {0};
+    buffer_format(&text, "%s = ", let->name);
+    buffer_measured(&text, item->value, item->quantity, setup->settings.digits);
+    reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+    return true;
+}
+
+/* What stands after NAME, without the "=" of an assignment. */
+static struct parser value_parser(struct session *session, const struct arguments *given)
+{
+    struct text value = given_for(given, "VALUE")->item->text;
+    if (value.len > 0 && value.at[0] == '=')
+        value = (struct text){value.at + 1, value.len - 1};
+    return (struct parser){session, given->scope, given->arena, value};
+}
+
+static bool read_value(struct parser *parser, const char *what, enum quantity quantity, struct item *item, struct error *error)
+{
+    return parse_value(parser, what, quantity, item, error) && refuse_rest(parser, true, error);
+}
+
+HANDLER(set)
+{
+    const struct text name = given_for(given, "NAME")->item->text;
+    struct parser parser = value_parser(session, given);
+    struct item item = {0};
+    const struct row *row;
+    bool ok;
+    if ((row = catalog_find(&param_catalog, name))) {
+        const struct param_row *param = (const struct param_row *)(const void *)row;
+        ok = read_value(&parser, row->name, param->quantity, &item, error) &&
+             set_param(session, catalog_place(&param_catalog, row), &item, reply, error);
+    } else if ((row = catalog_find(&derived_catalog, name))) {
+        const struct derived_row *derived = (const struct derived_row *)(const void *)row;
+        ok = read_value(&parser, row->name, derived->quantity, &item, error) && set_derived(session, derived, &item, reply, error);
+    } else if ((row = catalog_find(&setting_catalog, name))) {
+        const struct setting *setting = (const struct setting *)(const void *)row;
+        struct settings changed = session->setup.settings;
+        ok = setting_read(setting, &parser, &changed, error);
+        if (ok) {
+            session->setup.settings = changed;
+            reply_setting(session, setting, reply);
+        }
+    } else {
+        int place = 0;
+        while (place < session->setup.lets && !text_is(name, session->setup.let[place].name))
+            place++;
+        ok = place < session->setup.lets ? read_value(&parser, session->setup.let[place].name, QUANTITY_OTHER, &item, error) &&
+                                               set_let(session, name, &item, reply, error)
+                                         : unknown_name(session, name, error);
+    }
+    if (ok)
+        session_changed(session);
+    return ok;
+}
+
+HANDLER(unset)
+{
+    const struct text name = given_for(given, "NAME")->item->text;
+    const struct row *row = catalog_find(&param_catalog, name);
+    struct buffer text = {0};
+    if (row) {
+        const int param = catalog_place(&param_catalog, row);
+        scene_unset(&session->setup.scene, param);
+        put_param(session, param, &text);
+    } else if ((row = catalog_find(&setting_catalog, name))) {
+        const struct setting *setting = (const struct setting *)(const void *)row;
+        struct settings defaults;
+        session_default_settings(&defaults);
+        buffer_format(&text, "set %s ", row->name);
+        setting_exact(setting, &defaults, &text);
+        struct text value = {text.data + strlen(row->name) + 5, text.len - strlen(row->name) - 5};
+        struct parser parser = {session, given->scope, given->arena, value};
+        if (text.failed || !setting_read(setting, &parser, &session->setup.settings, error)) {
+            buffer_free(&text);
+            return error_memory(error);
+        }
+        buffer_clear(&text);
+        buffer_format(&text, "%s = ", row->name);
+        setting_show(setting, &session->setup.settings, &text);
+    } else {
+        int place = 0;
+        while (place < session->setup.lets && !text_is(name, session->setup.let[place].name))
+            place++;
+        if (place == session->setup.lets)
+            return unknown_name(session, name, error);
+        buffer_format(&text, "%s is gone", session->setup.let[place].name);
+        session->setup.let[place] = session->setup.let[--session->setup.lets];
+    }
+    session_changed(session);
+    reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+    return true;
+}
+
+HANDLER(let)
+{
+    const struct text name = given_for(given, "NAME")->item->text;
+    const char *kind;
+    if (name_is_taken(session, name, &kind)) {
+        error_at(error, name, "'%.*s' is already the name of a %s", (int)name.len, name.at, kind);
+        return error_hint(error, "choose another name for the variable");
+    }
+    struct parser parser = value_parser(session, given);
+    struct item item = {0};
+    return read_value(&parser, "the variable", QUANTITY_OTHER, &item, error) && set_let(session, name, &item, reply, error);
+}
+
+/* ---- plan ---------------------------------------------------------------------------------------------------------------- */
+
+HANDLER(plan)
+{
+    UNUSED(given);
+    const struct setup *setup = &session->setup;
+    const struct run_settings settings = session_run_settings(session);
+    struct system system;
+    struct plan plan;
+    if (!scene_bind(&setup->scene, &system, error) ||
+        !plan_make(&system, setup->method, &settings, setup->settings.duration, &plan, error))
+        return false;
+    struct buffer text = {0};
+    plan_describe(&setup->scene, &system, setup->method, &settings, &plan, &text);
+    reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+    return true;
+}
+#endif
+
+COMMAND(scene, .row = {"scene", "", "choose a scene, or show the present one", "", NULL}, .group = "SCENE",
+        .text = "Sets all parameters to those of the scene; method, dt and recordings stay. 'list scenes' shows what there is.",
+        .examples = "scene damped\nscene", .see = "set show plan", .flags = COMMAND_CHANGES,
+        ARGUMENTS(PLACE("NAME", TYPE_CHOICE, .choices = &preset_catalog)))
+
+COMMAND(set, .row = {"set", "", "set a parameter or a setting", "", NULL}, .group = "SCENE",
+        .text = "The same as NAME = value. A value may carry a unit and an uncertainty; a bare number is in the SI unit. Setting omega0,\n"
+                "T0 or f0 sets k. 'show all' lists the names.",
+        .examples = "set m 199.9 +- 0.1 g\nT0 = 0.73 s", .see = "unset show let", .flags = COMMAND_CHANGES,
+        ARGUMENTS(PLACE("NAME", TYPE_NAME, .flags = ARG_REQUIRED), PLACE("VALUE", TYPE_REST, .flags = ARG_REQUIRED)))
+
+COMMAND(unset, .row = {"unset", "", "give a parameter or a setting its default again", "", NULL}, .group = "SCENE",
+        .text = "Parameters get the value of the scene, settings that of a new session; a variable made by let is removed.",
+        .examples = "unset gamma\nunset dt", .see = "set scene", .flags = COMMAND_CHANGES,
+        ARGUMENTS(PLACE("NAME", TYPE_NAME, .flags = ARG_REQUIRED)))
+
+COMMAND(let, .row = {"let", "", "make a variable", "", NULL}, .group = "SCENE",
+        .text = "The value is computed at once. Variables can be used wherever a number can.",
+        .examples = "let A = 4.2 cm\nlet n = 10; run n*T0", .see = "set print", .flags = COMMAND_CHANGES,
+        ARGUMENTS(PLACE("NAME", TYPE_NAME, .flags = ARG_REQUIRED), PLACE("VALUE", TYPE_REST, .flags = ARG_REQUIRED)))
+
+COMMAND(plan, .row = {"plan", "", "what will be computed for this scene and method, and what is left out", "", NULL},
+        .group = "SCENE", .text = "Nothing is run. Shows the forces that act, steps, memory, and the predicted growth a step.",
+        .examples = "plan\nmethod verlet; plan", .see = "scene method run")

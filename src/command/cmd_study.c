@@ -1,0 +1,269 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* compare */
+#ifndef COMMAND_ROWS
+#include "internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define PI 3.14159265358979323846
+
+/* ---- the table: columns as wide as their widest cell ----------------------------------------------------------------- */
+
+#define TABLE_COLUMNS 9
+
+struct text_table {
+    int columns, rows;
+    const char **cell; /* [rows * columns], row 0 is the heading */
+};
+
+static void put_table(const struct text_table *table, struct buffer *out)
+{
+    int width[TABLE_COLUMNS] = {0};
+    for (int i = 0; i < table->rows * table->columns; i++) {
+        const int w = text_width(text_of(table->cell[i]));
+        width[i % table->columns] = w > width[i % table->columns] ? w : width[i % table->columns];
+    }
+    for (int i = 0; i < table->rows * table->columns; i++) {
+        const bool last = i % table->columns == table->columns - 1;
+        buffer_put(out, text_of(table->cell[i]));
+        for (int pad = text_width(text_of(table->cell[i])); !last && pad < width[i % table->columns] + 3; pad++)
+            buffer_char(out, ' ');
+        if (last)
+            buffer_char(out, '\n');
+    }
+}
+
+static const char *cell(struct arena *arena, struct buffer *text)
+{
+    const char *copy = text->failed ? NULL : arena_text(arena, buffer_text(text));
+    buffer_free(text);
+    return copy ? copy : "";
+}
+
+static const char *quantity_cell(struct arena *arena, double value, enum quantity quantity, int digits)
+{
+    struct buffer text = {0};
+    if (!isfinite(value))
+        buffer_char(&text, '-');
+    else
+        buffer_quantity(&text, value, quantity, digits);
+    return cell(arena, &text);
+}
+
+static const char *short_cell(struct arena *arena, double value, int digits)
+{
+    return quantity_cell(arena, value, QUANTITY_NUMBER, digits);
+}
+
+static struct measured run_period(const struct run *run, struct arena *arena)
+{
+    const struct measured none = {(double)NAN, (double)NAN};
+    struct series series;
+    struct period period;
+    struct error ignored;
+    return run_series(run, false, arena, &series, &ignored) && series_period(&series, arena, &period, &ignored) ? period.period : none;
+}
+
+static const char *period_cell(struct arena *arena, struct measured period)
+{
+    struct buffer text = {0};
+    if (!isfinite(period.value))
+        buffer_char(&text, '-');
+    else
+        buffer_measured(&text, period, QUANTITY_TIME, 6);
+    return cell(arena, &text);
+}
+
+static const char *time_cell(struct arena *arena, double seconds)
+{
+    struct buffer text = {0};
+    if (!isfinite(seconds))
+        buffer_char(&text, '-');
+    else if (seconds < 1e-3)
+        buffer_format(&text, "%.3g us", seconds * 1e6);
+    else
+        buffer_quantity(&text, seconds, QUANTITY_TIME, 3);
+    return cell(arena, &text);
+}
+
+static void reply_table(const struct session *session, const struct comparison *rows, int count, struct arena *arena,
+                        struct reply *reply)
+{
+    static const char *const heading[TABLE_COLUMNS] = {"method",      "dt",       "steps",     "max|dE/E0|", "max error",
+                                                       "rms(y-data)", "period T", "phase err", "time"};
+    const bool data = session_recording(session) != NULL;
+    struct text_table table = {TABLE_COLUMNS - !data, count + 1, NULL};
+    table.cell = arena_array(arena, (size_t)table.rows * TABLE_COLUMNS, sizeof *table.cell);
+    if (!table.cell)
+        return;
+    /* The setting is part of a row's name where one method has several. */
+    bool several = false;
+    for (int i = 1; i < count; i++)
+        several |= rows[i].run->method == rows[i - 1].run->method;
+    const char **settings = arena_array(arena, (size_t)count, sizeof *settings);
+    if (!settings)
+        return;
+    int n = 0;
+    for (int c = 0; c < TABLE_COLUMNS; c++)
+        if (data || c != 5)
+            table.cell[n++] = heading[c];
+    for (int i = 0; i < count; i++) {
+        const struct run *run = rows[i].run;
+        struct buffer dt = {0}, steps = {0};
+        if (run->plan.adaptive)
+            buffer_format(&dt, "tol %.3g", run->settings.tol);
+        else
+            buffer_quantity(&dt, run->settings.dt, QUANTITY_TIME, 4);
+        buffer_format(&steps, "%lld", (long long)run->steps);
+        const double phase = rows[i].errors.phase * 180 / PI;
+        struct buffer angle = {0};
+        if (isfinite(phase))
+            buffer_format(&angle, "%.1f deg", fabs(phase) < 0.05 ? 0.0 : phase);
+        else
+            buffer_char(&angle, '-');
+        table.cell[n++] = run->method->row.name;
+        table.cell[n++] = settings[i] = cell(arena, &dt);
+        table.cell[n++] = cell(arena, &steps);
+        table.cell[n++] = run->stop == STOP_DIVERGED ? "diverged" : short_cell(arena, rows[i].ledger.error_max, 3);
+        table.cell[n++] = short_cell(arena, rows[i].errors.max, 3);
+        if (data)
+            table.cell[n++] = quantity_cell(arena, run_data_rms(run, session_recording(session)), QUANTITY_LENGTH, 3);
+        table.cell[n++] = period_cell(arena, run_period(run, arena));
+        table.cell[n++] = cell(arena, &angle);
+        table.cell[n++] = time_cell(arena, rows[i].time.minimum);
+    }
+    struct buffer text = {0};
+    put_table(&table, &text);
+    for (int i = 0; i < count; i++)
+        if (rows[i].verdict[0])
+            buffer_format(&text, "%s%s%s: %s\n", rows[i].run->method->row.name, several ? " " : "", several ? settings[i] : "",
+                          rows[i].verdict);
+    reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+}
+
+static void reply_comparison(const struct comparison *row, struct reply *reply)
+{
+    const struct run *run = row->run;
+    reply_begin(reply, "compare");
+    reply_string(reply, "method", run->method->row.name);
+    reply_real(reply, "dt", run->plan.adaptive ? (double)NAN : run->settings.dt);
+    reply_real(reply, "tol", run->plan.adaptive ? run->settings.tol : (double)NAN);
+    reply_int(reply, "steps", run->steps);
+    reply_int(reply, "evals", run->cost.evals);
+    reply_real(reply, "error", row->errors.max);
+    reply_real(reply, "energy_error", row->ledger.error_max);
+    reply_real(reply, "energy_factor", row->energy_factor);
+    reply_real(reply, "predicted_factor", row->predicted_factor);
+    reply_real(reply, "order", row->order);
+    reply_real(reply, "time_min", row->time.minimum);
+    reply_real(reply, "time_median", row->time.median);
+    reply_string(reply, "status", stop_name(run->stop));
+    reply_string(reply, "verdict", row->verdict[0] ? row->verdict : NULL);
+    reply_int(reply, "run", run->number);
+    reply_end(reply);
+}
+
+/* ---- the command -------------------------------------------------------------------------------------------------------- */
+
+static double *values_of(const struct given *given, struct arena *arena)
+{
+    double *values = arena_array(arena, (size_t)given->count + 1, sizeof *values);
+    for (int i = 0; values && i < given->count; i++)
+        values[i] = given->item[i].value.value;
+    return values;
+}
+
+static bool make_contenders(const struct session *session, const struct arguments *given, struct contender *contender,
+                            struct error *error)
+{
+    const struct given *methods = given_for(given, "METHOD"), *drag = given_for(given, "drag");
+    for (int i = 0; i < methods->count; i++) {
+        contender[i].method = (const struct method *)(const void *)methods->item[i].row;
+        contender[i].drag = drag->count == 1            ? (enum drag)(drag->item[0].index + 1)
+                            : drag->count == methods->count ? (enum drag)(drag->item[i].index + 1)
+                                                            : session->setup.drag;
+        if (drag->count == 0 && !(contender[i].method->drags & (1u << contender[i].drag)))
+            contender[i].drag = DRAG_DEFAULT;
+        /* One drag= for all of them holds for those that know it. */
+        if (drag->count == 1 && methods->count > 1 && !(contender[i].method->drags & (1u << contender[i].drag)))
+            contender[i].drag = DRAG_DEFAULT;
+    }
+    return drag->count <= 1 || drag->count == methods->count ||
+           error_at(error, drag->where, "drag= takes one variant for all methods or one for each");
+}
+
+/* The session takes the runs over; after a failure those that it has not taken are gone. */
+static bool keep_runs(struct session *session, struct comparison *rows, int count, struct error *error)
+{
+    bool ok = true;
+    for (int i = 0; i < count; i++) {
+        if (ok)
+            ok = session_add_run(session, rows[i].run, error);
+        else
+            comparison_free(&rows[i]);
+    }
+    return ok;
+}
+
+static void reply_saved(const struct comparison *rows, int count, struct reply *reply)
+{
+    struct buffer numbers = {0};
+    for (int i = 0; i < count; i++)
+        buffer_format(&numbers, "%s%d", i ? " " : "", rows[i].run->number);
+    reply_line(reply, "saved as run%s %s   ('runs', 'plot energy run %s', 'export runs.csv run %s')", count == 1 ? "" : "s",
+               buffer_view(&numbers), buffer_view(&numbers), buffer_view(&numbers));
+    buffer_free(&numbers);
+}
+
+HANDLER(compare)
+{
+    const struct given *methods = given_for(given, "METHOD"), *dt = given_for(given, "dt"), *tol = given_for(given, "tol");
+    const struct settings *settings = &session->setup.settings;
+    const int most = methods->count * (tol->count ? tol->count : dt->count ? dt->count : 1);
+    struct contender *contender = arena_array(given->arena, (size_t)methods->count, sizeof *contender);
+    struct comparison *rows = arena_array(given->arena, (size_t)most, sizeof *rows);
+    double *dts = values_of(dt, given->arena), *tols = values_of(tol, given->arena);
+    if (!contender || !rows || !dts || !tols)
+        return error_memory(error);
+    if (dt->count == 0)
+        dts[0] = settings->dt;
+    if (tol->count && dt->count > 1)
+        return error_at(error, dt->where, "with tol= at most one dt is given: the first step, and the step of methods that do not adapt");
+    if (session->runs + most > LIMIT_RUNS) {
+        error_set(error, ERROR_COMMAND, "this makes %d runs, %d exist and %d are the most", most, session->runs, LIMIT_RUNS);
+        return error_hint(error, "drop some: drop N.. or drop all");
+    }
+    if (!make_contenders(session, given, contender, error))
+        return false;
+    const struct compare_request request = {.scene = &session->setup.scene, .contender = contender, .contenders = methods->count,
+                                            .dt = dts, .dts = dt->count ? dt->count : 1, .tol = tol->count ? tols : NULL,
+                                            .tols = tol->count, .duration = settings->duration, .record = settings->record,
+                                            .timing = (enum timing)settings->timing, .cancel = session->front.cancel};
+    int count = 0;
+    struct error study = {0};
+    const bool ok = study_compare(&request, rows, &count, &study);
+    if (!keep_runs(session, rows, count, error))
+        return false;
+    if (count > 0) {
+        reply_table(session, rows, count, given->arena, reply);
+        for (int i = 0; i < count && reply->format != FORMAT_TEXT; i++)
+            reply_comparison(&rows[i], reply);
+        reply_saved(rows, count, reply);
+    }
+    if (!ok)
+        *error = study;
+    return ok;
+}
+#endif
+
+COMMAND(compare, .row = {"compare", "", "several methods on the same scene: error, energy, time", "", NULL}, .group = "STUDY",
+        .text = "Each method runs for the setting 'duration' with each dt given. The error is the largest distance from the exact\n"
+                "solution, divided by the amplitude. The runs are kept; a method that diverges is a result, not a failure.",
+        .examples = "compare euler symplectic-euler\ncompare euler verlet rk4 dt=10ms,5ms", .see = "method runs plot timing", .flags = COMMAND_CHANGES,
+        ARGUMENTS(PLACE("METHOD", TYPE_CHOICE, .flags = ARG_REQUIRED | ARG_MANY, .choices = &method_catalog),
+                  KEY("dt", TYPE_VALUE, .flags = ARG_MANY, .quantity = QUANTITY_TIME),
+                  KEY("tol", TYPE_VALUE, .flags = ARG_MANY, .quantity = QUANTITY_NUMBER),
+                  KEY("drag", TYPE_CHOICE, .flags = ARG_MANY, .choices = &drag_catalog)))

@@ -1,0 +1,283 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Completion: what can stand at the cursor, by the description of the arguments. Nothing is executed and no expression is evaluated. */
+#include "choices.h"
+
+#include <stdio.h>
+#include <string.h>
+
+struct completion {
+    struct session *session;
+    struct text word; /* what stands before the cursor of the word */
+    void (*offer)(void *context, const char *candidate, const char *brief);
+    void *context;
+    bool wants_file;
+};
+
+static void offer(struct completion *c, const char *candidate, const char *brief)
+{
+    if (text_starts(text_of(candidate), c->word))
+        c->offer(c->context, candidate, brief);
+}
+
+static void offer_name(void *context, const char *name, const char *brief)
+{
+    offer(context, name, brief);
+}
+
+static void offer_catalog(struct completion *c, const struct catalog *catalog)
+{
+    for (size_t i = 0; i < catalog->count; i++)
+        offer(c, catalog_row(catalog, i)->name, catalog_row(catalog, i)->brief);
+}
+
+static void offer_suffixed(struct completion *c, const char *before, const char *name, const char *after, const char *brief)
+{
+    char z[LIMIT_NAME + 8];
+    snprintf(z, sizeof z, "%s%s%s", before, name, after);
+    offer(c, z, brief);
+}
+
+static void offer_units(struct completion *c, enum quantity quantity)
+{
+    for (size_t i = 0; i < unit_catalog.count; i++) {
+        const struct unit *unit = (const struct unit *)(const void *)catalog_row(&unit_catalog, i);
+        if (quantity == QUANTITY_OTHER || unit->quantity == quantity)
+            offer(c, unit->row.name, unit->row.brief);
+    }
+}
+
+static void offer_settable(struct completion *c)
+{
+    offer_catalog(c, &param_catalog);
+    for (size_t i = 0; i < derived_catalog.count; i++) {
+        const struct derived_row *derived = (const struct derived_row *)(const void *)catalog_row(&derived_catalog, i);
+        if (derived->inverse)
+            offer(c, derived->row.name, derived->row.brief);
+    }
+    offer_catalog(c, &setting_catalog);
+    for (int i = 0; i < c->session->setup.lets; i++)
+        offer(c, c->session->setup.let[i].name, "variable");
+}
+
+static void offer_names(struct completion *c)
+{
+    names_each(c->session, offer_name, c);
+    offer_catalog(c, &function_catalog);
+}
+
+static void offer_runs(struct completion *c, bool all)
+{
+    for (int i = 0; i < c->session->runs; i++) {
+        const struct run *run = c->session->run[i]->run;
+        char number[16];
+        snprintf(number, sizeof number, "%d", run->number);
+        offer(c, number, run->method->row.name);
+        if (run->name[0])
+            offer(c, run->name, run->method->row.name);
+    }
+    if (all && c->session->runs > 0)
+        offer(c, "all", "every run");
+}
+
+static bool digit_before(struct text before)
+{
+    const struct text t = text_trim(before);
+    return t.len > 0 && t.at[t.len - 1] >= '0' && t.at[t.len - 1] <= '9';
+}
+
+/* Candidates for one item; before: what stands to the left of the word. */
+static void offer_item(struct completion *c, const struct argument *argument, struct text before)
+{
+    switch (argument->type) {
+    case TYPE_VALUE:
+        if (digit_before(before))
+            offer_units(c, argument->quantity);
+        else
+            offer_names(c);
+        break;
+    case TYPE_EXPR:
+        if (digit_before(before))
+            offer_units(c, QUANTITY_OTHER);
+        else
+            offer_names(c);
+        break;
+    case TYPE_CONDITION:
+    case TYPE_RANGE:
+        offer_names(c);
+        break;
+    case TYPE_CHOICE:
+        offer_catalog(c, argument->choices);
+        break;
+    case TYPE_UNIT:
+        offer_units(c, argument->quantity == QUANTITY_NUMBER ? QUANTITY_OTHER : argument->quantity);
+        break;
+    case TYPE_RUN:
+        offer_runs(c, (argument->flags & ARG_ALL) != 0);
+        break;
+    case TYPE_RECORDING:
+        for (int i = 0; i < c->session->recordings; i++)
+            offer(c, c->session->recording[i]->recording->name, "recording");
+        break;
+    case TYPE_NAME:
+        offer_settable(c);
+        break;
+    case TYPE_FILE:
+        c->wants_file = true;
+        break;
+    case TYPE_NONE:
+    case TYPE_INTEGER:
+    case TYPE_TEXT:
+    case TYPE_REST:
+        break;
+    }
+}
+
+/* After NAME of set: the unit of that name, or the choices of that setting. */
+static void offer_for_name(struct completion *c, struct text name, struct text before)
+{
+    const struct row *row;
+    enum quantity quantity = QUANTITY_OTHER;
+    if ((row = catalog_find(&param_catalog, name)))
+        quantity = ((const struct param_row *)(const void *)row)->quantity;
+    else if ((row = catalog_find(&derived_catalog, name)))
+        quantity = ((const struct derived_row *)(const void *)row)->quantity;
+    else if ((row = catalog_find(&setting_catalog, name))) {
+        const struct setting *setting = (const struct setting *)(const void *)row;
+        if (setting->choices) {
+            offer_catalog(c, setting->choices);
+            return;
+        }
+        quantity = setting->quantity;
+    }
+    if (digit_before(before))
+        offer_units(c, quantity);
+    else
+        offer_names(c);
+}
+
+static void offer_topics(struct completion *c)
+{
+    static const struct catalog *const topics[] = {&command_catalog, &param_catalog,      &derived_catalog, &setting_catalog,
+                                                   &method_catalog,  &observable_catalog, &preset_catalog,  &unit_catalog};
+    for (size_t i = 0; i < COUNT_OF(topics); i++)
+        offer_catalog(c, topics[i]);
+}
+
+/* The last word before the one being completed. */
+static struct text previous_word(struct text before)
+{
+    before = text_trim(before);
+    size_t from = before.len;
+    while (from > 0 && before.at[from - 1] != ' ' && before.at[from - 1] != '\t')
+        from--;
+    return (struct text){before.at + from, before.len - from};
+}
+
+static int count_words(struct text text)
+{
+    int count = 0;
+    for (struct text word; (text = text_trim(text)).len > 0; count++) {
+        word = peek_word(text, "");
+        const size_t used = word.len ? word.len : 1;
+        text = (struct text){text.at + used, text.len - used};
+    }
+    return count;
+}
+
+static const struct argument *find_by_form(const struct command *command, enum argument_form form, struct text name)
+{
+    for (int i = 0; i < command->arguments; i++)
+        if (command->argument[i].form == form && text_is(name, command->argument[i].name))
+            return &command->argument[i];
+    return NULL;
+}
+
+/* What may come next: the words, keys and options of the command, and the item of the next place. */
+static void offer_arguments(struct completion *c, const struct command *command, struct text before)
+{
+    int places = count_words(before);
+    const struct argument *place = NULL;
+    for (int i = 0; i < command->arguments; i++) {
+        const struct argument *argument = &command->argument[i];
+        if (argument->form == FORM_PLACE && !place && (places-- == 0 || (argument->flags & ARG_MANY)))
+            place = argument;
+        if (argument->form == FORM_WORD && argument->name[0] != '>')
+            offer(c, argument->name, "");
+        else if (argument->form == FORM_KEY)
+            offer_suffixed(c, "", argument->name, "=", "");
+        else if (argument->form == FORM_OPTION)
+            offer_suffixed(c, "--", argument->name, "", "");
+        if (argument->lead)
+            offer(c, argument->lead, "");
+    }
+    if (place)
+        offer_item(c, place, before);
+    else if (digit_before(before) && command->arguments > 0 && command->argument[0].type == TYPE_VALUE)
+        offer_units(c, command->argument[0].quantity);
+}
+
+static void complete_arguments(struct completion *c, const struct command *command, struct text before)
+{
+    const struct text last = previous_word(before);
+    const char *name = command->row.name;
+    /* NAME=item, also after commas: the word being completed begins behind the last = or comma. */
+    if (before.len > 0 && (before.at[before.len - 1] == '=' || before.at[before.len - 1] == ',')) {
+        const struct argument *key = find_by_form(command, FORM_KEY, peek_name(last));
+        if (key) {
+            offer_item(c, key, TEXT(""));
+            return;
+        }
+    }
+    const struct argument *word = find_by_form(command, FORM_WORD, last);
+    const struct argument *option = last.len > 2 ? find_by_form(command, FORM_OPTION, (struct text){last.at + 2, last.len - 2}) : NULL;
+    if (word && word->type != TYPE_NONE)
+        offer_item(c, word, TEXT(""));
+    else if (option && option->type != TYPE_NONE)
+        offer_item(c, option, TEXT(""));
+    else if (strcmp(name, "help") == 0)
+        offer_topics(c);
+    else if (strcmp(name, "show") == 0) {
+        offer_catalog(c, &show_catalog);
+        names_each(c->session, offer_name, c);
+    } else if ((strcmp(name, "set") == 0 || strcmp(name, "let") == 0) && count_words(before) > 0)
+        offer_for_name(c, peek_name(text_trim(before)), before);
+    else
+        offer_arguments(c, command, before);
+}
+
+bool command_complete(struct session *session, struct text line, size_t cursor, size_t *start,
+                      void (*offer_to)(void *context, const char *candidate, const char *brief), void *context)
+{
+    struct text rest = {line.at, cursor < line.len ? cursor : line.len}, statement = rest;
+    struct error ignored;
+    while (rest.len > 0) {
+        statement = rest;
+        if (!next_statement(&rest, &statement, &ignored))
+            return true; /* inside a string */
+        if (rest.len == 0 && rest.at > line.at && rest.at[-1] == ';')
+            statement = rest;
+        else if (rest.len == 0)
+            statement.len = (size_t)(rest.at - statement.at); /* with the blanks at its end */
+    }
+    size_t word = statement.len;
+    while (word > 0 && !strchr(" \t=,;:", statement.at[word - 1]))
+        word--;
+    *start = (size_t)(statement.at + word - line.at);
+    struct completion c = {session, {statement.at + word, statement.len - word}, offer_to, context, false};
+    struct text before = {statement.at, word};
+    skip_blanks(&before);
+    if (before.len == 0) {
+        offer_catalog(&c, &command_catalog);
+        offer_settable(&c);
+        return true;
+    }
+    const struct text name = peek_name(before);
+    struct text after = {before.at + name.len, before.len - name.len};
+    skip_blanks(&after);
+    const struct command *command = (const struct command *)(const void *)catalog_find(&command_catalog, name);
+    if (after.len > 0 && after.at[0] == '=')
+        offer_for_name(&c, name, before);
+    else if (command)
+        complete_arguments(&c, command, (struct text){before.at + name.len, before.len - name.len});
+    return !c.wants_file;
+}

@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Tables made from a session; all memory from the arena. */
+#ifndef HOOKE_COMMAND_EXPORT_H
+#define HOOKE_COMMAND_EXPORT_H
+
+#include "internal.h"
+
+struct export {
+    struct arena *arena;
+    struct table table;
+};
+
+/* runs: none means the current one; column: none means t, y, v, energy; every: a count of rows, or a time. */
+bool export_runs(const struct session *session, const struct given *runs, const struct given *column, const struct given *every,
+                 struct export *export, struct error *error);
+bool export_recording(const struct session *session, struct export *export, struct error *error);
+bool export_measurements(const struct session *session, struct export *export, struct error *error);
+bool export_run_table(const struct session *session, struct export *export, struct error *error);
+
+#endif

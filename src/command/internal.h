@@ -1,0 +1,271 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the files of this layer share: arguments and how they are described, names in expressions, changes of the session. */
+#ifndef HOOKE_COMMAND_INTERNAL_H
+#define HOOKE_COMMAND_INTERNAL_H
+
+#include <hooke/command.h>
+
+/* ---- how the arguments of a command are described ------------------------------------------------------------------------ */
+
+enum argument_form {
+    FORM_PLACE,  /* stands where it stands: DURATION */
+    FORM_WORD,   /* introduced by its own name: to T, run N.. */
+    FORM_KEY,    /* NAME=item */
+    FORM_OPTION, /* --NAME [item] */
+};
+
+enum argument_type {
+    TYPE_NONE,      /* nothing follows the name */
+    TYPE_VALUE,     /* a number with a unit of `quantity`, an expression */
+    TYPE_INTEGER,   /* a whole number */
+    TYPE_RANGE,     /* [value]:[value] */
+    TYPE_CONDITION, /* y < 1 cm */
+    TYPE_EXPR,      /* an expression of any quantity, or a string */
+    TYPE_CHOICE,    /* a row of `choices` */
+    TYPE_UNIT,      /* the name of a unit */
+    TYPE_RUN,       /* number or name of a run; -1 for `all` where ARG_ALL allows it */
+    TYPE_RECORDING, /* name of a recording */
+    TYPE_NAME,      /* something that can be set or shown */
+    TYPE_TEXT,      /* a word or a string */
+    TYPE_FILE,      /* the same, completed as a file name */
+    TYPE_REST,      /* all that is left of the statement, as it is */
+};
+
+enum argument_flag {
+    ARG_REQUIRED = 1,
+    ARG_MANY = 2,     /* several items: blanks or commas between them in a place or after a word, commas after a key */
+    ARG_ALL = 4,      /* the word `all` stands for every run */
+    ARG_NEGATIVE = 8, /* TYPE_INTEGER and TYPE_VALUE may be negative or zero */
+};
+
+struct argument {
+    enum argument_form form;
+    const char *name; /* for usage and messages: "DURATION"; what is typed: "to", "dt", "force" */
+    enum argument_type type;
+    unsigned flags;
+    enum quantity quantity;
+    const struct catalog *choices;
+    const char *lead; /* a word that may stand before: "of" */
+    int group;        /* those of the same group (not 0) exclude each other */
+};
+
+#define ARGUMENTS_MOST 12
+
+/* ---- what was given --------------------------------------------------------------------------------------------------------- */
+
+struct item {
+    struct text text;      /* as typed, quotes and escapes resolved */
+    struct measured value; /* SI; the uncertainty is 0 unless given */
+    const struct unit *unit; /* NULL: none typed */
+    enum quantity quantity; /* of the value, where it is known: by its unit, or as a single name; else QUANTITY_OTHER */
+    bool is_string;
+    double range[2];       /* NAN: open */
+    const struct row *row; /* TYPE_CHOICE */
+    int index;             /* place of the choice in its catalog, of the run or recording in the session; -1: all */
+    const struct condition *condition;
+    const struct expr *expr;
+};
+
+struct given {
+    int count; /* 0: not given */
+    struct item *item;
+    struct text where; /* all of it, in the line */
+};
+
+struct arguments {
+    const struct command *command;
+    struct given given[ARGUMENTS_MOST]; /* at the place of their struct argument */
+    const struct expr_scope *scope;     /* of conditions and expressions */
+    struct arena *arena;                /* lives as long as the command */
+    const struct source *where;
+};
+
+static inline bool has(const struct arguments *arguments, int place)
+{
+    return arguments->given[place].count > 0;
+}
+
+/* What was given for the argument of this name, which the command has. */
+const struct given *given_for(const struct arguments *arguments, const char *name);
+
+static inline bool is_given(const struct arguments *arguments, const char *name)
+{
+    return given_for(arguments, name)->count > 0;
+}
+
+/* ---- how a command is written ------------------------------------------------------------------------------------------------
+ * A file cmd_*.c holds, inside `#ifndef COMMAND_ROWS`, functions that begin with HANDLER(name), and below it their rows, COMMAND(name, …). commands.c
+ * includes all of them again through commands.def to collect the rows.
+ */
+
+enum command_flag {
+    COMMAND_CHANGES = 1,    /* may change what undo restores: a snapshot is taken before */
+    COMMAND_UNRECORDED = 2, /* not written by `record` */
+};
+
+#define HANDLER_PARAMETERS struct session *session, const struct arguments *given, struct reply *reply, struct error *error
+#define HANDLER(name)                      \
+    bool command_##name(HANDLER_PARAMETERS); \
+    bool command_##name(HANDLER_PARAMETERS)
+#define UNUSED(thing) ((void)(thing))
+
+#define ARGUMENTS(...) \
+    .argument = (const struct argument[]){__VA_ARGS__}, .arguments = (int)COUNT_OF(((const struct argument[]){__VA_ARGS__}))
+
+/* name, type, then what else differs from zero: PLACE("N", TYPE_INTEGER, .flags = ARG_REQUIRED) */
+#define PLACE(...) {.form = FORM_PLACE, .name = __VA_ARGS__}
+#define WORD(...) {.form = FORM_WORD, .name = __VA_ARGS__}
+#define KEY(...) {.form = FORM_KEY, .name = __VA_ARGS__}
+#define OPTION(...) {.form = FORM_OPTION, .name = __VA_ARGS__}
+
+#ifndef COMMAND_ROWS
+#define COMMAND(...)
+#endif
+
+/* ---- parsing (lexer.c, value.c, arguments.c) ---------------------------------------------------------------------------------- */
+
+struct parser {
+    struct session *session;
+    const struct expr_scope *scope;
+    struct arena *arena;
+    struct text rest; /* what is left of the statement */
+};
+
+/* Cuts the next statement off a line; comments are dropped. False: nothing is left. error: a quote that does not end. */
+bool next_statement(struct text *line, struct text *statement, struct error *error);
+bool is_name_start(char c);
+bool is_name_char(char c);
+void skip_blanks(struct text *text);
+/* The word at the start, up to a blank, quote, semicolon or one of `stops`. */
+struct text peek_word(struct text text, const char *stops);
+/* The name at the start: letter, then letters, digits, _ and -; empty if there is none. */
+struct text peek_name(struct text text);
+/* A word or a string; *is_string says which. */
+bool parse_word(struct parser *parser, const char *stops, struct item *item, struct error *error);
+/* expr [UNIT] [+- expr [UNIT]]; `what` names the parameter in messages. wanted QUANTITY_OTHER: any. */
+bool parse_value(struct parser *parser, const char *what, enum quantity wanted, struct item *item, struct error *error);
+bool parse_range(struct parser *parser, const char *what, enum quantity wanted, struct item *item, struct error *error);
+bool parse_integer(struct parser *parser, const char *what, bool negative, struct item *item, struct error *error);
+/* Refuses what is left, with the likely reason: decimal comma, unknown unit, word too many. after_value: a number stands before. */
+bool refuse_rest(const struct parser *parser, bool after_value, struct error *error);
+/* Reads all arguments of a command. */
+bool parse_arguments(struct parser *parser, const struct command *command, struct arguments *arguments, struct error *error);
+/* find, or the only row that starts so at the prompt. */
+const struct row *choose(const struct session *session, const struct catalog *catalog, struct text name);
+int catalog_place(const struct catalog *catalog, const struct row *row);
+
+/* ---- names in expressions (names.c) --------------------------------------------------------------------------------------------- */
+
+struct names {
+    const struct session *session;
+    bool expects_run; /* state and observables are known although there is no run yet: it is about to start */
+};
+
+struct expr_scope names_scope(const struct names *names);
+/* Value, uncertainty and quantity of one name; false: unknown. */
+bool names_value(const struct session *session, struct text name, struct named_value *value);
+/* Everything that can be named: offers candidates for completion and help. */
+void names_each(const struct session *session, void (*offer)(void *context, const char *name, const char *brief), void *context);
+bool name_is_taken(const struct session *session, struct text name, const char **kind);
+
+/* ---- text for people ---------------------------------------------------------------------------------------------------------------- */
+
+/* "199.9 +- 0.1 g", "1.9373 +- 0.0002 s": in the unit that shows the value well. */
+void buffer_measured(struct buffer *buffer, struct measured value, enum quantity quantity, int digits);
+/* The value as a command that reads back exactly: "0.2 kg", "199.9 +- 0.1 g". */
+void buffer_exact(struct buffer *buffer, struct measured value, enum quantity quantity);
+/* A word of a command line, quoted where it has to be. */
+void buffer_word(struct buffer *buffer, struct text word);
+/* A NUL-terminated view; "out of memory" if the buffer has failed, never NULL. */
+const char *buffer_view(const struct buffer *buffer);
+
+/* ---- the session (session.c, runs.c, undo.c) ------------------------------------------------------------------------------------------- */
+
+static inline struct run *session_run(const struct session *session)
+{
+    return session->current_run >= 0 ? session->run[session->current_run]->run : NULL;
+}
+
+static inline struct recording *session_recording(const struct session *session)
+{
+    return session->current_recording >= 0 ? session->recording[session->current_recording]->recording : NULL;
+}
+
+void session_changed(struct session *session);
+/* Takes the run over (also when it fails: then it is destroyed) and makes it the current one. */
+bool session_add_run(struct session *session, struct run *run, struct error *error);
+bool session_add_recording(struct session *session, struct recording *recording, const char *options, struct error *error);
+void session_drop_run(struct session *session, int place);
+void session_drop_recording(struct session *session, int place);
+void held_run_release(struct held_run *held);
+void held_recording_release(struct held_recording *held);
+int session_find_run(const struct session *session, struct text name);       /* number or name; -1: none */
+int session_find_recording(const struct session *session, struct text name); /* -1: none */
+void session_set_result(struct session *session, const char *name, struct measured value, enum quantity quantity);
+struct write_policy session_policy(const struct session *session, bool force);
+void session_default_settings(struct settings *settings);
+/* Settings of a new run: dt, tol (0 unless the method adapts), drag, recording. */
+struct run_settings session_run_settings(const struct session *session);
+enum charset session_charset(const struct session *session);
+void session_size(const struct session *session, int *width, int *height);
+
+struct snapshot *snapshot_take(const struct session *session, const char *label); /* NULL: no memory */
+void snapshot_free(struct snapshot *snapshot);
+void undo_push(struct session *session, struct snapshot *before);
+void undo_clear(struct session *session);
+
+/* ---- runs in text (cmd_run.c, subject.c) ------------------------------------------------------------------------------------------------------ */
+
+/* The line and the record of a run as it is now. */
+void reply_run(const struct session *session, const struct run *run, struct reply *reply);
+/* [m] rms distance of the run from the recording where they overlap in time; NAN: they do not, or it is no length. */
+double run_data_rms(const struct run *run, const struct recording *recording);
+
+/* ---- settings (settings.c) ---------------------------------------------------------------------------------------------------------------- */
+
+/* Reads the value of a setting from the parser into `settings`. */
+bool setting_read(const struct setting *setting, struct parser *parser, struct settings *settings, struct error *error);
+void setting_show(const struct setting *setting, const struct settings *settings, struct buffer *text);
+/* As a command that reads back exactly. */
+void setting_exact(const struct setting *setting, const struct settings *settings, struct buffer *text);
+
+extern const struct catalog charset_choice_catalog, color_choice_catalog, phase_axes_catalog;
+
+/* ---- what measure, fit, export and plot act on (source of a series) ------------------------------------------------------------------------ */
+
+struct subject {
+    struct series series;
+    char name[LIMIT_NAME + 16]; /* "run 1", "data swing3" */
+    bool energy;                /* the series is an energy */
+    struct run *run;            /* NULL: a recording */
+    struct recording *recording;
+};
+
+/* Position, or energy, of a run over time; oldest first also where it went backwards. */
+bool run_series(const struct run *run, bool energy, struct arena *arena, struct series *series, struct error *error);
+/* The run or recording that was given, else the latest; window: of TYPE_RANGE. At least `least` samples. */
+bool subject_open(struct session *session, const struct given *run, const struct given *data, const struct given *window,
+                  bool energy, size_t least, struct arena *arena, struct subject *subject, struct error *error);
+
+/* ---- figures (session_figure.c) ---------------------------------------------------------------------------------------------------------------- */
+
+enum plot_kind { PLOT_POSITION, PLOT_VELOCITY, PLOT_PHASE, PLOT_ENERGY, PLOT_ERROR };
+
+extern const struct catalog plot_catalog;
+
+struct figure_request {
+    enum plot_kind kind;
+    const int *run; /* places in the session */
+    int runs;
+    int recording;  /* place, -1: none */
+    double window[2]; /* [s] NAN: choose */
+    int width;        /* [cell] that will be drawn on */
+    bool log;         /* vertical axis */
+    enum charset charset;
+};
+
+/* Builds the figure; all memory from the arena. */
+bool session_figure(const struct session *session, const struct figure_request *request, struct arena *arena,
+                    struct figure *figure, struct error *error);
+
+#endif

@@ -1,0 +1,144 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Lines to statements, statements to handlers: atomic, undoable, recorded. */
+#include "history.h"
+#include "reply.h"
+
+#include <string.h>
+
+/* NAME = value; not NAME == …, not NAME' = … */
+static bool is_assignment(struct text statement)
+{
+    struct text name = peek_name(statement);
+    struct text rest = {statement.at + name.len, statement.len - name.len};
+    skip_blanks(&rest);
+    return name.len > 0 && rest.len > 0 && rest.at[0] == '=' && (rest.len == 1 || rest.at[1] != '=');
+}
+
+static bool unknown_command(const struct session *session, struct text word, struct error *error)
+{
+    struct named_value value;
+    catalog_unknown(&command_catalog, word, error);
+    if (names_value(session, word, &value))
+        return error_hint(error, "'print %s' shows it, '%s = VALUE' sets it", value.name[0] ? value.name : "NAME",
+                          value.name[0] ? value.name : "NAME");
+    return error->hint[0] ? error_hint(error, "('help' lists the commands)") : error_hint(error, "'help' lists the commands");
+}
+
+static bool find_command(struct session *session, struct parser *parser, const struct command **command, struct error *error)
+{
+    if (is_assignment(parser->rest)) {
+        *command = (const struct command *)(const void *)catalog_find(&command_catalog, TEXT("set"));
+        return true;
+    }
+    const struct text word = peek_word(parser->rest, "");
+    *command = (const struct command *)(const void *)choose(session, &command_catalog, word);
+    parser->rest = (struct text){word.at + word.len, parser->rest.len - word.len};
+    return *command || unknown_command(session, word, error);
+}
+
+/* Runs the handler between a snapshot and what follows from success. */
+static bool run_handler(struct session *session, const struct arguments *arguments, struct reply *reply, struct error *error)
+{
+    const struct command *command = arguments->command;
+    struct snapshot *before = NULL;
+    if (command->flags & COMMAND_CHANGES) {
+        before = snapshot_take(session, command->row.name);
+        if (!before)
+            return error_memory(error);
+    }
+    const uint64_t changes = session->changes;
+    const bool ok = command->handler(session, arguments, reply, error);
+    /* A run that diverged is an error, and a change all the same. */
+    if (before && session->changes != changes)
+        undo_push(session, before);
+    else
+        snapshot_free(before);
+    return ok;
+}
+
+static bool exec_statement(struct session *session, struct text statement, const struct source *where, struct reply *reply,
+                           struct arena *arena, struct error *error)
+{
+    if (cancelled(session->front.cancel))
+        return error_set(error, ERROR_CANCELLED, "interrupted");
+    struct names names = {session, true};
+    const struct expr_scope scope = names_scope(&names);
+    struct parser parser = {session, &scope, arena, statement};
+    struct arguments *arguments = arena_alloc(arena, sizeof *arguments);
+    if (!arguments)
+        return error_memory(error);
+    arguments->scope = &scope;
+    arguments->arena = arena;
+    arguments->where = where;
+    if (!find_command(session, &parser, &arguments->command, error))
+        return false;
+    /* Only a condition looks into a run that is about to start. */
+    const bool starts = strcmp(arguments->command->row.name, "run") == 0;
+    names.expects_run = starts;
+    reply_command_begin(reply, (enum output_format)session->setup.settings.format);
+    if (!parse_arguments(&parser, arguments->command, arguments, error))
+        return false;
+    const bool ok = run_handler(session, arguments, reply, error);
+    reply_command_end(reply, arguments->command->row.name);
+    if (!ok)
+        return false;
+    session->commands++;
+    if (!(arguments->command->flags & COMMAND_UNRECORDED) && !(where && where->parent) && !history_record(session, statement, error))
+        return false;
+    if (reply->failed) {
+        error_set(error, ERROR_IO, "the results could not be written: the output is closed or its device is full");
+        return false;
+    }
+    return true;
+}
+
+static void note_failure(struct session *session, const struct error *error)
+{
+    if (session->keep_going && error->code != ERROR_CANCELLED)
+        session->status = ERROR_COMMAND;
+    else if (session->status == 0)
+        session->status = (int)error->code;
+}
+
+static bool exec_line(struct session *session, struct text line, const struct source *where, struct reply *reply)
+{
+    struct error error = {0};
+    struct text rest = line, statement;
+    bool ok = true;
+    if (line.len > LIMIT_LINE)
+        ok = error_set(&error, ERROR_COMMAND, "a line of more than %u bytes", LIMIT_LINE);
+    else if (memchr(line.at, 0, line.len))
+        ok = error_at(&error, (struct text){memchr(line.at, 0, line.len), 1}, "a NUL byte in a command");
+    while (ok && rest.len > 0 && !session->quit) {
+        struct arena arena = {0};
+        ok = next_statement(&rest, &statement, &error) &&
+             (statement.len == 0 || exec_statement(session, statement, where, reply, &arena, &error));
+        /* An error without a code was reported where it happened: in a sourced file. */
+        if (!ok && error.code != ERROR_NONE) {
+            reply->format = (enum output_format)session->setup.settings.format;
+            reply_error(reply, &error, where, line);
+            note_failure(session, &error);
+        }
+        arena_reset(&arena);
+        if (!ok)
+            return false;
+    }
+    if (!ok) {
+        reply_error(reply, &error, where, error.where.at ? line : (struct text){NULL, 0});
+        note_failure(session, &error);
+    }
+    return ok;
+}
+
+bool command_exec(struct session *session, struct text line, const struct source *where, struct reply *reply)
+{
+    if (line.len == 0)
+        return true;
+    const bool typed = session->typed;
+    session->typed = session->front.interactive && !(where && where->name);
+    if (!(where && where->parent))
+        history_add(session, line);
+    const bool ok = exec_line(session, line, where, reply);
+    session->typed = typed;
+    return ok;
+}

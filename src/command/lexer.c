@@ -1,0 +1,139 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Statements, names, words and strings: the part of the grammar that knows no commands. */
+#include "internal.h"
+
+#include <string.h>
+
+bool is_name_start(char c)
+{
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
+}
+
+bool is_name_char(char c)
+{
+    return is_name_start(c) || (c >= '0' && c <= '9');
+}
+
+static bool is_blank(char c)
+{
+    return c == ' ' || c == '\t' || c == '\r' || c == '\n';
+}
+
+void skip_blanks(struct text *text)
+{
+    while (text->len > 0 && is_blank(text->at[0])) {
+        text->at++;
+        text->len--;
+    }
+}
+
+/* Bytes of the string that starts at text.at[0], both quotes included; 0: it does not end. */
+static size_t string_length(struct text text)
+{
+    const char quote = text.at[0];
+    for (size_t i = 1; i < text.len; i++) {
+        if (quote == '"' && text.at[i] == '\\')
+            i++;
+        else if (text.at[i] == quote)
+            return i + 1;
+    }
+    return 0;
+}
+
+/* A ' directly after a name is a derivative mark or an apostrophe, not a quote. */
+static bool opens_string(struct text text, size_t i)
+{
+    return text.at[i] == '"' || (text.at[i] == '\'' && (i == 0 || !(is_name_char(text.at[i - 1]) || text.at[i - 1] == '\'')));
+}
+
+bool next_statement(struct text *line, struct text *statement, struct error *error)
+{
+    size_t i = 0;
+    const struct text all = *line;
+    while (i < all.len && all.at[i] != ';') {
+        if (opens_string(all, i)) {
+            const struct text rest = {all.at + i, all.len - i};
+            const size_t used = string_length(rest);
+            if (used == 0) {
+                error_at(error, (struct text){rest.at, 1}, "the string that begins here has no end");
+                error_hint(error, "close it with %c", rest.at[0]);
+                return false;
+            }
+            i += used;
+        } else if (all.at[i] == '#' && (i == 0 || is_blank(all.at[i - 1]))) {
+            break;
+        } else {
+            i++;
+        }
+    }
+    *statement = (struct text){all.at, i};
+    const bool comment = i < all.len && all.at[i] == '#';
+    const size_t cut = comment ? all.len : i < all.len ? i + 1 : i;
+    *line = (struct text){all.at + cut, all.len - cut};
+    skip_blanks(statement);
+    while (statement->len > 0 && is_blank(statement->at[statement->len - 1]))
+        statement->len--;
+    return true;
+}
+
+struct text peek_word(struct text text, const char *stops)
+{
+    size_t i = 0;
+    while (i < text.len && !is_blank(text.at[i]) && text.at[i] != ';' && !opens_string(text, i) &&
+           !strchr(stops, text.at[i]))
+        i++;
+    return (struct text){text.at, i};
+}
+
+struct text peek_name(struct text text)
+{
+    size_t i = 0;
+    if (text.len > 0 && is_name_start(text.at[0]))
+        while (i < text.len && (is_name_char(text.at[i]) ||
+                                (text.at[i] == '-' && i + 1 < text.len && is_name_start(text.at[i + 1]))))
+            i++;
+    return (struct text){text.at, i};
+}
+
+static bool unescape(struct parser *parser, struct text inside, struct text *out, struct error *error)
+{
+    char *copy = arena_alloc(parser->arena, inside.len + 1);
+    if (!copy)
+        return error_memory(error);
+    size_t n = 0;
+    for (size_t i = 0; i < inside.len; i++) {
+        char c = inside.at[i];
+        if (c == '\\') {
+            static const char from[] = "nt\"\\", to[] = "\n\t\"\\";
+            const char *known = strchr(from, inside.at[++i]);
+            if (!known) {
+                error_at(error, (struct text){inside.at + i - 1, 2}, "unknown escape in a string");
+                return error_hint(error, "known are \\n \\t \\\" \\\\; '...' takes everything as it is");
+            }
+            c = to[known - from];
+        }
+        copy[n++] = c;
+    }
+    *out = (struct text){copy, n};
+    return true;
+}
+
+bool parse_word(struct parser *parser, const char *stops, struct item *item, struct error *error)
+{
+    struct text *rest = &parser->rest;
+    if (rest->len > 0 && (rest->at[0] == '"' || rest->at[0] == '\'')) {
+        const size_t used = string_length(*rest);
+        if (used == 0)
+            return error_at(error, (struct text){rest->at, 1}, "the string that begins here has no end");
+        const struct text inside = {rest->at + 1, used - 2};
+        item->is_string = true;
+        item->text = inside;
+        if (rest->at[0] == '"' && !unescape(parser, inside, &item->text, error))
+            return false;
+        *rest = (struct text){rest->at + used, rest->len - used};
+        return true;
+    }
+    item->text = peek_word(*rest, stops);
+    *rest = (struct text){rest->at + item->text.len, rest->len - item->text.len};
+    return true;
+}

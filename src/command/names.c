@@ -1,0 +1,173 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What names mean in expressions: state and observables of the current run first, then parameters, derived quantities, settings, variables, results. */
+#include "internal.h"
+
+#include <math.h>
+#include <string.h>
+
+enum name_kind { NAME_OBSERVABLE, NAME_PARAM, NAME_DERIVED, NAME_SETTING, NAME_LET, NAME_RESULT };
+
+#define SLOT_KIND 16 /* slot = kind << SLOT_KIND | place */
+
+static bool in_values(const struct named_value *values, int count, struct text name, int *place)
+{
+    for (int i = 0; i < count; i++)
+        if (text_is(name, values[i].name)) {
+            *place = i;
+            return true;
+        }
+    return false;
+}
+
+/* Settings that are a number, not a choice. */
+static bool setting_is_number(const struct row *row)
+{
+    const struct setting *setting = (const struct setting *)(const void *)row;
+    return setting && setting->most > 0;
+}
+
+static bool in_catalog(const struct catalog *catalog, struct text name, int *place)
+{
+    const struct row *row = catalog_find(catalog, name);
+    if (row)
+        *place = catalog_place(catalog, row);
+    return row != NULL;
+}
+
+static bool find_name(const struct names *names, struct text name, int *slot)
+{
+    const struct session *session = names->session;
+    enum name_kind kind;
+    int place = 0;
+    if ((names->expects_run || session_run(session)) && in_catalog(&observable_catalog, name, &place))
+        kind = NAME_OBSERVABLE;
+    else if (in_catalog(&param_catalog, name, &place))
+        kind = NAME_PARAM;
+    else if (in_catalog(&derived_catalog, name, &place))
+        kind = NAME_DERIVED;
+    else if (setting_is_number(catalog_find(&setting_catalog, name)) && in_catalog(&setting_catalog, name, &place))
+        kind = NAME_SETTING;
+    else if (in_values(session->setup.let, session->setup.lets, name, &place))
+        kind = NAME_LET;
+    else if (in_values(session->result, session->results, name, &place))
+        kind = NAME_RESULT;
+    else
+        return false;
+    *slot = (int)kind << SLOT_KIND | place;
+    return true;
+}
+
+static bool scope_find(const void *context, struct text name, int *slot)
+{
+    return find_name(context, name, slot);
+}
+
+static double setting_number(const struct settings *settings, const struct setting *setting)
+{
+    double value;
+    memcpy(&value, (const char *)settings + setting->offset, sizeof value);
+    return value;
+}
+
+static struct named_value slot_value(const struct session *session, int slot)
+{
+    const size_t place = (size_t)(slot & ((1 << SLOT_KIND) - 1));
+    const struct setup *setup = &session->setup;
+    struct named_value value = {.value = (double)NAN, .quantity = QUANTITY_OTHER};
+    switch ((enum name_kind)(slot >> SLOT_KIND)) {
+    case NAME_OBSERVABLE: {
+        const struct observable *observable = (const struct observable *)(const void *)catalog_row(&observable_catalog, place);
+        value.quantity = observable->quantity;
+        if (session_run(session))
+            value.value = run_observable(session_run(session), observable);
+        break;
+    }
+    case NAME_PARAM: {
+        const struct param_row *param = (const struct param_row *)(const void *)catalog_row(&param_catalog, place);
+        value.value = setup->scene.value[place];
+        value.uncertainty = setup->scene.uncertainty[place];
+        value.quantity = param->quantity;
+        break;
+    }
+    case NAME_DERIVED: {
+        const struct derived_row *derived = (const struct derived_row *)(const void *)catalog_row(&derived_catalog, place);
+        const struct measured measured = derived->value(&setup->scene);
+        value.value = measured.value;
+        value.uncertainty = measured.uncertainty;
+        value.quantity = derived->quantity;
+        break;
+    }
+    case NAME_SETTING: {
+        const struct setting *setting = (const struct setting *)(const void *)catalog_row(&setting_catalog, place);
+        value.value = setting_number(&setup->settings, setting);
+        value.quantity = setting->quantity;
+        break;
+    }
+    case NAME_LET:
+        return setup->let[place];
+    case NAME_RESULT:
+        return session->result[place];
+    }
+    return value;
+}
+
+static double scope_load(const void *context, int slot)
+{
+    return slot_value(((const struct names *)context)->session, slot).value;
+}
+
+void names_each(const struct session *session, void (*offer)(void *context, const char *name, const char *brief), void *context)
+{
+    const struct catalog *const catalogs[] = {&observable_catalog, &param_catalog, &derived_catalog, &setting_catalog};
+    for (size_t c = 0; c < COUNT_OF(catalogs); c++)
+        for (size_t i = 0; i < catalogs[c]->count; i++) {
+            const struct row *row = catalog_row(catalogs[c], i);
+            if (catalogs[c] != &setting_catalog || setting_is_number(row))
+                offer(context, row->name, row->brief);
+        }
+    for (int i = 0; i < session->setup.lets; i++)
+        offer(context, session->setup.let[i].name, "variable");
+    for (int i = 0; i < session->results; i++)
+        offer(context, session->result[i].name, "result");
+}
+
+static void suggest(void *context, const char *name, const char *brief)
+{
+    (void)brief;
+    suggestion_offer(context, name);
+}
+
+static void scope_offer(const void *context, struct suggestion *suggestion)
+{
+    names_each(((const struct names *)context)->session, suggest, suggestion);
+    suggestion_offer(suggestion, "pi");
+}
+
+struct expr_scope names_scope(const struct names *names)
+{
+    return (struct expr_scope){names, scope_find, scope_load, scope_offer};
+}
+
+bool names_value(const struct session *session, struct text name, struct named_value *value)
+{
+    const struct names names = {session, false};
+    int slot;
+    if (!find_name(&names, name, &slot))
+        return false;
+    *value = slot_value(session, slot);
+    return true;
+}
+
+bool name_is_taken(const struct session *session, struct text name, const char **kind)
+{
+    const struct catalog *const catalogs[] = {&param_catalog,      &derived_catalog, &setting_catalog,
+                                              &observable_catalog, &function_catalog};
+    for (size_t i = 0; i < COUNT_OF(catalogs); i++)
+        if (catalog_find(catalogs[i], name)) {
+            *kind = catalogs[i]->kind;
+            return true;
+        }
+    int place;
+    *kind = in_values(session->result, session->results, name, &place) ? "result" : "constant";
+    return text_is(name, "pi") || in_values(session->result, session->results, name, &place);
+}

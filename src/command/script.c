@@ -1,0 +1,131 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Scripts: lines joined, counted and stopped at the first error; files that source files. */
+#include "internal.h"
+
+#include <string.h>
+
+#define SCRIPT_MOST (64u * LIMIT_LINE) /* [byte] */
+
+void script_begin(struct script *script, struct session *session, const char *name, const struct source *parent)
+{
+    *script = (struct script){.where = {name, 0, parent}, .commands = session->commands, .ok = true};
+}
+
+static void execute(struct script *script, struct session *session, struct text line, int number, struct reply *reply)
+{
+    struct source where = script->where;
+    where.line = number;
+    if (command_exec(session, line, &where, reply))
+        return;
+    script->ok = false;
+    script->stopped = !session->keep_going || session->status == ERROR_CANCELLED || reply->failed;
+}
+
+bool script_feed(struct script *script, struct session *session, struct text line, struct reply *reply)
+{
+    if (script->stopped || session->quit)
+        return false;
+    script->where.line++;
+    if (script->where.line == 1 && text_starts(line, TEXT("\xEF\xBB\xBF")))
+        line = (struct text){line.at + 3, line.len - 3};
+    line = text_trim(line);
+    const bool comment = line.len > 0 && line.at[0] == '#';
+    const bool joins = line.len > 0 && line.at[line.len - 1] == '\\' && !comment;
+    struct buffer *pending = &script->pending;
+    if (!joins && pending->len == 0) {
+        execute(script, session, line, script->where.line, reply);
+    } else {
+        if (pending->len == 0)
+            script->pending_line = script->where.line;
+        /* An endless joined line grows to just above the limit, where it is refused. */
+        if (pending->len <= LIMIT_LINE)
+            buffer_put(pending, (struct text){line.at, joins ? line.len - 1 : line.len});
+        buffer_char(pending, ' ');
+        if (!joins) {
+            execute(script, session, text_trim(buffer_text(pending)), script->pending_line, reply);
+            buffer_clear(pending);
+        }
+    }
+    return !script->stopped && !session->quit;
+}
+
+static void put_runs_kept(const struct session *session, struct buffer *text)
+{
+    if (session->runs == 1)
+        buffer_format(text, ", run %d kept", session->run[0]->run->number);
+    else if (session->runs > 1)
+        buffer_format(text, ", runs %d-%d kept", session->run[0]->run->number, session->run[session->runs - 1]->run->number);
+}
+
+bool script_end(struct script *script, struct session *session, struct reply *reply)
+{
+    if (script->pending.len > 0 && !script->stopped && !session->quit)
+        execute(script, session, text_trim(buffer_text(&script->pending)), script->pending_line, reply);
+    buffer_free(&script->pending);
+    const struct source *parent = script->where.parent;
+    const bool outermost = !parent || !parent->name;
+    const bool one_line = script->where.line <= 1 && text_is(text_of(script->where.name), "-c");
+    if (script->stopped && outermost && !one_line && reply->format != FORMAT_JSON) {
+        struct buffer kept = {0}, name = {0};
+        put_runs_kept(session, &kept);
+        safe_text(&name, text_of(script->where.name), false);
+        const int done = session->commands - script->commands;
+        reply_note(reply, "%s: stopped at line %d (%d command%s run%s)", buffer_view(&name), script->where.line, done,
+                   done == 1 ? "" : "s", buffer_view(&kept));
+        buffer_free(&kept);
+        buffer_free(&name);
+    }
+    return script->ok;
+}
+
+static bool check_nesting(const char *path, const struct source *parent, struct error *error)
+{
+    struct buffer chain = {0};
+    int depth = 0;
+    bool cycle = false;
+    for (const struct source *s = parent; s; s = s->parent) {
+        if (!s->name)
+            continue;
+        depth++;
+        cycle |= strcmp(s->name, path) == 0;
+        buffer_format(&chain, "%s%s:%d", chain.len ? ", sourced at " : "", s->name, s->line);
+    }
+    if (cycle)
+        error_set(error, ERROR_USAGE, "%s would source itself: it is being read already (%s)", path, buffer_view(&chain));
+    else if (depth >= LIMIT_SOURCE_DEPTH)
+        error_set(error, ERROR_USAGE, "files that source files: more than %d deep (%s)", LIMIT_SOURCE_DEPTH, buffer_view(&chain));
+    buffer_free(&chain);
+    return !cycle && depth < LIMIT_SOURCE_DEPTH;
+}
+
+static bool check_content(const char *path, struct text content, struct error *error)
+{
+    const char *nul = content.len ? memchr(content.at, 0, content.len) : NULL;
+    int line = 1;
+    for (const char *c = content.at; nul && c < nul; c++)
+        line += *c == '\n';
+    return !nul || error_set(error, ERROR_USAGE, "%s: a NUL byte in line %d: this is not a command file", path, line);
+}
+
+bool script_file(struct session *session, const char *path, const struct source *parent, struct reply *reply)
+{
+    struct buffer content = {0};
+    struct error error = {0};
+    if (!check_nesting(path, parent, &error) || !file_read(path, SCRIPT_MOST, &content, &error) ||
+        !check_content(path, buffer_text(&content), &error)) {
+        error.code = ERROR_USAGE;
+        reply->format = (enum output_format)session->setup.settings.format;
+        reply_error(reply, &error, parent && parent->name ? parent : NULL, (struct text){NULL, 0});
+        session->status = session->keep_going ? ERROR_COMMAND : session->status ? session->status : ERROR_USAGE;
+        buffer_free(&content);
+        return false;
+    }
+    struct script script;
+    script_begin(&script, session, path, parent);
+    struct text rest = buffer_text(&content), line;
+    while (rest.len > 0 && text_split(&rest, '\n', &line) && script_feed(&script, session, line, reply))
+        ;
+    const bool ok = script_end(&script, session, reply);
+    buffer_free(&content);
+    return ok;
+}

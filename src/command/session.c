@@ -1,0 +1,303 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The session: its runs, recordings and results. */
+#include "internal.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+struct session *session_create(const struct front *front)
+{
+    struct session *session = calloc(1, sizeof *session);
+    if (!session)
+        return NULL;
+    session->front = *front;
+    scene_init(&session->setup.scene, NULL);
+    session->setup.method = (const struct method *)(const void *)catalog_find(&method_catalog, TEXT("euler"));
+    session_default_settings(&session->setup.settings);
+    session->current_run = session->current_recording = -1;
+    session->next_run = 1;
+    session->record_fd = -1;
+    return session;
+}
+
+void session_destroy(struct session *session)
+{
+    if (!session)
+        return;
+    undo_clear(session);
+    for (int i = 0; i < session->checkpoints; i++)
+        snapshot_free(session->checkpoint[i]);
+    while (session->runs > 0)
+        session_drop_run(session, session->runs - 1);
+    while (session->recordings > 0)
+        session_drop_recording(session, session->recordings - 1);
+    for (int i = 0; i < session->histories; i++)
+        free(session->history[i]);
+    free(session->history);
+    free(session->measurement);
+    free(session->record_path);
+    if (session->record_fd >= 0)
+        close(session->record_fd);
+    free(session);
+}
+
+void session_changed(struct session *session)
+{
+    session->changes++;
+}
+
+/* ---- runs and recordings ------------------------------------------------------------------------------------------------- */
+
+void held_run_release(struct held_run *held)
+{
+    if (--held->references > 0)
+        return;
+    run_destroy(held->run);
+    free(held->note);
+    free(held);
+}
+
+void held_recording_release(struct held_recording *held)
+{
+    if (--held->references > 0)
+        return;
+    recording_destroy(held->recording);
+    free(held->options);
+    free(held);
+}
+
+bool session_add_run(struct session *session, struct run *run, struct error *error)
+{
+    struct held_run *held = NULL;
+    if (session->runs == LIMIT_RUNS) {
+        error_set(error, ERROR_COMMAND, "%d runs are kept already", LIMIT_RUNS);
+        error_hint(error, "drop some: drop N.. or drop all");
+    } else if (!(held = calloc(1, sizeof *held))) {
+        error_memory(error);
+    }
+    if (!held) {
+        run_destroy(run);
+        return false;
+    }
+    run->number = session->next_run++;
+    *held = (struct held_run){.run = run, .references = 1};
+    session->run[session->runs] = held;
+    session->current_run = session->runs++;
+    session->data_is_latest = false;
+    session_changed(session);
+    return true;
+}
+
+bool session_add_recording(struct session *session, struct recording *recording, const char *options, struct error *error)
+{
+    struct held_recording *held = NULL;
+    char *copy = NULL;
+    if (session->recordings == LIMIT_RECORDINGS) {
+        error_set(error, ERROR_COMMAND, "%d recordings are kept already", LIMIT_RECORDINGS);
+        error_hint(error, "drop one: data drop NAME");
+    } else if (!(held = calloc(1, sizeof *held)) || !(copy = strdup(options))) {
+        error_memory(error);
+    }
+    if (!copy) {
+        free(held);
+        recording_destroy(recording);
+        return false;
+    }
+    *held = (struct held_recording){recording, 1, copy};
+    session->recording[session->recordings] = held;
+    session->current_recording = session->recordings++;
+    session->data_is_latest = true;
+    session_changed(session);
+    return true;
+}
+
+/* Where the current one is after place `dropped` has gone from a list of `count`. */
+static int after_drop(int current, int dropped, int count)
+{
+    if (current > dropped)
+        return current - 1;
+    return current == dropped ? count - 1 : current;
+}
+
+void session_drop_run(struct session *session, int place)
+{
+    held_run_release(session->run[place]);
+    session->runs--;
+    memmove(&session->run[place], &session->run[place + 1], (size_t)(session->runs - place) * sizeof(session->run[0]));
+    session->current_run = after_drop(session->current_run, place, session->runs);
+    session_changed(session);
+}
+
+void session_drop_recording(struct session *session, int place)
+{
+    held_recording_release(session->recording[place]);
+    session->recordings--;
+    memmove(&session->recording[place], &session->recording[place + 1],
+            (size_t)(session->recordings - place) * sizeof(session->recording[0]));
+    session->current_recording = after_drop(session->current_recording, place, session->recordings);
+    session_changed(session);
+}
+
+int session_find_run(const struct session *session, struct text name)
+{
+    double number;
+    const bool numeric = real_parse(name, &number) == REAL_OK;
+    for (int i = 0; i < session->runs; i++) {
+        const struct run *run = session->run[i]->run;
+        if ((numeric && number == run->number) || (name.len > 0 && text_is(name, run->name)))
+            return i;
+    }
+    return -1;
+}
+
+int session_find_recording(const struct session *session, struct text name)
+{
+    for (int i = 0; i < session->recordings; i++)
+        if (text_is(name, session->recording[i]->recording->name))
+            return i;
+    return -1;
+}
+
+/* ---- results ---------------------------------------------------------------------------------------------------------------- */
+
+void session_set_result(struct session *session, const char *name, struct measured value, enum quantity quantity)
+{
+    struct named_value *result = NULL;
+    for (int i = 0; i < session->results; i++)
+        if (strcmp(session->result[i].name, name) == 0)
+            result = &session->result[i];
+    if (!result && session->results == LIMIT_RESULTS)
+        return;
+    if (!result)
+        result = &session->result[session->results++];
+    *result = (struct named_value){.value = value.value, .uncertainty = value.uncertainty, .quantity = quantity};
+    snprintf(result->name, sizeof result->name, "%s", name);
+}
+
+/* ---- what follows from the settings and the front end ------------------------------------------------------------------------ */
+
+struct write_policy session_policy(const struct session *session, bool force)
+{
+    return (struct write_policy){.force = force, .confine = session->safe};
+}
+
+struct run_settings session_run_settings(const struct session *session)
+{
+    const struct settings *settings = &session->setup.settings;
+    const bool adaptive = (session->setup.method->flags & METHOD_ADAPTIVE) && !session->setup.fixed;
+    return (struct run_settings){.dt = settings->dt,
+                                 .tol = adaptive ? settings->tol : 0,
+                                 .drag = session->setup.drag,
+                                 .record = settings->record};
+}
+
+enum charset session_charset(const struct session *session)
+{
+    switch ((enum charset_choice)session->setup.settings.charset) {
+    case CHOOSE_ASCII:
+        return CHARSET_ASCII;
+    case CHOOSE_BLOCK:
+        return CHARSET_BLOCK;
+    case CHOOSE_BRAILLE:
+        return CHARSET_BRAILLE;
+    case CHOOSE_AUTO:
+        break;
+    }
+    return session->front.utf8 ? CHARSET_BRAILLE : CHARSET_ASCII;
+}
+
+void session_size(const struct session *session, int *width, int *height)
+{
+    const struct settings *settings = &session->setup.settings;
+    *width = settings->width ? settings->width : session->front.width ? session->front.width : 80;
+    *height = settings->height ? settings->height : session->front.height ? session->front.height : 24;
+}
+
+/* ---- text for people ------------------------------------------------------------------------------------------------------------- */
+
+const char *buffer_view(const struct buffer *buffer)
+{
+    return buffer->failed ? "(out of memory)" : buffer->data ? buffer->data : "";
+}
+
+/* Times from 0.1 s on stay in seconds: T = 0.7226 s is what the sheet asks for. */
+static const struct unit *unit_for(enum quantity quantity, double value)
+{
+    return unit_display(quantity, quantity == QUANTITY_TIME && fabs(value) >= 0.1 ? 1 : value);
+}
+
+void buffer_measured(struct buffer *buffer, struct measured value, enum quantity quantity, int digits)
+{
+    const struct unit *unit = unit_for(quantity, value.value);
+    const double factor = unit ? unit->factor : 1;
+    if (value.uncertainty > 0)
+        buffer_uncertain(buffer, value.value / factor, value.uncertainty / factor);
+    else
+        buffer_short(buffer, value.value / factor, digits);
+    const char *name = unit ? unit->row.name : quantity_unit(quantity);
+    if (*name)
+        buffer_format(buffer, " %s", name);
+}
+
+void buffer_exact(struct buffer *buffer, struct measured value, enum quantity quantity)
+{
+    if (value.uncertainty > 0) {
+        buffer_real(buffer, value.value);
+        buffer_put(buffer, TEXT(" +- "));
+        buffer_real(buffer, value.uncertainty);
+        if (*quantity_unit(quantity))
+            buffer_format(buffer, " %s", quantity_unit(quantity));
+    } else {
+        buffer_quantity(buffer, value.value, quantity, 0);
+    }
+}
+
+void buffer_word(struct buffer *buffer, struct text word)
+{
+    bool plain = word.len > 0 && word.at[0] != '#';
+    bool raw = true;
+    for (size_t i = 0; i < word.len; i++) {
+        plain &= !strchr(" \t\r\n;'\"\\,=>", word.at[i]);
+        raw &= word.at[i] != '\'' && word.at[i] != '\n';
+    }
+    if (plain) {
+        buffer_put(buffer, word);
+    } else if (raw) {
+        buffer_format(buffer, "'%.*s'", (int)word.len, word.at);
+    } else {
+        buffer_char(buffer, '"');
+        for (size_t i = 0; i < word.len; i++) {
+            if (word.at[i] == '\n') {
+                buffer_put(buffer, TEXT("\\n"));
+                continue;
+            }
+            if (strchr("\"\\", word.at[i]))
+                buffer_char(buffer, '\\');
+            buffer_char(buffer, word.at[i]);
+        }
+        buffer_char(buffer, '"');
+    }
+}
+
+void session_state_line(const struct session *session, struct buffer *text)
+{
+    const struct setup *setup = &session->setup;
+    buffer_put(text, text_of(setup->scene.preset->row.name));
+    for (size_t i = 0; i < param_catalog.count; i++) {
+        const struct param_row *param = (const struct param_row *)(const void *)catalog_row(&param_catalog, i);
+        if (i != (size_t)param_index("m") && i != (size_t)param_index("k") && !setup->scene.given[i])
+            continue;
+        buffer_format(text, " %s=", param->row.name);
+        buffer_measured(text, (struct measured){setup->scene.value[i], 0}, param->quantity, 4);
+    }
+    buffer_format(text, " | %s dt=", setup->method->row.name);
+    buffer_measured(text, (struct measured){setup->settings.dt, 0}, QUANTITY_TIME, 4);
+    const struct run *run = session_run(session);
+    if (run) {
+        buffer_format(text, " | run %d t=", run->number);
+        buffer_measured(text, (struct measured){run->t, 0}, QUANTITY_TIME, 4);
+    }
+}

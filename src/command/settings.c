@@ -1,0 +1,211 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The settings that are not part of the scene: one row each. */
+#include "internal.h"
+
+#include <math.h>
+#include <string.h>
+
+static const struct row format_rows[] = {
+    [FORMAT_TEXT] = {"text", "", "lines for people", "", NULL},
+    [FORMAT_CSV] = {"csv", "", "comma-separated rows with a header", "", NULL},
+    [FORMAT_JSON] = {"json", "", "one JSON object a line", "", NULL},
+};
+const struct catalog format_choice_catalog = CATALOG("format", format_rows);
+
+static const struct row charset_rows[] = {
+    [CHOOSE_AUTO] = {"auto", "", "braille where the terminal can show it", "", NULL},
+    [CHOOSE_ASCII] = {"ascii", "", "plain ASCII", "", NULL},
+    [CHOOSE_BLOCK] = {"block", "", "block characters", "", NULL},
+    [CHOOSE_BRAILLE] = {"braille", "", "braille dots, 2x4 a cell", "", NULL},
+};
+const struct catalog charset_choice_catalog = CATALOG("charset", charset_rows);
+
+static const struct row color_rows[] = {
+    [COLOR_AUTO] = {"auto", "", "on terminals, unless NO_COLOR is set", "", NULL},
+    [COLOR_ALWAYS] = {"always", "", "always", "", NULL},
+    [COLOR_NEVER] = {"never", "", "never", "", NULL},
+};
+const struct catalog color_choice_catalog = CATALOG("color", color_rows);
+
+static const struct row phase_rows[] = {
+    [PHASE_SCALED] = {"scaled", "", "v/omega0 in the unit of y: what conserves draws a circle", "", NULL},
+    [PHASE_RAW] = {"raw", "", "v", "", NULL},
+};
+const struct catalog phase_axes_catalog = CATALOG("kind of axes", phase_rows);
+
+static bool parse_tol(struct settings *settings, struct text value, struct error *error)
+{
+    double tol;
+    if (text_is(value, "off")) {
+        settings->tol = 0;
+        return true;
+    }
+    if (real_parse(value, &tol) != REAL_OK || !(tol > 0 && tol < 1)) {
+        error_at(error, value, "tol is a number between 0 and 1, or off");
+        return error_hint(error, "for example tol = 1e-8");
+    }
+    settings->tol = tol;
+    return true;
+}
+
+static void show_tol(const struct settings *settings, struct buffer *text)
+{
+    if (settings->tol > 0)
+        buffer_real(text, settings->tol);
+    else
+        buffer_put(text, TEXT("off"));
+}
+
+static bool parse_record(struct settings *settings, struct text value, struct error *error)
+{
+    struct text word = peek_word(value, "");
+    struct text rest = text_trim((struct text){value.at + word.len, value.len - word.len});
+    double every;
+    if (rest.len == 0 && (text_is(word, "auto") || text_is(word, "all"))) {
+        settings->record = (struct recording_rule){text_is(word, "all") ? RECORD_ALL : RECORD_AUTO, 1};
+        return true;
+    }
+    if (text_is(word, "every") && real_parse(rest, &every) == REAL_OK && every >= 1 && every <= 1e15 && every == floor(every)) {
+        settings->record = (struct recording_rule){RECORD_EVERY, (int64_t)every};
+        return true;
+    }
+    return error_at(error, value, "record is auto, all, or every N (steps)");
+}
+
+static void show_record(const struct settings *settings, struct buffer *text)
+{
+    if (settings->record.rule == RECORD_EVERY)
+        buffer_format(text, "every %lld", (long long)settings->record.every);
+    else
+        buffer_put(text, settings->record.rule == RECORD_ALL ? TEXT("all") : TEXT("auto"));
+}
+
+static bool parse_size(struct settings *settings, struct text value, struct error *error)
+{
+    struct text rest = value, width;
+    double w, h;
+    if (text_is(value, "auto")) {
+        settings->width = settings->height = 0;
+        return true;
+    }
+    if (!text_split(&rest, 'x', &width) || real_parse(width, &w) != REAL_OK || real_parse(rest, &h) != REAL_OK || w < 1 ||
+        h < 1 || w > 1000 || h > 1000 || w != floor(w) || h != floor(h))
+        return error_at(error, value, "size is WIDTHxHEIGHT in characters from 1x1 to 1000x1000, or auto");
+    settings->width = (int)w;
+    settings->height = (int)h;
+    return true;
+}
+
+static void show_size(const struct settings *settings, struct buffer *text)
+{
+    if (settings->width > 0)
+        buffer_format(text, "%dx%d", settings->width, settings->height);
+    else
+        buffer_put(text, TEXT("auto"));
+}
+
+static bool parse_digits(struct settings *settings, struct text value, struct error *error)
+{
+    double digits;
+    if (real_parse(value, &digits) != REAL_OK || digits < 1 || digits > 17 || digits != floor(digits))
+        return error_at(error, value, "digits is a whole number from 1 to 17");
+    settings->digits = (int)digits;
+    return true;
+}
+
+static void show_digits(const struct settings *settings, struct buffer *text)
+{
+    buffer_format(text, "%d", settings->digits);
+}
+
+#define FIELD(name) offsetof(struct settings, name)
+#define BRIEF(name, unit, brief) {name, unit, brief, "", NULL}
+
+static const struct setting settings_rows[] = {
+    {.row = BRIEF("duration", "s", "how long run goes"), .quantity = QUANTITY_TIME, .offset = FIELD(duration), .most = 1e300},
+    {.row = BRIEF("dt", "s", "time step; the first one where the method adapts"), .quantity = QUANTITY_TIME,
+     .offset = FIELD(dt), .most = 1e300},
+    {.row = BRIEF("tol", "", "tolerance of adaptive methods, relative to the size of the scene, or off"), .offset = FIELD(tol), .most = 1,
+     .parse = parse_tol, .show = show_tol},
+    {.row = BRIEF("record", "", "what is kept of a run: auto, all, every N"), .parse = parse_record, .show = show_record},
+    {.row = BRIEF("digits", "", "significant digits in text"), .parse = parse_digits, .show = show_digits},
+    {.row = BRIEF("format", "", "form of results: text, csv, json"), .offset = FIELD(format), .display = true, .choices = &format_choice_catalog},
+    {.row = BRIEF("size", "", "size of plots, WIDTHxHEIGHT, or auto"), .display = true, .parse = parse_size,
+     .show = show_size},
+    {.row = BRIEF("charset", "", "characters of plots"), .offset = FIELD(charset), .display = true, .choices = &charset_choice_catalog},
+    {.row = BRIEF("color", "", "colour in plots"), .offset = FIELD(color), .display = true, .choices = &color_choice_catalog},
+    {.row = BRIEF("phase-axes", "", "vertical axis of the phase plot"), .offset = FIELD(phase_axes),
+     .choices = &phase_axes_catalog},
+    {.row = BRIEF("timing", "", "how carefully compare times its runs"), .offset = FIELD(timing), .choices = &timing_catalog},
+};
+const struct catalog setting_catalog = CATALOG("setting", settings_rows);
+
+void session_default_settings(struct settings *settings)
+{
+    *settings = (struct settings){.dt = 0.01, .tol = 1e-6, .duration = 10, .record = {RECORD_AUTO, 1}, .digits = 6,
+                                  .timing = TIMING_QUICK};
+}
+
+bool setting_read(const struct setting *setting, struct parser *parser, struct settings *settings, struct error *error)
+{
+    const struct text value = text_trim(parser->rest);
+    if (value.len == 0)
+        return error_at(error, value, "%s needs a value", setting->row.name);
+    if (setting->parse) {
+        parser->rest = (struct text){value.at + value.len, 0};
+        return setting->parse(settings, value, error);
+    }
+    if (setting->choices) {
+        const struct row *row = choose(parser->session, setting->choices, value);
+        if (!row) {
+            struct buffer all = {0};
+            for (size_t i = 0; i < setting->choices->count; i++)
+                buffer_format(&all, "%s%s", i ? ", " : "", catalog_row(setting->choices, i)->name);
+            catalog_unknown(setting->choices, value, error);
+            error_hint(error, "%s is one of: %s", setting->row.name, buffer_view(&all));
+            buffer_free(&all);
+            return false;
+        }
+        const int place = catalog_place(setting->choices, row);
+        memcpy((char *)settings + setting->offset, &place, sizeof place);
+        parser->rest = (struct text){value.at + value.len, 0};
+        return true;
+    }
+    struct item item = {0};
+    if (!parse_value(parser, setting->row.name, setting->quantity, &item, error) || !refuse_rest(parser, true, error))
+        return false;
+    if (!(item.value.value > setting->least && item.value.value <= setting->most))
+        return error_at(error, item.text, "%s must be more than 0, got '%.*s'", setting->row.name, (int)item.text.len, item.text.at);
+    if (item.value.uncertainty > 0)
+        return error_at(error, item.text, "%s is exact: it takes no uncertainty", setting->row.name);
+    memcpy((char *)settings + setting->offset, &item.value.value, sizeof item.value.value);
+    return true;
+}
+
+static void put_setting(const struct setting *setting, const struct settings *settings, bool exact, struct buffer *text)
+{
+    if (setting->show) {
+        setting->show(settings, text);
+    } else if (setting->choices) {
+        int place;
+        memcpy(&place, (const char *)settings + setting->offset, sizeof place);
+        buffer_put(text, text_of(catalog_row(setting->choices, (size_t)place)->name));
+    } else {
+        double value;
+        memcpy(&value, (const char *)settings + setting->offset, sizeof value);
+        if (exact)
+            buffer_exact(text, (struct measured){value, 0}, setting->quantity);
+        else
+            buffer_measured(text, (struct measured){value, 0}, setting->quantity, settings->digits);
+    }
+}
+
+void setting_show(const struct setting *setting, const struct settings *settings, struct buffer *text)
+{
+    put_setting(setting, settings, false, text);
+}
+
+void setting_exact(const struct setting *setting, const struct settings *settings, struct buffer *text)
+{
+    put_setting(setting, settings, true, text);
+}

@@ -1,0 +1,142 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What measure and fit act on: a run or a recording as a series; and the distance between the two. */
+#include "internal.h"
+
+#include <math.h>
+#include <stdio.h>
+
+bool run_series(const struct run *run, bool energy, struct arena *arena, struct series *series, struct error *error)
+{
+    const size_t n = trace_count(run->trace);
+    double *t = arena_array(arena, n, sizeof *t), *y = arena_array(arena, n, sizeof *y);
+    if (!t || !y)
+        return error_memory(error);
+    const struct row *row = catalog_find(&observable_catalog, energy ? TEXT("energy") : TEXT("y"));
+    if (!run_column(run, (const struct observable *)(const void *)row, y, error))
+        return false;
+    for (size_t i = 0; i < n; i++)
+        t[i] = trace_time(run->trace, i);
+    if (n > 1 && t[n - 1] < t[0])
+        for (size_t i = 0; i < n / 2; i++) {
+            const double a = t[i], b = y[i];
+            t[i] = t[n - 1 - i];
+            y[i] = y[n - 1 - i];
+            t[n - 1 - i] = a;
+            y[n - 1 - i] = b;
+        }
+    *series = (struct series){t, y, n, energy ? QUANTITY_ENERGY : QUANTITY_LENGTH};
+    return true;
+}
+
+/* Kinetic and potential energy of a recording: m and k from the scene, the velocity by central differences. */
+static bool data_energy(const struct session *session, struct arena *arena, struct series *series, struct error *error)
+{
+    const size_t n = series->n;
+    const struct scene *scene = &session->setup.scene;
+    const double m = scene->value[param_index("m")], k = scene->value[param_index("k")];
+    double *e = arena_array(arena, n, sizeof *e);
+    if (!e)
+        return error_memory(error);
+    if (series->quantity != QUANTITY_LENGTH)
+        return error_set(error, ERROR_COMMAND, "the energy needs positions, the recording holds another quantity");
+    double mean = 0;
+    for (size_t i = 0; i < n; i++)
+        mean += series->y[i] / (double)n;
+    for (size_t i = 0; i < n; i++) {
+        const size_t a = i > 0 ? i - 1 : 0, b = i + 1 < n ? i + 1 : n - 1;
+        const double v = (series->y[b] - series->y[a]) / (series->t[b] - series->t[a]), y = series->y[i] - mean;
+        e[i] = 0.5 * (m * v * v + k * y * y);
+    }
+    series->y = e;
+    series->quantity = QUANTITY_ENERGY;
+    return true;
+}
+
+static bool open_run(struct run *run, const struct given *window, bool energy, size_t least, struct arena *arena,
+                     struct subject *subject, struct error *error)
+{
+    subject->run = run;
+    snprintf(subject->name, sizeof subject->name, "run %d", run->number);
+    if (!run_series(run, energy, arena, &subject->series, error))
+        return false;
+    if (window && window->count) {
+        const double *range = window->item->range;
+        subject->series = series_window(subject->series, isnan(range[0]) ? -HUGE_VAL : range[0], isnan(range[1]) ? HUGE_VAL : range[1]);
+    }
+    if (subject->series.n >= least)
+        return true;
+    error_set(error, ERROR_COMMAND, "%s holds %zu samples there, at least %zu are needed", subject->name, subject->series.n, least);
+    if (window && window->count)
+        error->where = window->where;
+    return false;
+}
+
+static bool open_recording(const struct session *session, struct recording *recording, const struct given *window, bool energy,
+                           size_t least, struct arena *arena, struct subject *subject, struct error *error)
+{
+    subject->recording = recording;
+    snprintf(subject->name, sizeof subject->name, "data %s", recording->name);
+    /* window= replaces the recording's own window, for this command only. */
+    const double before[2] = {recording->window[0], recording->window[1]};
+    bool ok = true;
+    if (window && window->count) {
+        const double *range = window->item->range;
+        ok = recording_window(recording, isnan(range[0]) ? -HUGE_VAL : range[0], isnan(range[1]) ? HUGE_VAL : range[1], error);
+    }
+    ok = ok && recording_series(recording, arena, least, &subject->series, error);
+    recording->window[0] = before[0];
+    recording->window[1] = before[1];
+    if (!ok && window && window->count)
+        error->where = window->where;
+    return ok && (!energy || data_energy(session, arena, &subject->series, error));
+}
+
+bool subject_open(struct session *session, const struct given *run, const struct given *data, const struct given *window,
+                  bool energy, size_t least, struct arena *arena, struct subject *subject, struct error *error)
+{
+    *subject = (struct subject){.energy = energy};
+    if (run && run->count)
+        return open_run(session->run[run->item->index]->run, window, energy, least, arena, subject, error);
+    if (data && data->count)
+        return open_recording(session, session->recording[data->item->index]->recording, window, energy, least, arena, subject, error);
+    struct run *latest = session_run(session);
+    struct recording *recording = session_recording(session);
+    if (recording && (session->data_is_latest || !latest))
+        return open_recording(session, recording, window, energy, least, arena, subject, error);
+    if (latest)
+        return open_run(latest, window, energy, least, arena, subject, error);
+    error_set(error, ERROR_COMMAND, "there is neither a run nor a recording yet");
+    return error_hint(error, "type: run, or: load FILE");
+}
+
+double run_data_rms(const struct run *run, const struct recording *recording)
+{
+    struct arena arena = {0};
+    struct series data;
+    struct error ignored;
+    double sum = 0;
+    size_t count = 0, row = 0;
+    const size_t rows = trace_count(run->trace);
+    if (recording && run->system.n == 2 && run->system.order == 2 && rows > 1 &&
+        recording_series(recording, &arena, 2, &data, &ignored) && data.quantity == QUANTITY_LENGTH &&
+        trace_time(run->trace, rows - 1) > trace_time(run->trace, 0)) {
+        for (size_t i = 0; i < data.n; i++) {
+            const double t = data.t[i];
+            while (row + 2 < rows && trace_time(run->trace, row + 1) < t)
+                row++;
+            const double a = trace_time(run->trace, row), b = trace_time(run->trace, row + 1);
+            if (!(t >= a && t <= b))
+                continue;
+            /* Cubic Hermite through both states. */
+            const double *left = trace_state(run->trace, row);
+            const double y0 = left[0], v0 = left[1];
+            const double *right = trace_state(run->trace, row + 1);
+            const double h = b - a, x = (t - a) / h, z = 1 - x;
+            const double y = z * z * (1 + 2 * x) * y0 + x * x * (3 - 2 * x) * right[0] + h * x * z * (z * v0 - x * right[1]);
+            sum += (y - data.y[i]) * (y - data.y[i]);
+            count++;
+        }
+    }
+    arena_reset(&arena);
+    return count >= 2 ? sqrt(sum / (double)count) : (double)NAN;
+}

@@ -1,0 +1,231 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Undo, redo and checkpoints: copies of the set-up, and the lists of runs and recordings as they were. A run that has gone on since is taken back to
+ * its step by dropping rows; one that was taken back is advanced again, which gives the same bits.
+ */
+#include "undo.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct run_mark {
+    struct held_run *held;
+    int64_t steps;
+    double t; /* [s] */
+    enum stop stop;
+    struct controller controller; /* of an adaptive method: what the next step would be */
+    char name[LIMIT_NAME + 1];
+};
+
+struct recording_mark {
+    struct held_recording *held;
+    double window[2], zero;
+};
+
+struct snapshot {
+    char label[LIMIT_NAME + 1]; /* of a checkpoint; for undo: the command */
+    struct setup setup;
+    int current_run, current_recording, next_run;
+    bool data_is_latest;
+    int runs, recordings;
+    struct run_mark *run;
+    struct recording_mark *recording;
+};
+
+struct snapshot *snapshot_take(const struct session *session, const char *label)
+{
+    struct snapshot *snapshot = calloc(1, sizeof *snapshot);
+    if (!snapshot)
+        return NULL;
+    snapshot->run = calloc((size_t)session->runs + 1, sizeof *snapshot->run);
+    snapshot->recording = calloc((size_t)session->recordings + 1, sizeof *snapshot->recording);
+    if (!snapshot->run || !snapshot->recording) {
+        snapshot_free(snapshot);
+        return NULL;
+    }
+    snprintf(snapshot->label, sizeof snapshot->label, "%s", label);
+    snapshot->setup = session->setup;
+    snapshot->current_run = session->current_run;
+    snapshot->current_recording = session->current_recording;
+    snapshot->next_run = session->next_run;
+    snapshot->data_is_latest = session->data_is_latest;
+    for (int i = 0; i < session->runs; i++) {
+        const struct run *run = session->run[i]->run;
+        struct run_mark *mark = &snapshot->run[snapshot->runs++];
+        *mark = (struct run_mark){.held = session->run[i], .steps = run->steps, .t = run->t, .stop = run->stop,
+                                 .controller = run->controller};
+        memcpy(mark->name, run->name, sizeof mark->name);
+        mark->held->references++;
+    }
+    for (int i = 0; i < session->recordings; i++) {
+        const struct recording *recording = session->recording[i]->recording;
+        snapshot->recording[snapshot->recordings++] = (struct recording_mark){
+            session->recording[i], {recording->window[0], recording->window[1]}, recording->zero};
+        session->recording[i]->references++;
+    }
+    return snapshot;
+}
+
+void snapshot_free(struct snapshot *snapshot)
+{
+    if (!snapshot)
+        return;
+    for (int i = 0; i < snapshot->runs; i++)
+        held_run_release(snapshot->run[i].held);
+    for (int i = 0; i < snapshot->recordings; i++)
+        held_recording_release(snapshot->recording[i].held);
+    free(snapshot->run);
+    free(snapshot->recording);
+    free(snapshot);
+}
+
+const char *snapshot_label(const struct snapshot *snapshot)
+{
+    return snapshot->label;
+}
+
+static void return_run(struct run *run, const struct run_mark *mark)
+{
+    if (run->steps != mark->steps || run->t != mark->t) {
+        size_t rows = trace_count(run->trace), back = 0;
+        while (back + 1 < rows && trace_step(run->trace, rows - 1 - back) > mark->steps)
+            back++;
+        if (back + 1 < rows && trace_step(run->trace, rows - 1 - back) == mark->steps &&
+            trace_time(run->trace, rows - 1 - back) != mark->t)
+            back++;
+        if (back > 0)
+            run_back(run, (int64_t)back);
+        if (run->steps < mark->steps || run->t != mark->t)
+            run_advance(run, &(struct run_target){.t = mark->t, .steps = mark->steps - run->steps}, 0, NULL);
+    }
+    run->stop = mark->stop;
+    run->controller = mark->controller;
+    memcpy(run->name, mark->name, sizeof run->name);
+}
+
+/* Puts the session into the state of the snapshot, which stays valid. */
+static void go_to(struct session *session, const struct snapshot *snapshot)
+{
+    for (int i = 0; i < snapshot->runs; i++)
+        snapshot->run[i].held->references++;
+    for (int i = 0; i < snapshot->recordings; i++)
+        snapshot->recording[i].held->references++;
+    while (session->runs > 0)
+        session_drop_run(session, session->runs - 1);
+    while (session->recordings > 0)
+        session_drop_recording(session, session->recordings - 1);
+    for (int i = 0; i < snapshot->runs; i++) {
+        session->run[i] = snapshot->run[i].held;
+        return_run(session->run[i]->run, &snapshot->run[i]);
+    }
+    for (int i = 0; i < snapshot->recordings; i++) {
+        const struct recording_mark *mark = &snapshot->recording[i];
+        session->recording[i] = mark->held;
+        memcpy(mark->held->recording->window, mark->window, sizeof mark->window);
+        mark->held->recording->zero = mark->zero;
+    }
+    session->runs = snapshot->runs;
+    session->recordings = snapshot->recordings;
+    session->current_run = snapshot->current_run;
+    session->current_recording = snapshot->current_recording;
+    session->next_run = snapshot->next_run;
+    session->data_is_latest = snapshot->data_is_latest;
+    /* What the front end was told (form of results, characters) is not part of the experiment. */
+    const struct settings now = session->setup.settings;
+    session->setup = snapshot->setup;
+    session->setup.settings.format = now.format;
+    session->setup.settings.charset = now.charset;
+    session->setup.settings.color = now.color;
+    session->setup.settings.width = now.width;
+    session->setup.settings.height = now.height;
+    session_changed(session);
+}
+
+static void push(struct snapshot **stack, int *count, struct snapshot *snapshot)
+{
+    if (*count == LIMIT_UNDO) {
+        snapshot_free(stack[0]);
+        memmove(stack, stack + 1, (LIMIT_UNDO - 1) * sizeof(stack[0]));
+        --*count;
+    }
+    stack[(*count)++] = snapshot;
+}
+
+static void clear(struct snapshot **stack, int *count)
+{
+    while (*count > 0)
+        snapshot_free(stack[--*count]);
+}
+
+void undo_push(struct session *session, struct snapshot *before)
+{
+    push(session->undo, &session->undos, before);
+    clear(session->redo, &session->redos);
+}
+
+void undo_clear(struct session *session)
+{
+    clear(session->undo, &session->undos);
+    clear(session->redo, &session->redos);
+}
+
+bool undo_move(struct session *session, bool back, char label[LIMIT_NAME + 1], struct error *error)
+{
+    struct snapshot **from = back ? session->undo : session->redo, **to = back ? session->redo : session->undo;
+    int *count = back ? &session->undos : &session->redos, *other = back ? &session->redos : &session->undos;
+    if (*count == 0)
+        return error_set(error, ERROR_COMMAND, "nothing to %s", back ? "undo" : "redo");
+    struct snapshot *target = from[*count - 1];
+    struct snapshot *now = snapshot_take(session, target->label);
+    if (!now)
+        return error_memory(error);
+    memcpy(label, target->label, sizeof target->label);
+    --*count;
+    go_to(session, target);
+    snapshot_free(target);
+    push(to, other, now);
+    return true;
+}
+
+bool checkpoint_make(struct session *session, const char *name, struct error *error)
+{
+    int place = 0;
+    while (place < session->checkpoints && strcmp(session->checkpoint[place]->label, name) != 0)
+        place++;
+    if (place == LIMIT_CHECKPOINTS)
+        return error_set(error, ERROR_COMMAND, "%d checkpoints are kept already", LIMIT_CHECKPOINTS);
+    struct snapshot *snapshot = snapshot_take(session, name);
+    if (!snapshot)
+        return error_memory(error);
+    if (place < session->checkpoints) {
+        snapshot_free(session->checkpoint[place]);
+        memmove(&session->checkpoint[place], &session->checkpoint[place + 1],
+                (size_t)(session->checkpoints - place - 1) * sizeof(session->checkpoint[0]));
+        session->checkpoints--;
+    }
+    session->checkpoint[session->checkpoints++] = snapshot; /* the latest is the last */
+    return true;
+}
+
+bool checkpoint_restore(struct session *session, struct text name, const char **label, struct error *error)
+{
+    if (session->checkpoints == 0) {
+        error_set(error, ERROR_COMMAND, "there is no checkpoint");
+        return error_hint(error, "type: checkpoint [NAME]");
+    }
+    struct suggestion near = {.wanted = name};
+    for (int i = session->checkpoints - 1; i >= 0; i--) {
+        const struct snapshot *snapshot = session->checkpoint[i];
+        if (name.len == 0 || text_is(name, snapshot->label)) {
+            go_to(session, snapshot);
+            *label = snapshot->label;
+            return true;
+        }
+        suggestion_offer(&near, snapshot->label);
+    }
+    error_at(error, name, "there is no checkpoint '%.*s'", (int)(name.len < 64 ? name.len : 64), name.at);
+    suggestion_hint(&near, error);
+    return false;
+}

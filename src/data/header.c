@@ -1,0 +1,221 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Names and units of columns: "Time (s)", "y [cm]", "Weg / mm", "Position (m) Run #1", "elapsed_ms", or units on a line
+ * of their own. A unit that is not known is kept and shown, and the numbers are taken as they are.
+ */
+#include "table.h"
+
+#include <string.h>
+#include <strings.h>
+
+static bool is_letter(char c)
+{
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (unsigned char)c >= 0x80;
+}
+
+static bool same(struct text a, struct text b)
+{
+    return a.len == b.len && (a.len == 0 || strncasecmp(a.at, b.at, a.len) == 0);
+}
+
+static bool listed(struct text word, const char *words)
+{
+    struct text rest = text_of(words), one;
+    while (text_split(&rest, ' ', &one))
+        if (same(word, one))
+            return true;
+    return false;
+}
+
+bool name_has_word(const char *name, const char *words)
+{
+    if (listed(text_of(name), words))
+        return true;
+    for (const char *at = name; *at;) {
+        size_t len = 0;
+        while (is_letter(at[len]))
+            len++;
+        if (len > 0 && listed((struct text){at, len}, words))
+            return true;
+        at += len ? len : 1;
+    }
+    return false;
+}
+
+bool header_field(struct text *rest, char separator, struct text *field)
+{
+    if (!table_field(rest, separator, field))
+        return false;
+    /* Between blanks "Time (s)" comes in two. */
+    struct text ahead = separator == ' ' ? *rest : (struct text){NULL, 0}, next;
+    const char *start = field->at;
+    while (table_field(&ahead, separator, &next) && strchr("([/", next.at[0])) {
+        bool open = next.at[0] == '/' ? next.len == 1 : !memchr(next.at, next.at[0] == '(' ? ')' : ']', next.len);
+        if (open && !table_field(&ahead, separator, &next))
+            break;
+        *field = (struct text){start, (size_t)(next.at + next.len - start)};
+        *rest = ahead;
+    }
+    return true;
+}
+
+/* How instruments spell units; the factor leads to the unit of the table. */
+static const struct {
+    const char *spelled, *unit;
+    double factor;
+} spellings[] = {
+    {"sec secs second seconds Sekunden Sekunde", "s", 1},
+    {"msec millisecond milliseconds", "ms", 1},
+    {"us µs μs", "s", 1e-6},
+    {"minute minutes", "min", 1},
+    {"h hour hours", "min", 60},
+    {"meter meters metre metres metri", "m", 1},
+    {"centimeter centimeters centimetre centimetres", "cm", 1},
+    {"millimeter millimeters millimetre millimetres", "mm", 1},
+    {"° degree degrees grad", "deg", 1},
+    {"radian radians", "rad", 1},
+    {"m/s² m/s2 m/s/s m/s^2", "m/s^2", 1},
+    {"cm/s² cm/s2 cm/s/s cm/s^2", "m/s^2", 1e-2},
+    {"mm/s² mm/s2 mm/s^2", "m/s^2", 1e-3},
+    {"m/sec", "m/s", 1},
+    {"cm/sec", "cm/s", 1},
+    {"°/s deg/s", "rad/s", 0.017453292519943295},
+    {"rad/sec", "rad/s", 1},
+    {"newton newtons", "N", 1},
+};
+
+static const struct unit *find_unit(struct text text, double *factor)
+{
+    const struct unit *unit = unit_find(text);
+    *factor = 1;
+    for (size_t i = 0; i < COUNT_OF(spellings) && !unit; i++)
+        if (listed(text, spellings[i].spelled)) {
+            unit = unit_find(text_of(spellings[i].unit));
+            *factor = spellings[i].factor;
+        }
+    *factor *= unit ? unit->factor : 1;
+    return unit;
+}
+
+static void set_unit(struct column *column, struct text unit)
+{
+    double factor;
+    const struct unit *known = find_unit(unit, &factor);
+    size_t len = text_fitting(unit, sizeof column->unit - 1);
+    memcpy(column->unit, unit.at, len);
+    column->unit[len] = '\0';
+    /* An accelerometer's g is no gram. */
+    if (known && known->quantity == QUANTITY_MASS && !name_has_word(column->name, "mass m masa masse massa weight"))
+        known = NULL;
+    column->quantity = known ? known->quantity : QUANTITY_OTHER;
+    column->factor = known ? factor : 1;
+}
+
+/* The text as UTF-8 that is safe to show; bytes that are not UTF-8 are taken for Latin-1 (m/s², °C). */
+static bool clean(struct text text, struct buffer *out)
+{
+    struct buffer utf8 = {0};
+    for (size_t used; text.len > 0; text.at += used, text.len -= used) {
+        uint32_t codepoint = text_codepoint(text, &used);
+        unsigned char byte = (unsigned char)text.at[0];
+        if (codepoint == CODEPOINT_INVALID && used == 1 && byte >= 0xA0)
+            buffer_codepoint(&utf8, byte);
+        else
+            buffer_put(&utf8, (struct text){text.at, used});
+    }
+    buffer_clear(out);
+    safe_text(out, buffer_text(&utf8), false);
+    out->failed |= utf8.failed;
+    buffer_free(&utf8);
+    return !out->failed;
+}
+
+/* Where the unit stands in a name: in the last brackets, behind " / ", or behind the last _ if it is one. */
+static bool find_bracket(struct text text, struct text *before, struct text *unit, struct text *after)
+{
+    for (size_t close = text.len; close-- > 1;) {
+        if (text.at[close] != ')' && text.at[close] != ']')
+            continue;
+        const char open = text.at[close] == ')' ? '(' : '[';
+        for (size_t at = close; at-- > 0;)
+            if (text.at[at] == open) {
+                *unit = text_trim((struct text){text.at + at + 1, close - at - 1});
+                *before = text_trim((struct text){text.at, at});
+                *after = text_trim((struct text){text.at + close + 1, text.len - close - 1});
+                return unit->len > 0 && unit->len < 16 && !memchr(unit->at, ' ', unit->len);
+            }
+    }
+    return false;
+}
+
+static bool find_tail(struct text text, struct text *before, struct text *unit)
+{
+    double factor;
+    for (size_t at = text.len; at-- > 1;) {
+        if (text.at[at] != '_' && text.at[at] != '/')
+            continue;
+        *before = text_trim((struct text){text.at, at});
+        *unit = text_trim((struct text){text.at + at + 1, text.len - at - 1});
+        if (before->len > 0 && unit->len > 0 && find_unit(*unit, &factor) &&
+            (text.at[at] == '_' || text.at[at - 1] == ' '))
+            return true;
+        if (text.at[at] == '_')
+            return false;
+    }
+    return false;
+}
+
+static void set_name(struct column *column, struct text before, struct text after)
+{
+    const struct text parts[] = {before, before.len && after.len ? TEXT(" ") : TEXT(""), after};
+    size_t len = 0;
+    for (size_t i = 0; i < COUNT_OF(parts); i++) {
+        size_t fits = text_fitting(parts[i], LIMIT_NAME - len);
+        memcpy(column->name + len, parts[i].at, fits);
+        len += fits;
+    }
+    column->name[len] = '\0';
+}
+
+static bool name_column(struct column *column, struct text field, struct text unit_field, struct buffer *scratch)
+{
+    struct text before, unit, after = TEXT(""), none = TEXT("");
+    if (!clean(field, scratch))
+        return false;
+    struct text whole = buffer_text(scratch);
+    bool has_unit = find_bracket(whole, &before, &unit, &after) || find_tail(whole, &before, &unit);
+    if (has_unit && before.len + after.len == 0) {
+        before = unit; /* "(s)" and nothing else is a name, too */
+        after = none;
+    }
+    set_name(column, has_unit ? before : whole, has_unit ? after : none);
+    set_unit(column, has_unit ? unit : none);
+    if (unit_field.len == 0)
+        return true;
+    if (!clean(unit_field, scratch))
+        return false;
+    unit = buffer_text(scratch);
+    if (find_bracket(unit, &before, &after, &whole))
+        unit = after;
+    set_unit(column, unit);
+    return true;
+}
+
+bool table_columns(const struct table_layout *layout, struct recording *recording, struct error *error)
+{
+    struct text names = layout->names, units = layout->units, name, unit;
+    struct buffer scratch = {0};
+    bool done = true;
+    recording->columns = layout->columns;
+    recording->column = arena_array(&recording->arena, (size_t)layout->columns, sizeof *recording->column);
+    for (int i = 0; i < recording->columns && recording->column && done; i++) {
+        struct column *column = &recording->column[i];
+        if (!header_field(&names, layout->name_separator, &name))
+            name = TEXT("");
+        if (!header_field(&units, layout->name_separator, &unit))
+            unit = TEXT("");
+        done = name_column(column, name, unit, &scratch);
+    }
+    buffer_free(&scratch);
+    return (done && recording->column) || error_memory(error);
+}

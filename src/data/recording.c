@@ -1,0 +1,253 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "table.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+void recording_warn(struct recording *recording, const char *format, ...)
+{
+    va_list args;
+    struct buffer sentence = {0};
+    if (!recording->warning)
+        recording->warning = arena_array(&recording->arena, WARNINGS + 1, sizeof *recording->warning);
+    if (!recording->warning)
+        return;
+    va_start(args, format);
+    if (recording->warnings < WARNINGS)
+        buffer_vformat(&sentence, format, args);
+    else
+        buffer_format(&sentence, "and %d more %s", recording->unsaid + 1, recording->unsaid ? "kinds" : "kind");
+    recording->unsaid += recording->warnings >= WARNINGS;
+    va_end(args);
+    char *copy = sentence.failed ? NULL : arena_text(&recording->arena, buffer_text(&sentence));
+    if (copy) {
+        recording->warnings += recording->unsaid < 2;
+        recording->warning[recording->warnings - 1] = copy;
+    }
+    buffer_free(&sentence);
+}
+
+/* ---- refusals
+ * ------------------------------------------------------------------------------------------------------------ */
+
+static const struct {
+    const char *start, *what;
+} binaries[] = {
+    {"\xD0\xCF\x11\xE0", "an Excel workbook (.xls)"},
+    {"PK\x03\x04", "a zip archive (.xlsx, .ods, .cap …)"},
+    {"\x1F\x8B", "a gzip archive"},
+    {"%PDF", "a PDF document"},
+    {"\xFF\xFE", "UTF-16 text"},
+    {"\xFE\xFF", "UTF-16 text"},
+    {"\x89PNG", "a picture (PNG)"},
+    {"{\\rtf", "a rich text document (.rtf)"},
+};
+
+static bool refuse_binary(struct text text, const char *name, struct error *error)
+{
+    for (size_t i = 0; i < COUNT_OF(binaries); i++)
+        if (text_starts(text, text_of(binaries[i].start))) {
+            error_set(error, ERROR_IO, "%s is %s, not a text file", name, binaries[i].what);
+            return error_hint(error, "open it where it was made and export it as CSV (UTF-8 text)");
+        }
+    const char *nul = text.len > 0 ? memchr(text.at, '\0', text.len) : NULL;
+    if (nul) {
+        struct text rest = {text.at, (size_t)(nul - text.at) + 1}, line = {0};
+        size_t number = 0;
+        while (table_line(&rest, &line))
+            number++;
+        error_set(error, ERROR_IO, "%s is not a text file: NUL byte in line %zu, column %zu", name, number, line.len);
+        return error_hint(error, "export the data as CSV text");
+    }
+    if (text_trim(text).len == 0)
+        return error_set(error, ERROR_IO, "%s is empty", name);
+    return true;
+}
+
+/* ---- loading
+ * ------------------------------------------------------------------------------------------------------------- */
+
+static bool split_head(struct table_text *text, struct arena *arena)
+{
+    struct text rest = text->text, line;
+    size_t bytes = 0;
+    text->head = arena_array(arena, HEAD_LINES, sizeof *text->head);
+    while (text->head && text->heads < HEAD_LINES && bytes < HEAD_BYTES && table_line(&rest, &line)) {
+        line.len = line.len < HEAD_BYTES ? line.len : HEAD_BYTES;
+        bytes += line.len;
+        text->head[text->heads] = (struct table_line){line, text->heads + 1};
+        text->heads++;
+    }
+    return text->head != NULL;
+}
+
+static const struct format *format_row(size_t i)
+{
+    return (const struct format *)(const void *)catalog_row(&format_catalog, i);
+}
+
+/* The surest; of equals the first. */
+static const struct format *probe(const struct table_text *text)
+{
+    const struct format *best = format_row(0);
+    int most = best->probe(text);
+    for (size_t i = 1; i < format_catalog.count; i++) {
+        int sure = format_row(i)->probe(text);
+        best = sure > most ? format_row(i) : best;
+        most = sure > most ? sure : most;
+    }
+    return best;
+}
+
+static struct text last_component(struct text path)
+{
+    size_t at = path.len;
+    while (at > 0 && path.at[at - 1] != '/')
+        at--;
+    return (struct text){path.at + at, path.len - at};
+}
+
+/* A word that can be typed: the file's name without its suffix, other characters than letters and digits as '-'. */
+static void name_recording(struct recording *recording, struct text file)
+{
+    size_t len = 0, end = file.len;
+    for (size_t i = file.len; i-- > 1 && end == file.len;)
+        end = file.at[i] == '.' ? i : end;
+    for (size_t i = 0; i < end && len < LIMIT_NAME; i++) {
+        const char c = file.at[i];
+        const bool plain =
+            (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '_' || c == '.';
+        if (plain || (len > 0 && recording->name[len - 1] != '-'))
+            recording->name[len++] = plain ? c : '-';
+    }
+    while (len > 1 && recording->name[len - 1] == '-')
+        len--;
+    recording->name[len] = '\0';
+    if (len == 0)
+        snprintf(recording->name, sizeof recording->name, "data");
+}
+
+static bool read_text(struct table_text *text, const struct load_options *options, struct recording *recording,
+                      struct error *error)
+{
+    struct arena scratch = {0};
+    bool done = split_head(text, &scratch) || error_memory(error);
+    if (done) {
+        table_find(text, 0, options, &text->layout, &text->problem);
+        const struct format *format = probe(text);
+        snprintf(recording->format, sizeof recording->format, "%s", format->row.name);
+        done = format->read(text, options, recording, error) && recording_choose(recording, options, error) &&
+               recording_time(recording, options, error);
+    }
+    arena_reset(&scratch);
+    return done;
+}
+
+static bool load(const char *path, const struct load_options *options, struct recording *recording, struct error *error)
+{
+    struct buffer content = {0};
+    char shown[SHORT_NAME];
+    struct text file = last_component(text_of(path));
+    struct table_text text = {.name = short_name(file, shown)};
+    bool done = file_read(path, LIMIT_FILE, &content, error);
+    if (done) {
+        text.text = buffer_text(&content);
+        if (text_starts(text.text, TEXT("\xEF\xBB\xBF")))
+            text.text = (struct text){text.text.at + 3, text.text.len - 3};
+        recording->path = arena_text(&recording->arena, text_of(path));
+        if (options->name.len > 0)
+            snprintf(recording->name, sizeof recording->name, "%.*s", (int)options->name.len, options->name.at);
+        else
+            name_recording(recording, file);
+        done = recording->path
+                   ? refuse_binary(text.text, text.name, error) && read_text(&text, options, recording, error)
+                   : error_memory(error);
+    }
+    buffer_free(&content);
+    return done;
+}
+
+struct recording *recording_load(const char *path, const struct load_options *options, struct error *error)
+{
+    static const struct load_options none;
+    struct recording *recording = calloc(1, sizeof *recording);
+    if (!recording) {
+        error_memory(error);
+        return NULL;
+    }
+    if (!load(path, options ? options : &none, recording, error)) {
+        recording_destroy(recording);
+        return NULL;
+    }
+    return recording;
+}
+
+void recording_destroy(struct recording *recording)
+{
+    if (!recording)
+        return;
+    arena_reset(&recording->arena);
+    free(recording);
+}
+
+/* ---- the part in use
+ * ------------------------------------------------------------------------------------------------------ */
+
+void recording_restore(struct recording *recording)
+{
+    recording->window[0] = recording->t[0];
+    recording->window[1] = recording->t[recording->rows - 1];
+    recording->zero = 0;
+}
+
+/* First row with t >= from. */
+static size_t row_from(const struct recording *recording, double from)
+{
+    size_t low = 0, high = recording->rows;
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        if (recording->t[middle] < from)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+bool recording_window(struct recording *recording, double from, double to, struct error *error)
+{
+    const double first = recording->t[0], last = recording->t[recording->rows - 1];
+    from = isnan(from) || from < first ? first : from;
+    to = isnan(to) || to > last ? last : to;
+    size_t row = row_from(recording, from);
+    if (!(from < to) || row >= recording->rows || recording->t[row] > to)
+        return error_set(error, ERROR_COMMAND, "no samples of %s in this window; it spans %.6g to %.6g s",
+                         recording->name, first, last);
+    recording->window[0] = from;
+    recording->window[1] = to;
+    return true;
+}
+
+bool recording_series(const struct recording *recording, struct arena *arena, size_t least, struct series *series,
+                      struct error *error)
+{
+    const size_t begin = row_from(recording, recording->window[0]);
+    size_t end = begin, n = 0;
+    while (end < recording->rows && recording->t[end] <= recording->window[1])
+        end++;
+    double *t = arena_array(arena, end - begin, sizeof *t), *y = arena_array(arena, end - begin, sizeof *y);
+    if (!t || !y)
+        return error_memory(error);
+    for (size_t i = begin; i < end; i++)
+        if (!isnan(recording->y[i])) {
+            t[n] = recording->t[i];
+            y[n++] = recording->y[i] - recording->zero;
+        }
+    if (n < least)
+        return error_set(error, ERROR_COMMAND, "%s has %zu samples in the window %.6g:%.6g; at least %zu are needed",
+                         recording->name, n, recording->window[0], recording->window[1], least);
+    *series = (struct series){t, y, n, recording->column[recording->value].quantity};
+    return true;
+}

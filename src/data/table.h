@@ -1,0 +1,79 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * What every format of the data layer shares: the lines of a file, finding the table in it, reading its rows.
+ *
+ * A new format is one file NAME.def (its probe and read, static, then its row) and its line in formats.def. Its read
+ * finds the table (text->layout, or table_find from a line of its own), corrects names and units, and calls table_rows.
+ */
+#ifndef HOOKE_DATA_TABLE_H
+#define HOOKE_DATA_TABLE_H
+
+#include <hooke/data.h>
+
+#define HEAD_LINES 4096       /* lines looked at to find the table … */
+#define HEAD_BYTES (1u << 20) /* … and bytes */
+#define SHORT_NAME 48         /* a name from outside, cut for a message */
+#define WARNINGS 10           /* sentences kept in a recording; more are counted */
+
+struct table_line {
+    struct text text; /* without its end */
+    size_t number;    /* in the file, counted from 1 */
+};
+
+struct table_layout {
+    char separator, decimal;
+    int columns;              /* 0: no table */
+    const char *begin;        /* the first row … */
+    size_t line;              /* … and its line, counted from 1 */
+    struct text names, units; /* header lines, empty: none */
+    char name_separator;      /* of these lines */
+    bool ambiguous;           /* the commas could be decimal marks … */
+    bool unclear;             /* … and nothing speaks against it */
+};
+
+struct table_text {
+    const char *name;        /* of the file, made safe, for messages */
+    struct text text;        /* the whole file without its byte order mark */
+    struct table_line *head; /* the first lines */
+    size_t heads;
+    struct table_layout layout; /* of the first table */
+    struct error problem;       /* why there is none */
+};
+
+enum cell { CELL_NUMBER, CELL_EMPTY, CELL_WORD };
+
+/* lines.c: LF, CRLF, CR CR LF and CR end a line. False: nothing left. */
+bool table_line(struct text *rest, struct text *line);
+bool table_skipped(struct text line); /* blank or a # comment */
+/* Cuts the next field off *rest, trimmed and without its quotes. False: nothing left. Separator ' ' is any run of
+ * blanks. */
+bool table_field(struct text *rest, char separator, struct text *field);
+enum cell table_cell(struct text field, char decimal, double *value); /* NAN unless a number; "inf" is one */
+size_t text_fitting(struct text text, size_t most);                   /* bytes of whole characters, at most `most` */
+const char *short_name(struct text text, char out[SHORT_NAME]);       /* safe to show */
+
+/* layout.c: the first table at or after head[from]. */
+bool table_find(const struct table_text *text, size_t from, const struct load_options *options,
+                struct table_layout *layout, struct error *error);
+
+/* header.c: the fields of a header line ("Time (s)" is one, also between blanks); names and units of the columns, from
+ * the two header lines. */
+bool header_field(struct text *rest, char separator, struct text *field);
+bool table_columns(const struct table_layout *layout, struct recording *recording, struct error *error);
+bool name_has_word(const char *name, const char *words); /* one of the blank-separated words, any case */
+
+/* rows.c: columns and rows of the layout into the recording; t gets the number of each row, counted from 0. */
+bool table_rows(const struct table_text *text, const struct table_layout *layout, struct recording *recording,
+                struct error *error);
+/* The read function of a format that is nothing but a table. */
+bool table_read(const struct table_text *text, const struct load_options *options, struct recording *recording,
+                struct error *error);
+
+/* choose.c, time.c: which columns are meant, and time [s] and value [SI] from them. */
+bool recording_choose(struct recording *recording, const struct load_options *options, struct error *error);
+bool enough_rows(const struct recording *recording, struct error *error); /* two are the least */
+bool recording_time(struct recording *recording, const struct load_options *options, struct error *error);
+
+void recording_warn(struct recording *recording, const char *format, ...) PRINTF_LIKE(2, 3);
+
+#endif

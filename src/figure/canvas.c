@@ -1,0 +1,103 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Canvas: a rectangle of character cells, and how it becomes text. */
+#include <hooke/figure.h>
+
+#include <stdlib.h>
+
+bool canvas_init(struct canvas *canvas, int width, int height)
+{
+    size_t columns = width > 0 ? (size_t)width : 0, rows = height > 0 ? (size_t)height : 0;
+    size_t count = columns * rows;
+
+    *canvas = (struct canvas){0};
+    if (rows && count / rows != columns)
+        return false;
+    struct cell *cell = calloc(count ? count : 1, sizeof *cell);
+    if (!cell)
+        return false;
+    for (size_t i = 0; i < count; i++)
+        cell[i] = (struct cell){' ', STYLE_PLAIN};
+    *canvas = (struct canvas){(int)columns, (int)rows, cell};
+    return true;
+}
+
+void canvas_free(struct canvas *canvas)
+{
+    free(canvas->cell);
+    *canvas = (struct canvas){0};
+}
+
+static bool is_control(uint32_t codepoint)
+{
+    return codepoint < 0x20 || (codepoint >= 0x7f && codepoint < 0xa0);
+}
+
+void canvas_put(struct canvas *canvas, int x, int y, uint32_t codepoint, enum style style)
+{
+    if (x < 0 || y < 0 || x >= canvas->width || y >= canvas->height)
+        return;
+    struct cell *row = canvas->cell + (size_t)y * (size_t)canvas->width;
+    bool wide = !is_control(codepoint) && codepoint_width(codepoint) == 2;
+    int last = wide ? x + 1 : x;
+
+    if (last == canvas->width) { /* half of it would stick out */
+        wide = false;
+        codepoint = ' ';
+        last = x;
+    }
+    /* What is half covered loses its other half. */
+    if (row[x].codepoint == 0 && x > 0)
+        row[x - 1].codepoint = ' ';
+    if (last + 1 < canvas->width && row[last + 1].codepoint == 0)
+        row[last + 1].codepoint = ' ';
+    row[x] = (struct cell){is_control(codepoint) ? '?' : codepoint, (uint8_t)style};
+    if (wide)
+        row[last] = (struct cell){0, (uint8_t)style};
+}
+
+int canvas_text(struct canvas *canvas, int x, int y, struct text text, enum style style)
+{
+    while (text.len && x < canvas->width) {
+        size_t used;
+        uint32_t codepoint = text_codepoint(text, &used);
+        int width = is_control(codepoint) ? 1 : codepoint_width(codepoint);
+        if (width) /* a cell holds one code point: combining marks are left out */
+            canvas_put(canvas, x, y, codepoint, style);
+        x += width;
+        text.at += used;
+        text.len -= used;
+    }
+    return x;
+}
+
+void canvas_print(const struct canvas *canvas, bool color, struct buffer *out)
+{
+    /* The terminal's own palette; backgrounds are never painted. */
+    static const char *const escape[] = {
+        [STYLE_PLAIN] = "",           [STYLE_DIM] = "\033[2m",      [STYLE_BOLD] = "\033[1m",
+        [STYLE_CURVE_1] = "\033[36m", [STYLE_CURVE_2] = "\033[33m", [STYLE_CURVE_3] = "\033[35m",
+        [STYLE_CURVE_4] = "\033[32m", [STYLE_ALERT] = "\033[31m",
+    };
+
+    for (int y = 0; y < canvas->height; y++) {
+        const struct cell *row = canvas->cell + (size_t)y * (size_t)canvas->width;
+        int end = canvas->width;
+        unsigned style = STYLE_PLAIN;
+        while (end > 0 && row[end - 1].codepoint == ' ')
+            end--;
+        for (int x = 0; x < end; x++) {
+            if (row[x].codepoint == 0)
+                continue;
+            if (color && row[x].codepoint != ' ' && row[x].style != style) {
+                if (style != STYLE_PLAIN)
+                    buffer_put(out, TEXT("\033[0m"));
+                style = row[x].style;
+                buffer_put(out, text_of(escape[style]));
+            }
+            buffer_codepoint(out, row[x].codepoint);
+        }
+        if (style != STYLE_PLAIN)
+            buffer_put(out, TEXT("\033[0m"));
+        buffer_char(out, '\n');
+    }
+}

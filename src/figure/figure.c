@@ -1,0 +1,275 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Figures: frame, axes, titles, legend and curves in a rectangle of cells. */
+#include "internal.h"
+
+#include <stdio.h>
+
+static const struct row charset_rows[] = {
+    [CHARSET_ASCII] = {"ascii", "", "plain characters: ' - . _ / \\ |", "", NULL},
+    [CHARSET_BLOCK] = {"block", "", "quarter blocks, 2x2 dots a cell", "", NULL},
+    [CHARSET_BRAILLE] = {"braille", "", "braille patterns, 2x4 dots a cell", "", NULL},
+};
+
+const struct catalog charset_catalog = CATALOG("charset", charset_rows);
+
+/* What lines are drawn with. Box characters are code points: alternate character sets break in captures and mosh. */
+struct strokes {
+    uint32_t top_left, top_right, bottom_left, bottom_right, across, down, x_tick, y_tick, origin, zero, point;
+};
+
+static const struct strokes *strokes_of(enum charset charset)
+{
+    static const struct strokes plain = {'+', '+', '+', '+', '-', '|', '+', '+', '+', '-', '@'};
+    static const struct strokes box = {0x250C, 0x2510, 0x2514, 0x2518, 0x2500, 0x2502,
+                                       0x252C, 0x2524, 0x2514, 0x2508, 0x25CF};
+    return charset == CHARSET_ASCII ? &plain : &box;
+}
+
+struct sheet {
+    const struct figure *figure;
+    const struct figure_layout *layout;
+    const struct strokes *strokes;
+    struct canvas *canvas;
+    int x, y, width, height; /* the rectangle */
+};
+
+/* The first line is drawn with dots; every other curve has a mark of its own, so that no identity depends on colour. */
+static char mark_of(const struct figure *figure, int i)
+{
+    static const char lines[] = "#x+%", points[] = "o*&=";
+    const struct curve *curve = &figure->curve[i];
+    size_t before = 0;
+
+    if (curve->mark)
+        return curve->mark;
+    for (int c = 0; c < i; c++)
+        before += figure->curve[c].points == curve->points && !figure->curve[c].mark;
+    if (curve->points)
+        return points[before % (sizeof points - 1)];
+    return before ? lines[(before - 1) % (sizeof lines - 1)] : 0;
+}
+
+static enum style style_of(int i)
+{
+    return (enum style)(STYLE_CURVE_1 + i % 4);
+}
+
+static void draw_frame(const struct sheet *sheet)
+{
+    const struct strokes *s = sheet->strokes;
+    int right = sheet->x + sheet->width - 1, bottom = sheet->y + sheet->height - 1;
+
+    for (int x = sheet->x; x <= right; x++) {
+        canvas_put(sheet->canvas, x, sheet->y, s->across, STYLE_DIM);
+        canvas_put(sheet->canvas, x, bottom, s->across, STYLE_DIM);
+    }
+    for (int y = sheet->y; y <= bottom; y++) {
+        canvas_put(sheet->canvas, sheet->x, y, s->down, STYLE_DIM);
+        canvas_put(sheet->canvas, right, y, s->down, STYLE_DIM);
+    }
+    canvas_put(sheet->canvas, sheet->x, sheet->y, s->top_left, STYLE_DIM);
+    canvas_put(sheet->canvas, right, sheet->y, s->top_right, STYLE_DIM);
+    canvas_put(sheet->canvas, sheet->x, bottom, s->bottom_left, STYLE_DIM);
+    canvas_put(sheet->canvas, right, bottom, s->bottom_right, STYLE_DIM);
+}
+
+/* " text " on the frame, from column x to at most `end`; returns the column after it. Nothing if there is no room for a
+ * letter. */
+static int frame_text(const struct sheet *sheet, int x, int end, int y, struct text text, enum style style)
+{
+    if (!text.len || end - x < 3)
+        return x;
+    canvas_put(sheet->canvas, x++, y, ' ', STYLE_PLAIN);
+    struct text rest = text;
+    size_t used;
+    while (rest.len) { /* cut to what fits */
+        int width = codepoint_width(text_codepoint(rest, &used));
+        if (x + width >= end)
+            break;
+        x = canvas_text(sheet->canvas, x, y, (struct text){rest.at, used}, style);
+        rest.at += used;
+        rest.len -= used;
+    }
+    canvas_put(sheet->canvas, x++, y, ' ', STYLE_PLAIN);
+    return x;
+}
+
+/* "y [1e-6 m]" */
+static void axis_title(const struct axis *axis, const struct ticks *ticks, const char *title, char *out, size_t size)
+{
+    const char *label = axis->label ? axis->label : "", *unit = axis->unit ? axis->unit : "";
+    char power[16] = "";
+
+    if (ticks->exponent)
+        snprintf(power, sizeof power, "1e%d%s", ticks->exponent, *unit ? " " : "");
+    snprintf(out, size, "%s%s%s%s%s%s%s%s", title, *title && *label ? " " : "", label,
+             (*title || *label) && (*power || *unit) ? " " : "", *power || *unit ? "[" : "", power, unit,
+             *power || *unit ? "]" : "");
+}
+
+static int entry_width(const struct curve *curve, char mark)
+{
+    return text_width(text_of(curve->label)) + (mark ? 2 : 3);
+}
+
+/* "-- verlet  # euler  o data" and the caption, at the right end of the upper frame: as many as fit right of column
+ * `from`. */
+static void draw_legend(const struct sheet *sheet, int from)
+{
+    const struct figure *figure = sheet->figure;
+    int right = sheet->x + sheet->width - 2, room = right - from - 3, used = 0, shown = 0;
+    struct text caption = text_of(figure->caption);
+
+    for (; shown < figure->curves; shown++) {
+        const struct curve *curve = &figure->curve[shown];
+        int width = curve->label && *curve->label ? entry_width(curve, mark_of(figure, shown)) + (used ? 2 : 0) : 0;
+        if (used + width > room)
+            break;
+        used += width;
+    }
+    if (shown < figure->curves || used + (used ? 2 : 0) + text_width(caption) > room)
+        caption = TEXT("");
+    used += text_width(caption) + (used && caption.len ? 2 : 0);
+    if (!used)
+        return;
+
+    int x = right - used - 1, y = sheet->y;
+    canvas_put(sheet->canvas, x - 1, y, ' ', STYLE_PLAIN);
+    for (int end = right - 1, at = x; at <= end; at++)
+        canvas_put(sheet->canvas, at, y, ' ', STYLE_PLAIN);
+    for (int i = 0; i < shown; i++) {
+        const struct curve *curve = &figure->curve[i];
+        char mark = mark_of(figure, i);
+        if (!curve->label || !*curve->label)
+            continue;
+        x = canvas_text(sheet->canvas, x, y, mark ? (struct text){&mark, 1} : TEXT("--"), style_of(i));
+        x = canvas_text(sheet->canvas, x + 1, y, text_of(curve->label), STYLE_PLAIN) + 2;
+    }
+    canvas_text(sheet->canvas, x, y, caption, STYLE_PLAIN);
+}
+
+static void draw_titles(const struct sheet *sheet)
+{
+    const struct figure *figure = sheet->figure;
+    int left = sheet->x + 2, right = sheet->x + sheet->width - 2, bottom = sheet->y + sheet->height - 1;
+    char text[256], note[256] = "";
+
+    axis_title(&figure->y, &sheet->layout->y_ticks, figure->title ? figure->title : "", text, sizeof text);
+    if (text_width(text_of(text)) > right - left - 2) /* the axis matters more */
+        axis_title(&figure->y, &sheet->layout->y_ticks, "", text, sizeof text);
+    draw_legend(sheet, frame_text(sheet, left, right, sheet->y, text_of(text), STYLE_PLAIN));
+
+    axis_title(&figure->x, &sheet->layout->x_ticks, "", text, sizeof text);
+    int start = right - text_width(text_of(text)) - 2;
+    frame_text(sheet, start < left ? left : start, right, bottom, text_of(text), STYLE_PLAIN);
+    if (sheet->layout->hidden)
+        snprintf(note, sizeof note, "%s%s%zu value%s <= 0 not shown", figure->note ? figure->note : "",
+                 figure->note ? ", " : "", sheet->layout->hidden, sheet->layout->hidden == 1 ? "" : "s");
+    frame_text(sheet, left, start - 1, bottom, text_of(*note ? note : figure->note), STYLE_PLAIN);
+}
+
+static void draw_x_axis(const struct sheet *sheet)
+{
+    const struct figure_layout *layout = sheet->layout;
+    int x = sheet->x + layout->left, y = sheet->y + layout->top + layout->rows;
+    char text[TICK_TEXT_SIZE];
+
+    for (int column = layout->y_labels ? -1 : 0; column < layout->columns; column++)
+        canvas_put(sheet->canvas, x + column, y, column < 0 ? sheet->strokes->origin : sheet->strokes->across,
+                   STYLE_DIM);
+    for (int i = 0; i < layout->x_ticks.count; i++) {
+        int column = x_tick_column(sheet->figure, layout, i);
+        int len = tick_text(&layout->x_ticks, i, layout->x_decades, text);
+        canvas_put(sheet->canvas, x + column, y, sheet->strokes->x_tick, STYLE_DIM);
+        canvas_text(sheet->canvas, x + x_label_start(layout, column, len), y + 1, text_of(text), STYLE_PLAIN);
+    }
+}
+
+static void draw_y_axis(const struct sheet *sheet)
+{
+    const struct figure_layout *layout = sheet->layout;
+    int x = sheet->x + layout->left - 1, y = sheet->y + layout->top, column, row;
+    char text[TICK_TEXT_SIZE];
+
+    for (row = 0; row < layout->rows; row++)
+        canvas_put(sheet->canvas, x, y + row, sheet->strokes->down, STYLE_DIM);
+    for (int i = 0; i < layout->y_ticks.count; i++) {
+        double value = tick_value(&layout->y_ticks, i, layout->y_decades) * axis_factor(&sheet->figure->y);
+        int len = tick_text(&layout->y_ticks, i, layout->y_decades, text);
+        if (!figure_cell(layout, layout->x.from, value, &column, &row))
+            continue;
+        canvas_put(sheet->canvas, x, y + row, sheet->strokes->y_tick, STYLE_DIM);
+        canvas_text(sheet->canvas, x - len, y + row, text_of(text), STYLE_PLAIN);
+    }
+}
+
+static void draw_curves(const struct sheet *sheet)
+{
+    const struct figure *figure = sheet->figure;
+    const struct figure_layout *layout = sheet->layout;
+    struct raster raster = {sheet->canvas, layout, sheet->x + layout->left, sheet->y + layout->top, STYLE_DIM, 0};
+    int column, row, lines = 0;
+
+    if (figure->zero_line && figure_cell(layout, layout->x.from, 0, &column, &row))
+        for (column = 0; column < layout->columns; column += 2)
+            raster_put(&raster, column, row, sheet->strokes->zero);
+    for (int pass = 0; pass < 3; pass++) { /* overlays, the first line above them, data above all */
+        for (int i = figure->curves - 1; i >= 0; i--) {
+            const struct curve *curve = &figure->curve[i];
+            raster.mark = mark_of(figure, i);
+            raster.style = style_of(i);
+            if (pass != (curve->points ? 2 : !raster.mark))
+                continue;
+            if (curve->points)
+                raster_points(&raster, curve, lines && curve->n > (size_t)layout->columns / 2 ? 5 : 1);
+            else
+                raster_line(&raster, curve);
+            lines += !curve->points;
+        }
+    }
+    for (int i = 0; i < figure->curves; i++) {
+        raster.style = style_of(i);
+        if (figure->curve[i].unbounded)
+            raster_exits(&raster, &figure->curve[i]);
+    }
+    raster.style = STYLE_BOLD;
+    if (figure->has_point && figure_cell(layout, figure->point[0], figure->point[1], &column, &row))
+        raster_put(&raster, column, row, sheet->strokes->point);
+}
+
+bool figure_draw(const struct figure *figure, struct canvas *canvas, int x, int y, int width, int height,
+                 enum charset charset)
+{
+    struct figure_layout layout;
+    struct sheet sheet = {figure, &layout, strokes_of(charset), canvas, x, y, width, height};
+
+    if (width < 1 || height < 1)
+        return true;
+    for (int row = 0; row < height; row++)
+        for (int column = 0; column < width; column++)
+            canvas_put(canvas, x + column, y + row, ' ', STYLE_PLAIN);
+    figure_layout(figure, width, height, charset, &layout);
+    if (layout.frame) {
+        draw_frame(&sheet);
+        draw_titles(&sheet);
+    }
+    if (layout.x_labels)
+        draw_x_axis(&sheet);
+    if (layout.y_labels)
+        draw_y_axis(&sheet);
+    draw_curves(&sheet);
+    return true;
+}
+
+bool figure_print(const struct figure *figure, int width, int height, enum charset charset, bool color,
+                  struct buffer *out)
+{
+    struct canvas canvas;
+
+    if (!canvas_init(&canvas, width, height))
+        return false;
+    bool done = figure_draw(figure, &canvas, 0, 0, width, height, charset);
+    canvas_print(&canvas, color, out);
+    canvas_free(&canvas);
+    return done && !out->failed;
+}

@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* figure: what its files share. */
+#ifndef HOOKE_FIGURE_INTERNAL_H
+#define HOOKE_FIGURE_INTERNAL_H
+
+#include <hooke/figure.h>
+
+#include <math.h>
+
+#define TICK_TEXT_SIZE 48
+
+/* The best ticks for [from, to]; when `loose`, the outermost may lie beyond it. */
+struct ticks ticks_search(double from, double to, int want, int most, bool loose);
+double tick_value(const struct ticks *ticks, int i, bool log);
+int tick_text(const struct ticks *ticks, int i, bool log, char out[TICK_TEXT_SIZE]); /* length */
+
+struct scale scale_of(double from, double to, bool log);
+
+#define LARGEST 1e300 /* ranges end here, so that differences stay finite */
+#define FARTHEST 1e6  /* [axis lengths] fractions are cut off here: still an integer number of dots */
+
+/* scale_fraction for the inner loops. */
+static inline double fraction_of(const struct scale *scale, double value)
+{
+    if (!isfinite(value) || (scale->log && value <= 0))
+        return (double)NAN;
+    double fraction = ((scale->log ? log10(value) : value * scale->unit) - scale->origin) * scale->gain;
+    return fraction > FARTHEST ? FARTHEST : fraction < -FARTHEST ? -FARTHEST : fraction;
+}
+
+/* What the curves span along an axis. */
+struct extent {
+    double low, high; /* low > high: nothing */
+    size_t hidden;    /* values a log axis cannot show */
+};
+
+struct extent axis_extent(const struct figure *figure, bool vertical);
+/* The range an axis shows: fixed, or the extent with some air, widened to about `want` ticks. */
+struct scale axis_scale(const struct figure *figure, bool vertical, struct extent extent, int want, int most);
+
+static inline double axis_factor(const struct axis *axis)
+{
+    return axis->factor > 1e-30 && axis->factor < 1e30 ? axis->factor : 1; /* of a unit: nothing overflows through it */
+}
+
+/* In columns of the plot; the label may begin left of it. */
+int x_tick_column(const struct figure *figure, const struct figure_layout *layout, int i);
+int x_label_start(const struct figure_layout *layout, int column, int len);
+
+/* Dots of one cell: what a character set can resolve. */
+struct grid {
+    int across, down;
+};
+
+struct grid charset_grid(enum charset charset);
+
+/* Draws curves into the plot of a canvas. */
+struct raster {
+    struct canvas *canvas;
+    const struct figure_layout *layout;
+    int x, y; /* where the plot begins on the canvas */
+    enum style style;
+    char mark; /* 0: as a line of dots */
+};
+
+void raster_line(const struct raster *raster, const struct curve *curve);
+/* Marks no nearer to each other than `apart` columns along the curve, so that what lies under them stays visible. */
+void raster_points(const struct raster *raster, const struct curve *curve, int apart);
+void raster_exits(const struct raster *raster,
+                  const struct curve *curve); /* an arrow where it first leaves, each side */
+void raster_put(const struct raster *raster, int column, int row, uint32_t codepoint);
+
+#endif

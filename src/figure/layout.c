@@ -1,0 +1,182 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Layout: what of a figure fits into a rectangle: frame, labels, ranges, ticks. */
+#include "internal.h"
+
+#define LEAST_ROWS 3     /* with less plot than this the x labels go */
+#define LEAST_COLUMNS 10 /* with less plot than this the y labels go */
+#define TICK_GAP 2       /* blanks between x labels */
+
+static int larger(int a, int b)
+{
+    return a > b ? a : b;
+}
+
+static int smaller(int a, int b)
+{
+    return a < b ? a : b;
+}
+
+static int cell_of(double fraction, int cells, int dots)
+{
+    return (int)(floor(fraction * (cells * dots - 1) + 0.5) / dots);
+}
+
+bool figure_cell(const struct figure_layout *layout, double x, double y, int *column, int *row)
+{
+    double across = scale_fraction(&layout->x, x), up = scale_fraction(&layout->y, y);
+    double edge = 1e-9; /* of rounding */
+    struct grid grid = charset_grid(layout->charset);
+
+    if (!(across >= -edge && across <= 1 + edge && up >= -edge && up <= 1 + edge))
+        return false;
+    *column = cell_of(across, layout->columns, grid.across);
+    *row = cell_of(1 - up, layout->rows, grid.down);
+    return true;
+}
+
+/* Powers of ten where the range has two of them, else ordinary numbers. */
+static bool has_decades(const struct scale *scale, const struct axis *axis)
+{
+    return scale->log && ticks_log(scale->from / axis_factor(axis), scale->to / axis_factor(axis), 1000).count > 1;
+}
+
+static struct ticks axis_ticks(const struct scale *scale, const struct axis *axis, bool decades, int want, int most)
+{
+    double from = scale->from / axis_factor(axis), to = scale->to / axis_factor(axis);
+    if (scale->log && !(from > 0)) /* the factor took it out of range */
+        return (struct ticks){0};
+    return decades ? ticks_log(from, to, most) : ticks_linear(from, to, want < most ? want : most, most);
+}
+
+static int widest(const struct ticks *ticks, bool decades)
+{
+    char text[TICK_TEXT_SIZE];
+    int width = 0;
+    for (int i = 0; i < ticks->count; i++)
+        width = larger(width, tick_text(ticks, i, decades, text));
+    return width;
+}
+
+int x_tick_column(const struct figure *figure, const struct figure_layout *layout, int i)
+{
+    double value = tick_value(&layout->x_ticks, i, layout->x_decades) * axis_factor(&figure->x);
+    return cell_of(scale_fraction(&layout->x, value), layout->columns, charset_grid(layout->charset).across);
+}
+
+int x_label_start(const struct figure_layout *layout, int column, int len)
+{
+    return larger(smaller(column - len / 2, layout->columns - len), layout->frame - layout->left);
+}
+
+static bool x_labels_fit(const struct figure *figure, const struct figure_layout *layout)
+{
+    char text[TICK_TEXT_SIZE];
+    int end = -layout->left - TICK_GAP;
+    for (int i = 0; i < layout->x_ticks.count; i++) {
+        int len = tick_text(&layout->x_ticks, i, layout->x_decades, text);
+        int start = x_label_start(layout, x_tick_column(figure, layout, i), len);
+        if (start < end + TICK_GAP || start + len > layout->columns)
+            return false;
+        end = start + len;
+    }
+    return true;
+}
+
+static bool y_labels_fit(const struct figure *figure, const struct figure_layout *layout)
+{
+    int column, row, above = layout->rows;
+    for (int i = 0; i < layout->y_ticks.count; i++) {
+        double value = tick_value(&layout->y_ticks, i, layout->y_decades) * axis_factor(&figure->y);
+        if (!figure_cell(layout, layout->x.from, value, &column, &row) || row >= above)
+            return false;
+        above = row;
+    }
+    return true;
+}
+
+/* Fewer ticks until no two labels meet; before a single one is left, the outermost two. */
+static void fit_ticks(const struct figure *figure, struct figure_layout *layout, bool vertical, int want, int most)
+{
+    const struct axis *axis = vertical ? &figure->y : &figure->x;
+    const struct scale *scale = vertical ? &layout->y : &layout->x;
+    struct ticks *ticks = vertical ? &layout->y_ticks : &layout->x_ticks, finer = {0};
+    bool decades = has_decades(scale, axis);
+
+    *(vertical ? &layout->y_decades : &layout->x_decades) = decades;
+    do {
+        *ticks = axis_ticks(scale, axis, decades, want, most);
+        if (ticks->count < 2 && finer.count > 2) {
+            *ticks = finer;
+            ticks->step *= finer.count - 1;
+            ticks->count = 2;
+        }
+        finer = *ticks;
+        most = smaller(most, ticks->count) - 1;
+    } while (ticks->count && !(vertical ? y_labels_fit : x_labels_fit)(figure, layout));
+}
+
+/* The same length for a unit on both axes: the shorter range is extended about its middle. */
+static void equalise(const struct figure *figure, struct figure_layout *layout)
+{
+    struct grid grid = charset_grid(layout->charset);
+    double aspect = figure->aspect > 0 ? figure->aspect : 2;
+    double width = fmax(layout->columns - 1.0 / grid.across, 0.5);
+    double height = aspect * fmax(layout->rows - 1.0 / grid.down, 0.5);
+    double x_factor = axis_factor(&figure->x), y_factor = axis_factor(&figure->y);
+    double x_half = layout->x.to / 2 - layout->x.from / 2, y_half = layout->y.to / 2 - layout->y.from / 2;
+    double unit = fmax(x_half / x_factor / width, y_half / y_factor / height);
+    double x_middle = layout->x.from / 2 + layout->x.to / 2, y_middle = layout->y.from / 2 + layout->y.to / 2;
+
+    x_half = unit * width * x_factor;
+    y_half = unit * height * y_factor;
+    if (x_half + fabs(x_middle) > LARGEST || y_half + fabs(y_middle) > LARGEST)
+        return;
+    layout->x = scale_of(x_middle - x_half, x_middle + x_half, false);
+    layout->y = scale_of(y_middle - y_half, y_middle + y_half, false);
+}
+
+static void find_scales(const struct figure *figure, struct figure_layout *layout, struct extent x, struct extent y)
+{
+    int x_want = 2 + (layout->columns + 4) / 12, y_want = 2 + (layout->rows + 1) / 4;
+    int x_most = larger(layout->columns / 4, 1), y_most = larger((layout->rows + 1) / 2, 3);
+
+    layout->x = axis_scale(figure, false, x, x_want, x_most);
+    layout->y = axis_scale(figure, true, y, y_want, y_most);
+    if (figure->equal && !layout->x.log && !layout->y.log)
+        equalise(figure, layout);
+    fit_ticks(figure, layout, true, y_want, y_most);
+    fit_ticks(figure, layout, false, x_want, x_most);
+}
+
+void figure_layout(const struct figure *figure, int width, int height, enum charset charset,
+                   struct figure_layout *layout)
+{
+    bool frame = width >= 8 && height >= 4, x_labels = frame && height >= LEAST_ROWS + 4;
+
+    struct extent x = axis_extent(figure, false), y = axis_extent(figure, true);
+
+    *layout = (struct figure_layout){
+        .charset = charset,
+        .frame = frame,
+        .x_labels = x_labels,
+        .y_labels = x_labels,
+        .gutter = larger(figure->gutter, 1),
+        .top = frame,
+        .hidden = x.hidden + y.hidden,
+        .rows = larger(height - 2 * frame - 2 * x_labels, 1),
+    };
+    /* The gutter depends on the labels, the labels on the ranges, the ranges of equal axes on the gutter. */
+    for (;;) {
+        layout->left = frame + (layout->y_labels ? layout->gutter + 2 : 0);
+        layout->columns = larger(width - layout->left - frame - layout->y_labels, 1);
+        if (layout->y_labels && layout->columns < LEAST_COLUMNS) {
+            layout->y_labels = false;
+            continue;
+        }
+        find_scales(figure, layout, x, y);
+        int need = widest(&layout->y_ticks, layout->y_decades);
+        if (!layout->y_labels || need <= layout->gutter)
+            break;
+        layout->gutter = need;
+    }
+}

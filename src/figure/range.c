@@ -1,0 +1,178 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Ranges: from curves to the two ends of an axis, and from values to fractions of it. */
+#include "internal.h"
+
+#include <float.h>
+
+struct scale scale_of(double from, double to, bool log)
+{
+    if (log) {
+        double low = log10(from);
+        return (struct scale){from, to, true, 1, low, 1 / (log10(to) - low)};
+    }
+    /* In units of the larger end, so that to - from cannot overflow. */
+    double unit = 1 / fmax(fabs(from), fabs(to)), origin = from * unit;
+    return (struct scale){from, to, false, unit, origin, 1 / (to * unit - origin)};
+}
+
+double scale_fraction(const struct scale *scale, double value)
+{
+    return fraction_of(scale, value);
+}
+
+double scale_value(const struct scale *scale, double fraction)
+{
+    double value = scale->origin + fraction / scale->gain;
+    return scale->log ? pow(10, value) : value / scale->unit;
+}
+
+static bool fixed_range(const struct axis *axis)
+{
+    double size = fmax(fabs(axis->from), fabs(axis->to));
+    return axis->fixed && size > 1 / LARGEST && size <= LARGEST && axis->to / size - axis->from / size > 1e-13 &&
+           (!axis->log || axis->from > 0);
+}
+
+static double least_of(const struct axis *axis)
+{
+    return axis->log ? DBL_TRUE_MIN : -DBL_MAX;
+}
+
+/* Of the samples that can be seen along the other axis: y follows a fixed window of x. */
+static void extend(struct extent *extent, const struct figure *figure, const struct curve *curve, bool vertical,
+                   size_t n)
+{
+    const struct axis *axis = vertical ? &figure->y : &figure->x, *other = vertical ? &figure->x : &figure->y;
+    const double *value = vertical ? curve->y : curve->x, *across = vertical ? curve->x : curve->y;
+    bool window = vertical && fixed_range(other);
+    double least = least_of(axis), from = window ? other->from : least_of(other), to = window ? other->to : DBL_MAX;
+
+    for (size_t i = 0; i < n; i++) {
+        double v = value[i];
+        if (!(v >= least && v <= DBL_MAX && across[i] >= from && across[i] <= to))
+            continue;
+        extent->low = v < extent->low ? v : extent->low;
+        extent->high = v > extent->high ? v : extent->high;
+    }
+}
+
+static bool ascends(const double *x, size_t n)
+{
+    for (size_t i = 1; i < n; i++)
+        if (x[i] < x[i - 1])
+            return false;
+    return true;
+}
+
+/* All curves diverge: up to ten times what they reach in their first tenth. The time axis is not cut. */
+static struct extent early_extent(const struct figure *figure, bool vertical)
+{
+    struct extent all = {INFINITY, -INFINITY, 0}, early = all;
+
+    for (int c = 0; c < figure->curves; c++) {
+        const struct curve *curve = &figure->curve[c];
+        extend(&all, figure, curve, vertical, curve->n);
+        if (vertical || !ascends(curve->x, curve->n))
+            extend(&early, figure, curve, vertical, curve->n < 20 ? (curve->n + 1) / 2 : curve->n / 10);
+    }
+    double limit = 10 * fmax(fabs(early.low), fabs(early.high));
+    if (early.low <= early.high && limit > 0) {
+        all.low = fmax(all.low, -limit);
+        all.high = fmin(all.high, limit);
+    }
+    return all;
+}
+
+static size_t count_hidden(const struct figure *figure, bool vertical)
+{
+    size_t hidden = 0;
+    for (int c = 0; c < figure->curves; c++) {
+        const struct curve *curve = &figure->curve[c];
+        const double *value = vertical ? curve->y : curve->x;
+        for (size_t i = 0; i < curve->n; i++)
+            hidden += value[i] <= 0;
+    }
+    return hidden;
+}
+
+/* Some air above the peaks; the next label if it is near (not for equal axes). A constant gets a range around it. */
+static struct scale linear_scale(const struct figure *figure, bool vertical, struct extent extent, int want, int most)
+{
+    const struct axis *axis = vertical ? &figure->y : &figure->x;
+    double air = vertical || figure->equal ? 0.04 : 0;
+    double thin = vertical ? 1e-6 : 1e-12; /* less than this part of its size is no variation worth labels */
+    double low = fmax(extent.low, -LARGEST), high = fmin(extent.high, LARGEST);
+    double size = fmax(fabs(low), fabs(high)), factor = axis_factor(axis);
+
+    if (low > high) {
+        low = 0;
+        high = factor;
+    } else if (size < 1 / LARGEST) {
+        low = -factor;
+        high = factor;
+    } else if (high - low <= thin * size) {
+        low -= 0.1 * size;
+        high += 0.1 * size;
+    } else {
+        double sign = low; /* what is nowhere negative keeps its zero */
+        low -= air * (high - low);
+        if (sign >= 0 && low < 0)
+            low = 0;
+        sign = high;
+        high += air * (high - low);
+        if (sign <= 0 && high > 0)
+            high = 0;
+    }
+    struct ticks ticks = ticks_search(low / factor, high / factor, want, most, true);
+    if (!figure->equal && ticks.count > 1) {
+        double most_air = 0.35 * (high - low), last = tick_value(&ticks, ticks.count - 1, false);
+        low = fmax(fmin(low, ticks.first * factor), low - most_air);
+        high = fmin(fmax(high, last * factor), high + most_air);
+    }
+    return scale_of(low, high, false);
+}
+
+/* At least two powers of ten, in the numbers that are shown. */
+static struct scale log_scale(struct extent extent, const struct axis *axis)
+{
+    double shift = log10(axis_factor(axis));
+    double low =
+        fmin(fmax(log10(extent.low), -299), 299) - shift; /* a decade is left below LARGEST, and above 1 / it */
+    double high = fmin(fmax(log10(extent.high), -299), 299) - shift;
+
+    if (extent.low > extent.high)
+        return scale_of(axis_factor(axis), 10 * axis_factor(axis), true);
+    double air = 0.03 * (high - low);
+    low -= air;
+    high += air;
+    if (floor(high) - ceil(low) < 1) {
+        low = floor(low - 1e-9);
+        high = ceil(high + 1e-9);
+    }
+    return scale_of(pow(10, fmax(low + shift, -300)), pow(10, fmin(high + shift, 300)), true);
+}
+
+struct extent axis_extent(const struct figure *figure, bool vertical)
+{
+    const struct axis *axis = vertical ? &figure->y : &figure->x;
+    struct extent extent = {INFINITY, -INFINITY, 0};
+
+    for (int c = 0; c < figure->curves && !fixed_range(axis); c++)
+        if (!figure->curve[c].unbounded)
+            extend(&extent, figure, &figure->curve[c], vertical, figure->curve[c].n);
+    if (extent.low > extent.high && !fixed_range(axis))
+        extent = early_extent(figure, vertical);
+    extent.hidden = axis->log ? count_hidden(figure, vertical) : 0;
+    return extent;
+}
+
+struct scale axis_scale(const struct figure *figure, bool vertical, struct extent extent, int want, int most)
+{
+    const struct axis *axis = vertical ? &figure->y : &figure->x;
+
+    if (fixed_range(axis))
+        return scale_of(axis->from, axis->to, axis->log);
+    if (axis->log)
+        return log_scale(extent, axis);
+    return linear_scale(figure, vertical, extent, want, most);
+}

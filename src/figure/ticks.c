@@ -1,0 +1,130 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Ticks: Talbot, Lin, Hanrahan, An Extension of Wilkinson's Algorithm for Positioning Tick Labels on Axes (2010).
+ *
+ * Restricted to labels that are multiples of their step (skip j = 1) and that fill the range, so that the search is
+ * over steps only. The data range is scaled to the magnitude 1 first: 1e-300 and 1e300 are like any other.
+ */
+#include "internal.h"
+
+#include <stdio.h>
+
+/* The paper's Q, best first. */
+static const double nice[] = {1, 5, 2, 2.5, 4, 3};
+
+static double square(double x)
+{
+    return x * x;
+}
+
+/* 0.25 simplicity + 0.2 coverage + 0.5 density + 0.05 legibility (section 4), for `count` labels over [low, high] and
+ * data over [a, b]. */
+static double score_of(size_t q, double low, double high, int count, double a, double b, int want)
+{
+    double zero = low <= 0 && high >= 0 ? 1 : 0;
+    double simplicity = zero - (double)q / (double)(COUNT_OF(nice) - 1);
+    if (count < 2)
+        return simplicity - 100; /* a single label only where there is no room for two */
+    double coverage = 1 - 0.5 * (square(b - high) + square(a - low)) / square(0.1 * (b - a));
+    double have = (count - 1) / (high - low);
+    double wish = (want > 1 ? want - 1 : 1) / (fmax(high, b) - fmin(low, a));
+    double density = 2 - fmax(have / wish, wish / have);
+    double legibility = nice[q] == 2.5 ? 0 : 1; /* one more digit to read */
+    return 0.25 * simplicity + 0.2 * coverage + 0.5 * density + 0.05 * legibility;
+}
+
+struct ticks ticks_search(double from, double to, int want, int most, bool loose)
+{
+    struct ticks ticks = {0};
+    double largest = fmax(fabs(from), fabs(to));
+
+    if (!(from < to) || !isfinite(largest) || largest < 1e-300)
+        return ticks;
+    int magnitude = (int)floor(log10(largest) + 1e-12);
+    int exponent = magnitude >= 5 || magnitude <= -4 ? 3 * (int)floor(magnitude / 3.0) : 0;
+    double scale = pow(10, magnitude), a = from / scale, b = to / scale;
+    double best = -INFINITY;
+
+    if (!(b - a > 1e-14))
+        return ticks;
+    int power = (int)floor(log10(b - a));
+    for (int z = power - 2; z <= power + 1; z++) {
+        for (size_t q = 0; q < COUNT_OF(nice); q++) {
+            double step = nice[q] * pow(10, z);
+            for (int ends = 0; ends < (loose ? 4 : 1); ends++) { /* bit 0: a label below a, bit 1: one above b */
+                double first = ends & 1 ? floor(a / step) : ceil(a / step - 1e-9);
+                double last = ends & 2 ? ceil(b / step) : floor(b / step + 1e-9);
+                if (last < first || last - first >= most)
+                    continue;
+                int count = (int)(last - first) + 1;
+                double score = score_of(q, first * step, last * step, count, a, b, want);
+                if (score <= best)
+                    continue;
+                int digit = z + magnitude - exponent; /* power of ten of the step's first digit, as labelled */
+                int decimals = (nice[q] == 2.5 ? 1 : 0) - digit;
+                best = score;
+                ticks =
+                    (struct ticks){first * step * scale, step * scale, count, decimals > 0 ? decimals : 0, exponent};
+            }
+        }
+    }
+    return ticks;
+}
+
+struct ticks ticks_linear(double from, double to, int want, int most)
+{
+    return ticks_search(from, to, want, most, false);
+}
+
+struct ticks ticks_log(double from, double to, int most)
+{
+    static const int steps[] = {1, 2, 3, 5, 10, 20, 50, 100, 200, 500};
+
+    if (!(from > 0 && from < to) || !isfinite(to))
+        return (struct ticks){0};
+    double low = log10(from) - 1e-9, high = log10(to) + 1e-9;
+    for (size_t i = 0; i < COUNT_OF(steps); i++) {
+        double first = ceil(low / steps[i]), last = floor(high / steps[i]);
+        if (last >= first && last - first < most)
+            return (struct ticks){first * steps[i], steps[i], (int)(last - first) + 1, 0, 0};
+    }
+    return (struct ticks){0};
+}
+
+double tick_value(const struct ticks *ticks, int i, bool log)
+{
+    double value = ticks->first + i * ticks->step;
+    if (log)
+        return pow(10, value);
+    return fabs(value) < 1e-6 * ticks->step ? 0 : value;
+}
+
+int tick_text(const struct ticks *ticks, int i, bool log, char out[TICK_TEXT_SIZE])
+{
+    double value = tick_value(ticks, i, log) / pow(10, ticks->exponent);
+    int decimals = ticks->decimals;
+
+    if (log) {
+        int power = (int)lround(ticks->first + i * ticks->step);
+        double last = ticks->first + (ticks->count - 1) * ticks->step;
+        if (ticks->first < -3 || last > 4) /* all in the same style */
+            return snprintf(out, TICK_TEXT_SIZE, "1e%d", power);
+        decimals = power < 0 ? -power : 0;
+    }
+    /* Through an integer: printf's %f would follow the locale. */
+    long long unit = 1;
+    for (int d = 0; d < decimals; d++)
+        unit *= 10;
+    long long digits = llround(fabs(value) * (double)unit);
+    const char *sign = value < 0 && digits ? "-" : "";
+    if (!decimals)
+        return snprintf(out, TICK_TEXT_SIZE, "%s%lld", sign, digits);
+    return snprintf(out, TICK_TEXT_SIZE, "%s%lld.%0*lld", sign, digits / unit, decimals, digits % unit);
+}
+
+void tick_label(const struct ticks *ticks, int i, bool log, struct buffer *out)
+{
+    char text[TICK_TEXT_SIZE];
+    int len = tick_text(ticks, i, log, text);
+    buffer_put(out, (struct text){text, (size_t)len});
+}

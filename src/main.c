@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* hooke: options, then the front end that fits. */
+#include "terminal/terminal.h"
+
+#include <langinfo.h>
+#include <locale.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* Character widths come from the locale, numbers never do. */
+static void choose_locale(void)
+{
+    if (!setlocale(LC_ALL, "")) {
+        const char *wish = getenv("LC_ALL");
+        wish = wish && *wish ? wish : getenv("LC_CTYPE");
+        wish = wish && *wish ? wish : getenv("LANG");
+        if (wish && (strstr(wish, "UTF-8") || strstr(wish, "utf8"))) {
+            setlocale(LC_CTYPE, "C.UTF-8");
+        }
+    }
+    setlocale(LC_NUMERIC, "C");
+}
+
+/* A setting given as an option: --charset, --color, --format. */
+static bool option_setting(struct session *session, const char *name, const char *value)
+{
+    if (!value) {
+        return true;
+    }
+    const struct setting *setting = (const struct setting *)(const void *)catalog_find(&setting_catalog, text_of(name));
+    const struct row *choice = catalog_find(setting->choices, text_of(value));
+    if (!choice) {
+        struct error error = {0};
+        catalog_unknown(setting->choices, text_of(value), &error);
+        fprintf(stderr, "hooke: error: --%s: %s%s%s\n", name, error.text, *error.hint ? "; " : "", error.hint);
+        return false;
+    }
+    for (size_t i = 0; i < setting->choices->count; i++) {
+        if (catalog_row(setting->choices, i) == choice) {
+            *(int *)(void *)((char *)&session->setup.settings + setting->offset) = (int)i;
+        }
+    }
+    return true;
+}
+
+static int run(const struct options *options)
+{
+    bool terminal = isatty(STDIN_FILENO) && isatty(STDOUT_FILENO);
+    bool prompt = !options->batch && terminal && (options->tasks == 0 || options->interactive);
+    struct streams streams = {0};
+    struct front front = {.cancel = &interrupt};
+    front_probe(&front, options, STDOUT_FILENO);
+    struct session *session = session_create(&front);
+    if (!session) {
+        fputs("hooke: error: out of memory\n", stderr);
+        return ERROR_COMMAND;
+    }
+    session->keep_going = options->keep_going;
+    session->safe = options->safe;
+    struct reply reply;
+    reply_init(&reply, streams_sink(&streams));
+    reply.quiet = options->quiet;
+
+    int status = ERROR_USAGE;
+    if (option_setting(session, "charset", options->charset) && option_setting(session, "color", options->color) &&
+        option_setting(session, "format", options->format)) {
+        if (!options->norc && (prompt || options->rc)) {
+            rc_run(session, &reply);
+            session->status = 0; /* a mistake in the rc file has been told; it does not make this run a failure */
+        }
+        batch_run(session, options, !prompt && options->tasks == 0, &reply, &streams);
+        status = session->status; /* what is typed at the prompt afterwards has been answered there */
+        if (prompt && !session->quit && !signals_ending()) {
+            prompt_run(session, options, &reply, &streams);
+        }
+    }
+    bool written = streams_flush(&streams);
+    if (!written) {
+        fprintf(stderr, "hooke: error: cannot write standard output: %s\n", strerror(streams.failure));
+        status = ERROR_IO;
+    }
+    if (signals_ending()) {
+        status = 128 + signals_ending();
+    } else if (!prompt && cancelled(&interrupt)) {
+        status = ERROR_CANCELLED;
+    }
+    reply_free(&reply);
+    session_destroy(session);
+    streams_free(&streams);
+    return status;
+}
+
+int main(int argc, char **argv)
+{
+    choose_locale();
+    signals_install();
+    struct options options;
+    int status = ERROR_USAGE;
+    if (options_read(&options, argc, argv)) {
+        if (options.help) {
+            struct buffer text = {0};
+            options_help(&text);
+            status = fputs(text.data ? text.data : "", stdout) < 0 || fflush(stdout) ? ERROR_IO : 0;
+            buffer_free(&text);
+        } else if (options.version) {
+            status = printf("hooke %s\n", HOOKE_VERSION) < 0 || fflush(stdout) ? ERROR_IO : 0;
+        } else {
+            status = run(&options);
+        }
+    }
+    options_free(&options);
+    return status;
+}

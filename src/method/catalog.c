@@ -1,0 +1,94 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The table of methods, and what is the same for all of them. */
+#include "step.h"
+
+/* clang-format off */
+#define REALS(...) (const double[]){__VA_ARGS__}
+#define TABLEAU(...) .tableau = &(const struct tableau){__VA_ARGS__}
+#define WEIGHTS(...) .splitting = &(const struct splitting){__VA_ARGS__}
+#define DRAG_VARIANTS (1u << DRAG_EXACT | 1u << DRAG_IMPLICIT | 1u << DRAG_EXPLICIT)
+
+static const struct method methods[] = {
+#define RUNGE_KUTTA(...) {.step = rk_step, .work = rk_work, __VA_ARGS__},
+#include "rk.def"
+#define SPLITTING(...) {.step = split_step, .work = split_work, .drags = DRAG_VARIANTS, __VA_ARGS__},
+#include "split.def"
+#define ALGORITHM(name, ...) {.step = name##_step, __VA_ARGS__},
+#include "algorithms.def"
+};
+/* clang-format on */
+
+const struct catalog method_catalog = CATALOG("method", methods);
+
+static const struct row drags[] = {
+    {"exact", "", "the drag's own motion is solved exactly: no limit on the step, no loss of order", "", NULL},
+    {"implicit", "", "the drag at the new velocity enters the step, solved in closed form", "", NULL},
+    {"explicit", "", "the drag at the old velocity enters the step: first order, and drag shrinks the stable step", "",
+     NULL},
+};
+
+const struct catalog drag_catalog = CATALOG("drag variant", drags);
+
+size_t state_work(const struct method *method, int n)
+{
+    (void)method;
+    return (size_t)n;
+}
+
+size_t method_work_size(const struct method *method, int n)
+{
+    return method->work(method, n);
+}
+
+bool method_applies(const struct method *method, const struct system *system, enum drag *drag, struct error *error)
+{
+    const char *name = method->row.name;
+    if (method->flags & METHOD_SECOND_ORDER && system->order != 2) {
+        error_set(error, ERROR_COMMAND, "%s is for equations of motion y'' = a(t, y, y'), this scene is of first order",
+                  name);
+        return error_hint(error, "use rk4 or dopri5");
+    }
+    if (method->flags & METHOD_EXACT && !system_has_exact(system)) {
+        error_set(error, ERROR_COMMAND, "no exact solution is known for this scene, so '%s' cannot step it", name);
+        return error_hint(error, "the scene must be a linear oscillator; use dopri5 with a small tol instead");
+    }
+    enum drag wanted = *drag == DRAG_DEFAULT ? method->drag : *drag;
+    if (wanted != DRAG_DEFAULT && !(method->drags & 1u << wanted)) {
+        const char *variant = drags[wanted - 1].name;
+        if (!method->drags)
+            return error_set(error, ERROR_COMMAND,
+                             "%s has no drag variants: drag is part of the force that it evaluates", name);
+        return error_set(error, ERROR_COMMAND, "%s does not offer drag=%s", name, variant);
+    }
+    if (method->splitting && !split_applies(method, system, wanted, error))
+        return false;
+    *drag = wanted;
+    return true;
+}
+
+enum step_status method_step(const struct method *method, struct step *step)
+{
+    enum step_status status = method->step(method, step);
+    step->warm = status == STEP_OK;
+    if (status == STEP_OK)
+        step->t += step->h;
+    return status;
+}
+
+void method_dense(const struct method *method, const struct step *step, const double *before, double theta, double *y)
+{
+    if (method->dense) {
+        method->dense(method, step, theta, y);
+        return;
+    }
+    /* Cubic Hermite through both ends (Hairer, Norsett, Wanner I, eq. II.6.7). */
+    const struct system *system = step->system;
+    double f0[LIMIT_VARIABLES], f1[LIMIT_VARIABLES], h = step->h;
+    system_derivative(system, step->t - h, before, f0);
+    system_derivative(system, step->t, step->y, f1);
+    for (int i = 0; i < system->n; i++) {
+        double rise = step->y[i] - before[i];
+        double bend = (1 - 2 * theta) * rise + (theta - 1) * h * f0[i] + theta * h * f1[i];
+        y[i] = (1 - theta) * before[i] + theta * step->y[i] + theta * (theta - 1) * bend;
+    }
+}

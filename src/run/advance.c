@@ -1,0 +1,215 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The loop: steps, conditions, stop reasons, slices. */
+#include "private.h"
+
+#include <float.h>
+#include <math.h>
+
+/* Between two looks at the clock and at cancellation pass this many steps and about this much time. */
+#define BATCH_MAX 1024
+#define BATCH_NS_LEAST 200000
+#define BATCH_NS_MOST 800000
+
+/* Where one call of run_advance goes. */
+struct leg {
+    const struct run_target *target;
+    struct grid grid;
+    int64_t last;  /* fixed step: index where the whole steps end */
+    double rest;   /* [s] partial step after it, 0: none */
+    bool exact;    /* the whole steps end at the target */
+    int64_t limit; /* step index to stop at */
+    bool armed;    /* the condition was false since it was last true */
+};
+
+static bool holds(const struct leg *leg)
+{
+    const struct condition *condition = leg->target->condition;
+    return condition_holds(condition, condition_value(condition, leg->target->scope));
+}
+
+static bool same_time(double a, double b)
+{
+    return fabs(a - b) <= 4 * DBL_EPSILON * fmax(fabs(a), fabs(b));
+}
+
+static enum stop leg_begin(struct run *run, const struct run_target *target, struct leg *leg)
+{
+    struct run_private *p = run->private_state;
+    *leg = (struct leg){.target = target, .limit = target->steps < 0 ? INT64_MAX : run->steps + target->steps};
+    if (target->t == run->t || (isfinite(target->t) && same_time(target->t, run->t))) {
+        run->t = target->t;
+        return STOP_END;
+    }
+    if (!trace_reserve_grids(run->trace, 2)) /* a turn now, a partial step at the end */
+        return STOP_FULL;
+    double h = copysign(run->settings.dt, target->t - run->t);
+    if (run->plan.adaptive) {
+        run->controller.h = copysign(run->controller.h, h);
+    } else {
+        if (trace_grid(run->trace)->h != h) {
+            trace_regrid(run->trace, (struct grid){.first = run->steps, .origin = run->t, .h = h});
+            p->step.warm = false;
+        }
+        leg->grid = *trace_grid(run->trace);
+        struct stretch stretch = stretch_measure(leg->grid.origin, target->t, run->settings.dt);
+        leg->last = leg->grid.first + stretch.whole;
+        leg->rest = stretch.partial;
+        leg->exact = stretch.exact;
+        int64_t end = leg->last + (stretch.partial != 0);
+        leg->limit = end < leg->limit ? end : leg->limit;
+    }
+    leg->armed = target->condition && !holds(leg);
+    return STOP_NONE;
+}
+
+static bool out_of_bounds(const struct run *run)
+{
+    const double *bound = run->private_state->bound;
+    for (int i = 0; i < run->system.n; i++) {
+        if (!(fabs(run->y[i]) <= bound[i]))
+            return true;
+    }
+    return false;
+}
+
+static void restore(struct run *run)
+{
+    struct run_private *p = run->private_state;
+    copy_state(run->y, p->before, run->system.n);
+    p->step.warm = false;
+}
+
+static enum step_status step_cold(struct run *run, double t, double h)
+{
+    struct step *step = &run->private_state->step;
+    step->t = t;
+    step->h = h;
+    step->warm = false;
+    return method_step(run->method, step);
+}
+
+/*
+ * The condition became true in the step from t over h: bisects its length, each time with a real step of the method,
+ * and leaves the state at the end where it holds. True if that is inside the step.
+ */
+static bool locate(struct run *run, const struct leg *leg, double t, double h)
+{
+    size_t size = (size_t)run->system.n * sizeof *run->y;
+    double low = 0, high = h, end = run->t, found[LIMIT_VARIABLES];
+    memcpy(found, run->y, size);
+    while (!(fabs(high - low) <= DBL_EPSILON * fmax(fabs(t), fabs(t + high)))) {
+        double middle = low + (high - low) / 2;
+        restore(run);
+        if (middle == low || middle == high || step_cold(run, t, middle) != STEP_OK)
+            break;
+        run->t = t + middle;
+        if (holds(leg)) {
+            high = middle;
+            end = run->t;
+            memcpy(found, run->y, size);
+        } else {
+            low = middle;
+        }
+    }
+    memcpy(run->y, found, size);
+    run->t = end;
+    run->private_state->step.warm = false;
+    return high != h;
+}
+
+/* One step of the method; *t, *h: where it began and how far it went, *end: the time to give its end. */
+static enum step_status step_once(struct run *run, const struct leg *leg, double *t, double *h, double *end)
+{
+    struct step *step = &run->private_state->step;
+    enum step_status status;
+    if (run->plan.adaptive) {
+        *t = step->t = run->t;
+        status = method_adapt(run->method, step, &run->controller, leg->target->t);
+        *h = step->t - *t;
+        *end = same_time(step->t, leg->target->t) ? leg->target->t : step->t;
+        return status;
+    }
+    *t = grid_time(&leg->grid, run->steps);
+    if (run->steps == leg->last) {
+        *h = leg->rest;
+        *end = leg->target->t;
+        return step_cold(run, *t, *h);
+    }
+    *h = leg->grid.h;
+    *end = leg->exact && run->steps + 1 == leg->last ? leg->target->t : grid_time(&leg->grid, run->steps + 1);
+    step->t = *t;
+    step->h = *h;
+    return method_step(run->method, step);
+}
+
+static enum stop advance_step(struct run *run, struct leg *leg)
+{
+    static const enum stop stop_of[] = {
+        [STEP_NONFINITE] = STOP_DIVERGED, [STEP_NO_SOLUTION] = STOP_NO_SOLUTION, [STEP_STALLED] = STOP_STALLED};
+    struct run_private *p = run->private_state;
+    if (run->steps >= leg->limit || run->t == leg->target->t)
+        return STOP_END;
+    double t, h, end, was = run->t;
+    copy_state(p->before, run->y, run->system.n);
+    enum step_status status = step_once(run, leg, &t, &h, &end);
+    if (status != STEP_OK) {
+        p->step.warm = false;
+        return stop_of[status];
+    }
+    if (out_of_bounds(run)) {
+        restore(run);
+        return STOP_DIVERGED;
+    }
+    bool off_grid = run->steps == leg->last;
+    run->steps++;
+    run->t = end;
+    enum stop stop = STOP_NONE;
+    if (leg->target->condition) {
+        bool now = holds(leg);
+        if (now && leg->armed) {
+            off_grid |= locate(run, leg, t, h);
+            stop = STOP_CONDITION;
+        }
+        leg->armed |= !now;
+    }
+    if (!trace_record(run->trace, run->steps, run->t, run->y)) {
+        restore(run);
+        run->steps--;
+        run->t = was;
+        return STOP_FULL;
+    }
+    if (off_grid && !run->plan.adaptive) {
+        trace_regrid(run->trace, (struct grid){.first = run->steps, .origin = run->t, .h = leg->grid.h});
+        p->step.warm = false;
+    }
+    return stop;
+}
+
+bool run_advance(struct run *run, const struct run_target *target, int64_t budget_ns, const struct cancel *cancel)
+{
+    struct run_private *p = run->private_state;
+    struct leg leg;
+    int64_t begin = clock_ns(), now = begin;
+    enum stop stop = leg_begin(run, target, &leg);
+    bool more = false;
+    while (stop == STOP_NONE && !more) {
+        if (cancelled(cancel)) {
+            stop = STOP_CANCELLED;
+            break;
+        }
+        for (int64_t i = 0; i < p->batch && stop == STOP_NONE; i++)
+            stop = advance_step(run, &leg);
+        int64_t then = now;
+        now = clock_ns();
+        if (now - then < BATCH_NS_LEAST && p->batch < BATCH_MAX)
+            p->batch *= 2;
+        else if (now - then > BATCH_NS_MOST && p->batch > 1)
+            p->batch /= 2;
+        more = stop == STOP_NONE && budget_ns > 0 && now - begin >= budget_ns;
+    }
+    run->cost = p->step.cost;
+    run->seconds += (double)(clock_ns() - begin) * 1e-9;
+    run->stop = stop;
+    trace_present(run->trace, run->steps, run->t, run->y);
+    return more;
+}

@@ -1,0 +1,193 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* `plan` for people: what will be computed and what is left out, like the EXPLAIN of a database. */
+#include "private.h"
+
+#include <math.h>
+
+static void key(struct buffer *text, const char *name)
+{
+    buffer_format(text, "%-10s", name);
+}
+
+static void names(struct buffer *text, const char *name, bool *first)
+{
+    buffer_format(text, "%s%s", *first ? "" : ", ", name);
+    *first = false;
+}
+
+static const char *step_word(double count)
+{
+    return count == 1 ? "step" : "steps";
+}
+
+static bool is_bound(const struct system *system, const struct row *row)
+{
+    for (int i = 0; i < system->terms; i++) {
+        if (&system->term[i].row->row == row)
+            return true;
+    }
+    return false;
+}
+
+static bool recorded(const struct system *system, const char *name)
+{
+    bool found = text_is(TEXT("t"), name);
+    for (int i = 0; i < system->n; i++)
+        found |= text_is(text_of(system_variable(system, i).name), name);
+    return found;
+}
+
+static void describe_scene(const struct scene *scene, const struct system *system, struct buffer *text)
+{
+    key(text, "scene");
+    buffer_format(text, "%s: state", scene->preset ? scene->preset->row.name : "typed");
+    for (int i = 0; i < system->n; i++)
+        buffer_format(text, "%s %s", i ? "," : "", system_variable(system, i).name);
+    buffer_format(text, "; %s, %s%s\n", system->linear ? "linear" : "not linear",
+                  system->autonomous ? "autonomous" : "driven by time", system->conservative ? ", conservative" : "");
+    for (int i = 0; i < system->terms; i++) {
+        const struct row *row = &system->term[i].row->row;
+        key(text, i ? "" : "terms");
+        buffer_format(text, "%s: %s\n", row->name, row->brief);
+    }
+    bool none = true;
+    for (size_t i = 0; i < term_catalog.count; i++) {
+        const struct row *row = catalog_row(&term_catalog, i);
+        if (is_bound(system, row))
+            continue;
+        if (none)
+            key(text, "left out");
+        names(text, row->name, &none);
+    }
+    if (!none)
+        buffer_format(text, " (coefficient zero: not evaluated)\n");
+}
+
+static void describe_method(const struct system *system, const struct method *method,
+                            const struct run_settings *settings, const struct plan *plan, struct buffer *text)
+{
+    static const struct {
+        unsigned flag;
+        const char *word;
+    } property[] = {{METHOD_EXACT, "exact"},         {METHOD_IMPLICIT, "implicit"},   {METHOD_SYMPLECTIC, "symplectic"},
+                    {METHOD_SYMMETRIC, "symmetric"}, {METHOD_ENERGY, "keeps energy"}, {METHOD_A_STABLE, "A-stable"},
+                    {METHOD_L_STABLE, "L-stable"}};
+    key(text, "method");
+    buffer_format(text, "%s", method->row.name);
+    if (method->order)
+        buffer_format(text, ", order %d", method->order);
+    buffer_format(text, ", %d force evaluation%s a step", method->evals, method->evals == 1 ? "" : "s");
+    for (size_t i = 0; i < COUNT_OF(property); i++) {
+        if (method->flags & property[i].flag)
+            buffer_format(text, ", %s", property[i].word);
+    }
+    buffer_char(text, '\n');
+
+    enum drag drag = settings->drag;
+    struct error ignored;
+    key(text, "drag");
+    if (!system->velocity)
+        buffer_format(text, "none: no force depends on velocity\n");
+    else if (!method_applies(method, system, &drag, &ignored) || drag == DRAG_DEFAULT)
+        buffer_format(text, "part of the force\n");
+    else
+        buffer_format(text, "%s%s\n", catalog_row(&drag_catalog, (size_t)drag - 1)->name,
+                      settings->drag == DRAG_DEFAULT ? " (the method's default)" : "");
+
+    key(text, "steps");
+    if (plan->adaptive) {
+        buffer_format(text, "chosen by the error estimate, tol = ");
+        buffer_short(text, settings->tol, 3);
+        buffer_format(text, " of the scene's own scale; the first guess is dt = ");
+        buffer_quantity(text, settings->dt, QUANTITY_TIME, 6);
+        buffer_char(text, '\n');
+        return;
+    }
+    if (isnan(plan->steps))
+        buffer_format(text, "no end is set, fixed dt = ");
+    else
+        buffer_format(text, "%lld %s of fixed dt = ", (long long)plan->whole, step_word((double)plan->whole));
+    buffer_quantity(text, settings->dt, QUANTITY_TIME, 6);
+    if (plan->partial > 0) {
+        buffer_format(text, "\n%-10sone last step of ", "");
+        buffer_quantity(text, plan->partial, QUANTITY_TIME, 6);
+        if (method->flags & METHOD_SYMPLECTIC)
+            buffer_format(text, "; it breaks the constant step that makes %s symplectic", method->row.name);
+    } else if (plan->exact_end) {
+        buffer_format(text, ", which end exactly at the time asked for");
+    }
+    buffer_char(text, '\n');
+    if (!isnan(plan->steps)) {
+        key(text, "evals");
+        buffer_format(text, "about %.6g, estimated time ", plan->steps * method->evals);
+        buffer_quantity(text, plan->seconds, QUANTITY_TIME, 1);
+        buffer_char(text, '\n');
+    }
+}
+
+static void describe_record(const struct system *system, const struct run_settings *settings, const struct plan *plan,
+                            struct buffer *text)
+{
+    key(text, "record");
+    for (int i = 0; i < system->n; i++)
+        buffer_format(text, "%s%s", i ? ", " : "", system_variable(system, i).name);
+    buffer_format(text, plan->adaptive ? ", t" : "");
+    if (settings->record.rule == RECORD_EVERY)
+        buffer_format(text, " every %lld steps", (long long)settings->record.every);
+    else if (settings->record.rule == RECORD_AUTO && !(plan->steps < LIMIT_SAMPLES))
+        buffer_format(text, ", every step up to %u rows, then decimated (no peak is lost)", LIMIT_SAMPLES);
+    else
+        buffer_format(text, " every step");
+    if (!isnan(plan->bytes))
+        buffer_format(text, ": %.4g kB", plan->bytes / 1e3);
+    buffer_format(text, plan->adaptive ? "\n" : "; times are computed, not stored\n");
+}
+
+static void describe_prediction(const struct system *system, const struct method *method,
+                                const struct run_settings *settings, const struct plan *plan, struct buffer *text)
+{
+    if (isnan(plan->growth))
+        return;
+    double limit = plan_stable_limit(system, method, settings->drag);
+    key(text, "predicted");
+    buffer_format(text, "amplitude times ");
+    buffer_short(text, plan->growth, 10);
+    buffer_format(text, " a step");
+    if (limit == 0) {
+        buffer_format(text, "; %s is unstable here for every dt", method->row.name);
+    } else if (isinf(limit)) {
+        buffer_format(text, "; stable for every dt");
+    } else if (!isnan(limit)) {
+        buffer_format(text, "; stable up to dt = ");
+        buffer_quantity(text, limit, QUANTITY_TIME, 4);
+        buffer_format(text, settings->dt > limit ? " (exceeded)" : "");
+    }
+    buffer_char(text, '\n');
+}
+
+void plan_describe(const struct scene *scene, const struct system *system, const struct method *method,
+                   const struct run_settings *settings, const struct plan *plan, struct buffer *text)
+{
+    describe_scene(scene, system, text);
+    describe_method(system, method, settings, plan, text);
+    describe_record(system, settings, plan, text);
+    describe_prediction(system, method, settings, plan, text);
+    key(text, "exact");
+    buffer_format(text, plan->exact_known ? "closed form known: no reference integration\n"
+                                          : "no closed form: no error column\n");
+    if (system->order == 2) {
+        key(text, "energy");
+        buffer_format(text, plan->ledger ? "balance E - E0 - W, W along the recorded rows, only when asked for\n"
+                                         : "constant: no ledger\n");
+    }
+    key(text, "on demand");
+    bool first = true;
+    for (size_t i = 0; i < observable_catalog.count; i++) {
+        const struct observable *o = (const struct observable *)(const void *)catalog_row(&observable_catalog, i);
+        if (recorded(system, o->row.name) || (o->needs & NEED_POWER && system->conservative))
+            continue;
+        if (observable_defined(o, system, plan->exact_known))
+            names(text, o->row.name, &first);
+    }
+    buffer_format(text, first ? "nothing\n" : "\n");
+}

@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Why a run stopped, and what to do about it. */
+#include "private.h"
+
+#include <math.h>
+
+/* Rounded down to one digit: advice, not a bound. */
+static double one_digit(double x)
+{
+    double unit = pow(10, floor(log10(x)));
+    return floor(x / unit) * unit;
+}
+
+static void put_time(struct buffer *text, double seconds, int digits)
+{
+    buffer_short(text, seconds, digits);
+    buffer_format(text, " s");
+}
+
+static void explain_divergence(const struct run *run, struct buffer *text)
+{
+    const struct oscillator *o = &run->system.oscillator;
+    const char *name = run->method->row.name;
+    double dt = run->settings.dt, limit = run->plan.limit, growth = run->plan.growth;
+    if (o->whole && (o->stiffness < 0 || o->damping < 0)) {
+        buffer_format(text, "the scene itself grows (%s < 0)", o->stiffness < 0 ? "k" : "gamma");
+    } else if (limit == 0 && o->damping == 0) {
+        buffer_format(text, "%s is unstable on an undamped oscillator for every dt (growth ", name);
+        buffer_short(text, growth, 5);
+        buffer_format(text, " a step); try symplectic-euler");
+    } else if (limit > 0 && dt > limit) {
+        buffer_format(text, "dt = ");
+        put_time(text, dt, 6);
+        buffer_format(text, " is above the stability limit ");
+        put_time(text, limit, 3);
+        buffer_format(text, " of %s; try dt <= ", name);
+        put_time(text, one_digit(limit / 10), 1);
+    } else if (growth > 1) {
+        buffer_format(text, "%s grows by ", name);
+        buffer_short(text, growth, 5);
+        buffer_format(text, " a step at this dt; try a smaller dt or an implicit method");
+    } else {
+        buffer_format(text, "the state left the range of numbers; try dt <= ");
+        put_time(text, one_digit(dt / 10), 1);
+    }
+}
+
+void run_explain(const struct run *run, struct buffer *text)
+{
+    static const char *const what[] = {
+        [STOP_NONE] = "at",
+        [STOP_END] = "reached",
+        [STOP_CONDITION] = "the condition became true at",
+        [STOP_DIVERGED] = "diverged at",
+        [STOP_CANCELLED] = "cancelled at",
+        [STOP_NO_SOLUTION] = "no solution at",
+        [STOP_STALLED] = "stalled at",
+        [STOP_FULL] = "stopped at",
+    };
+    buffer_format(text, "%s t = ", what[run->stop]);
+    put_time(text, run->t, run->stop == STOP_CONDITION ? 10 : 6);
+    buffer_format(text, " (step %lld)", (long long)run->steps);
+    switch (run->stop) {
+    case STOP_DIVERGED:
+        buffer_format(text, ": ");
+        explain_divergence(run, text);
+        break;
+    case STOP_NO_SOLUTION:
+        buffer_format(text, ": the implicit equation of %s was not solved; try dt <= ", run->method->row.name);
+        put_time(text, one_digit(run->settings.dt / 2), 1);
+        break;
+    case STOP_STALLED:
+        buffer_format(text, ": the step for tol = ");
+        buffer_short(text, run->settings.tol, 3);
+        buffer_format(text, " is below the rounding of t; try a larger tol or an implicit method");
+        break;
+    case STOP_FULL:
+        buffer_format(text, ": the trace holds %zu rows in %.4g MB and has no room for more; try 'set record auto'",
+                      trace_count(run->trace), (double)trace_bytes(run->trace) / 1e6);
+        break;
+    case STOP_NONE:
+    case STOP_END:
+    case STOP_CONDITION:
+    case STOP_CANCELLED:
+        break;
+    }
+}

@@ -1,0 +1,280 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Observables: functions of a row of a run. A new one is a row of the table. */
+#include "private.h"
+
+#include <math.h>
+
+static const double *velocity(const struct sample *sample)
+{
+    return sample->y + sample->system->n / 2;
+}
+
+static double energy_of(const struct sample *sample)
+{
+    return system_energy(sample->system, sample->y);
+}
+
+/* About the equilibrium: position [m], velocity over omega0 [m]. */
+struct phase_point {
+    double q, p;
+};
+
+static struct phase_point phase_point(const struct system *system, const double *y)
+{
+    const struct oscillator *o = &system->oscillator;
+    return (struct phase_point){y[0] + o->gravity / o->stiffness, y[system->n / 2] / sqrt(o->stiffness)};
+}
+
+/* Grows with time: q = A cos(phase), p = -A sin(phase). */
+static double phase_between(const struct system *system, const double *y, const double *from)
+{
+    struct phase_point a = phase_point(system, y), b = phase_point(system, from);
+    return remainder(atan2(-a.p, a.q) - atan2(-b.p, b.q), 2 * M_PI);
+}
+
+static double amplitude_of(const struct system *system, const double *y)
+{
+    struct phase_point point = phase_point(system, y);
+    return hypot(point.q, point.p);
+}
+
+/* ---- the table ---- */
+
+static double value_t(const struct sample *sample)
+{
+    return sample->t;
+}
+
+static double value_y(const struct sample *sample)
+{
+    return sample->y[0];
+}
+
+static double value_v(const struct sample *sample)
+{
+    return velocity(sample)[0];
+}
+
+static double value_a(const struct sample *sample)
+{
+    double a[LIMIT_VARIABLES];
+    system_acceleration(sample->system, sample->t, sample->y, a);
+    return a[0];
+}
+
+static double value_kinetic(const struct sample *sample)
+{
+    return system_kinetic(sample->system, sample->y);
+}
+
+static double value_potential(const struct sample *sample)
+{
+    return system_potential(sample->system, sample->y);
+}
+
+static double value_energy_error(const struct sample *sample)
+{
+    return sample->initial != 0 ? (energy_of(sample) - sample->initial - sample->work) / fabs(sample->initial) : NAN;
+}
+
+static double value_dissipated(const struct sample *sample)
+{
+    return sample->dissipated;
+}
+
+static double value_work(const struct sample *sample)
+{
+    return sample->work;
+}
+
+static double value_power(const struct sample *sample)
+{
+    return system_power(sample->system, sample->t, sample->y);
+}
+
+static double value_momentum(const struct sample *sample)
+{
+    return sample->system->mass * velocity(sample)[0];
+}
+
+static double value_amplitude(const struct sample *sample)
+{
+    return amplitude_of(sample->system, sample->y);
+}
+
+static double value_exact(const struct sample *sample)
+{
+    return sample->exact[0];
+}
+
+static double value_error(const struct sample *sample)
+{
+    return sample->y[0] - sample->exact[0];
+}
+
+static double value_phase_error(const struct sample *sample)
+{
+    return phase_between(sample->system, sample->y, sample->exact);
+}
+
+static const struct observable observables[] = {
+    {{"t", "s", "time", "", NULL}, QUANTITY_TIME, 0, value_t},
+    {{"y", "m", "position", "", NULL}, QUANTITY_LENGTH, 0, value_y},
+    {{"v", "m/s", "velocity", "", NULL}, QUANTITY_VELOCITY, NEED_MECHANICS, value_v},
+    {{"a", "m/s^2", "acceleration", "", NULL}, QUANTITY_ACCELERATION, NEED_MECHANICS, value_a},
+    {{"energy", "J", "kinetic and potential energy", "", NULL}, QUANTITY_ENERGY, NEED_MECHANICS, energy_of},
+    {{"kinetic", "J", "kinetic energy m v^2/2", "", NULL}, QUANTITY_ENERGY, NEED_MECHANICS, value_kinetic},
+    {{"potential", "J", "potential energy of the conservative forces", "", NULL},
+     QUANTITY_ENERGY,
+     NEED_MECHANICS,
+     value_potential},
+    {{"work", "J", "work of drag and drive since the start", "", NULL},
+     QUANTITY_ENERGY,
+     NEED_MECHANICS | NEED_WORK | NEED_POWER,
+     value_work},
+    {{"dissipated", "J", "energy that drag took away since the start", "", NULL},
+     QUANTITY_ENERGY,
+     NEED_MECHANICS | NEED_WORK | NEED_POWER,
+     value_dissipated},
+    {{"power", "W", "power of drag and drive", "", NULL}, QUANTITY_POWER, NEED_MECHANICS | NEED_POWER, value_power},
+    {{"energy-error", "", "error of the energy balance, (E - E0 - work)/E0", "", "energy_error"},
+     QUANTITY_NUMBER,
+     NEED_MECHANICS | NEED_WORK | NEED_RATIO,
+     value_energy_error},
+    {{"momentum", "kg m/s", "momentum m v", "", NULL}, QUANTITY_OTHER, NEED_MECHANICS, value_momentum},
+    {{"amplitude", "m", "hypot(y - equilibrium, v/omega0)", "", NULL},
+     QUANTITY_LENGTH,
+     NEED_MECHANICS | NEED_CENTRE,
+     value_amplitude},
+    {{"exact", "m", "position of the exact solution", "", NULL}, QUANTITY_LENGTH, NEED_EXACT, value_exact},
+    {{"error", "m", "position minus the exact one", "", NULL}, QUANTITY_LENGTH, NEED_EXACT, value_error},
+    {{"phase-error", "rad", "phase minus that of the exact solution, within -pi..pi", "", "phase_error"},
+     QUANTITY_ANGLE,
+     NEED_MECHANICS | NEED_CENTRE | NEED_EXACT,
+     value_phase_error},
+};
+
+const struct catalog observable_catalog = CATALOG("observable", observables);
+
+/* ---- asking ---- */
+
+/* What is missing of an observable's needs, as words; NULL: nothing. */
+static const char *missing_need(const struct observable *observable, const struct system *system, bool exact_known)
+{
+    if (observable->needs & NEED_EXACT && !exact_known)
+        return "a scene with a closed-form solution";
+    if (observable->needs & NEED_MECHANICS && system->order != 2)
+        return "a scene with positions and velocities";
+    if (observable->needs & NEED_CENTRE && !(system->oscillator.stiffness > 0))
+        return "an oscillation about an equilibrium (k > 0)";
+    return NULL;
+}
+
+bool observable_defined(const struct observable *observable, const struct system *system, bool exact_known)
+{
+    return !missing_need(observable, system, exact_known);
+}
+
+bool run_column(const struct run *run, const struct observable *observable, double *out, struct error *error)
+{
+    const char *missing = missing_need(observable, &run->system, run->plan.exact_known);
+    if (missing)
+        return error_set(error, ERROR_COMMAND, "%s needs %s, which this run has not", observable->row.name, missing);
+    struct walk walk;
+    walk_begin(&walk, run, observable->needs);
+    while (walk_next(&walk))
+        *out++ = observable->value(&walk.sample);
+    return true;
+}
+
+double run_observable(const struct run *run, const struct observable *observable)
+{
+    if (!observable_defined(observable, &run->system, run->plan.exact_known))
+        return NAN;
+    struct walk walk;
+    walk_present(&walk, run, observable->needs);
+    return observable->value(&walk.sample);
+}
+
+/* [m] what rounding of the parameters does to the exact position at the end. */
+static double exact_floor(const struct run *run)
+{
+    const struct epoch *epoch = run_epoch(run, run->steps);
+    double exact[LIMIT_VARIABLES], floor[LIMIT_VARIABLES];
+    system_exact(&epoch->system, epoch->t, epoch->start, run->t, exact, floor);
+    return floor[0];
+}
+
+void run_errors(const struct run *run, struct run_errors *errors)
+{
+    *errors = (struct run_errors){NAN, NAN, NAN, NAN, NAN};
+    if (!run->plan.exact_known)
+        return;
+    struct walk walk;
+    const struct sample *sample = &walk.sample;
+    double most = 0, amplitude = 0, distance = 0, phase = 0;
+    walk_begin(&walk, run, NEED_EXACT);
+    while (walk_next(&walk)) {
+        distance = fabs(sample->y[0] - sample->exact[0]);
+        most = fmax(most, distance);
+        amplitude = fmax(amplitude, fabs(sample->exact[0]));
+        /* It changes little from row to row, which counts the turns. */
+        phase += remainder(phase_between(sample->system, sample->y, sample->exact) - phase, 2 * M_PI);
+    }
+    if (amplitude > 0) {
+        errors->end = distance / amplitude;
+        errors->max = most / amplitude;
+        errors->floor = exact_floor(run) / amplitude;
+    } else if (most == 0) {
+        errors->end = errors->max = errors->floor = 0;
+    }
+    if (run->system.oscillator.stiffness > 0) {
+        double exact = amplitude_of(sample->system, sample->exact);
+        errors->phase = phase;
+        errors->amplitude = exact > 0 ? amplitude_of(sample->system, sample->y) / exact - 1 : NAN;
+    }
+}
+
+/* ---- names in expressions ---- */
+
+static bool scope_find(const void *context, struct text name, int *slot)
+{
+    const struct run *run = context;
+    for (int i = 0; i < run->system.n; i++) {
+        if (text_is(name, system_variable(&run->system, i).name)) {
+            *slot = i;
+            return true;
+        }
+    }
+    const struct row *row = catalog_find(&observable_catalog, name);
+    if (row)
+        *slot = run->system.n + (int)((const struct observable *)(const void *)row - observables);
+    return row != NULL;
+}
+
+static double scope_load(const void *context, int slot)
+{
+    const struct run *run = context;
+    int n = run->system.n;
+    return slot < n ? run->y[slot] : run_observable(run, &observables[slot - n]);
+}
+
+static void scope_offer(const void *context, struct suggestion *suggestion)
+{
+    const struct run *run = context;
+    for (int i = 0; i < run->system.n; i++)
+        suggestion_offer(suggestion, system_variable(&run->system, i).name);
+    for (size_t i = 0; i < COUNT_OF(observables); i++)
+        suggestion_offer(suggestion, observables[i].row.alias ? observables[i].row.alias : observables[i].row.name);
+}
+
+bool run_scope(const struct run *run, struct expr_scope *scope)
+{
+    *scope = (struct expr_scope){run, scope_find, scope_load, scope_offer};
+    return run != NULL;
+}
+
+int run_scope_slots(const struct run *run)
+{
+    return run->system.n + (int)COUNT_OF(observables);
+}

@@ -1,0 +1,121 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The plan: what a scene and a method really need, and what is refused before anything starts. */
+#include "private.h"
+
+#include <math.h>
+
+/* Estimates [ns] on a desktop of the 2020s, good to a factor of 3: enough to warn before hours pass. */
+#define NS_STEP 30.0
+#define NS_TERM 15.0  /* a force evaluation, each term */
+#define NS_SOLVE 20.0 /* implicit, each variable */
+
+#define GROWTH_MARGIN 1e-12 /* above 1: rounding */
+
+static double step_ns(const struct system *system, const struct method *method)
+{
+    double ns = NS_STEP + NS_TERM * method->evals * system->terms * system->n / 2;
+    return method->flags & METHOD_IMPLICIT ? ns + NS_SOLVE * system->n : ns;
+}
+
+static bool check_memory(const struct run_settings *settings, double rows, double bytes, struct error *error)
+{
+    double budget = (double)(settings->memory ? settings->memory : MEMORY_DEFAULT);
+    if (bytes <= budget)
+        return true;
+    double every = ceil(bytes / budget) * (double)(settings->record.rule == RECORD_EVERY ? settings->record.every : 1);
+    error_set(error, ERROR_COMMAND, "recording %.6g rows needs %.4g bytes, the budget is %.4g bytes", rows, bytes,
+              budget);
+    return error_hint(error, "'set record auto' keeps every peak in at most %u rows; 'set record every %.0f' fits",
+                      LIMIT_SAMPLES, every);
+}
+
+static bool check_grid(double t0, double dt, double span, const struct stretch *stretch, struct error *error)
+{
+    double far = fmax(fabs(t0), isinf(span) ? 0 : fabs(t0 + span));
+    if (isfinite(span) && stretch->ratio > LIMIT_STEPS) {
+        error_set(error, ERROR_COMMAND,
+                  "%.4g s in steps of %.4g s are %.4g steps, more than the 2^53 that can be counted", fabs(span), dt,
+                  stretch->ratio);
+        return error_hint(error, "dt must be at least %.2g s for this duration", fabs(span) / LIMIT_STEPS * 1.05);
+    }
+    double spacing = far - nextafter(far, 0);
+    if (dt < spacing) {
+        error_set(error, ERROR_COMMAND, "dt = %.4g s is below the rounding of the time, %.2g s near t = %.4g s", dt,
+                  spacing, far);
+        return error_hint(error, "dt must be at least that, or t0 nearer to 0");
+    }
+    return true;
+}
+
+/* The scene as a linear oscillator: x = omega0 dt and zeta of the stability tables. False: it is none. */
+static bool oscillation(const struct system *system, double *omega0, double *zeta)
+{
+    const struct oscillator *o = &system->oscillator;
+    *omega0 = sqrt(o->stiffness);
+    *zeta = o->damping / (2 * *omega0);
+    return system->linear && o->whole && *omega0 > 0 && isfinite(*zeta);
+}
+
+double plan_stable_limit(const struct system *system, const struct method *method, enum drag drag)
+{
+    double omega0, zeta;
+    if (!oscillation(system, &omega0, &zeta) || zeta < 0) /* with negative damping the true motion grows */
+        return NAN;
+    return method_stable_limit(method, drag, zeta) / omega0;
+}
+
+static double predicted_growth(const struct system *system, const struct method *method, enum drag drag, double dt)
+{
+    double omega0, zeta, matrix[4];
+    if (!oscillation(system, &omega0, &zeta) || !method_amplification(method, drag, omega0 * dt, zeta, matrix))
+        return NAN;
+    return matrix_spectral_radius(matrix);
+}
+
+bool plan_make(const struct system *system, const struct method *method, const struct run_settings *settings,
+               double span, struct plan *plan, struct error *error)
+{
+    double dt = settings->dt;
+    if (!(dt > 0) || !isfinite(dt))
+        return error_set(error, ERROR_COMMAND, "dt must be > 0 (got %.6g s)", dt);
+    if (isnan(span))
+        return error_set(error, ERROR_COMMAND, "the duration is not a number");
+    if (!(settings->tol >= 0) || !isfinite(settings->tol))
+        return error_set(error, ERROR_COMMAND, "tol must be >= 0 (got %.6g)", settings->tol);
+    if (settings->record.rule == RECORD_EVERY && settings->record.every < 1)
+        return error_set(error, ERROR_COMMAND, "record every N needs N >= 1 (got %lld)",
+                         (long long)settings->record.every);
+    enum drag drag = settings->drag;
+    if (!method_applies(method, system, &drag, error))
+        return false;
+
+    struct stretch stretch = stretch_measure(system->t0, system->t0 + span, dt);
+    bool adaptive = settings->tol > 0 && method->flags & METHOD_ADAPTIVE;
+    *plan = (struct plan){.adaptive = adaptive,
+                          .exact_known = system_has_exact(system),
+                          .ledger = system->order == 2 && !system->conservative,
+                          .steps = NAN,
+                          .bytes = NAN,
+                          .seconds = NAN,
+                          .growth = adaptive ? NAN : predicted_growth(system, method, drag, dt),
+                          .limit = NAN};
+    if (plan->growth > 1 + GROWTH_MARGIN)
+        plan->limit = plan_stable_limit(system, method, drag);
+    if (adaptive || isinf(span))
+        return adaptive || check_grid(system->t0, dt, span, &stretch, error);
+    if (!check_grid(system->t0, dt, span, &stretch, error))
+        return false;
+
+    plan->whole = stretch.whole;
+    plan->partial = fabs(stretch.partial);
+    plan->exact_end = stretch.exact;
+    plan->steps = (double)stretch.whole + (stretch.partial != 0);
+    plan->seconds = plan->steps * step_ns(system, method) * 1e-9;
+    double rows = plan->steps + 1;
+    if (settings->record.rule == RECORD_AUTO)
+        rows = fmin(rows, LIMIT_SAMPLES);
+    else if (settings->record.rule == RECORD_EVERY)
+        rows = floor(plan->steps / (double)settings->record.every) + 1;
+    plan->bytes = rows * (double)trace_row_bytes(system->n, adaptive, settings->record.rule);
+    return settings->record.rule == RECORD_AUTO || check_memory(settings, rows, plan->bytes, error);
+}

@@ -1,0 +1,144 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the files of this layer share. */
+#ifndef HOOKE_RUN_PRIVATE_H
+#define HOOKE_RUN_PRIVATE_H
+
+#include <hooke/run.h>
+#include <string.h>
+
+/* Once or twice a step: most scenes have two variables, for which a call costs more than the copy. */
+static inline void copy_state(double *to, const double *from, int n)
+{
+    if (n == 2) {
+        to[0] = from[0];
+        to[1] = from[1];
+    } else {
+        memcpy(to, from, (size_t)n * sizeof *to);
+    }
+}
+
+/* ---- the grid of times: t = origin + (step - first) h, never accumulated ---- */
+
+struct grid {
+    int64_t first; /* step index at the origin */
+    double origin; /* [s] */
+    double h;      /* [s] signed */
+};
+
+double grid_time(const struct grid *grid, int64_t step); /* [s] */
+
+/* From one time to another in steps of dt. */
+struct stretch {
+    double ratio;   /* |to - from| / dt */
+    int64_t whole;  /* full steps, at most LIMIT_STEPS */
+    double partial; /* [s] signed rest after them, 0: none */
+    bool exact;     /* a whole number of steps, up to rounding */
+};
+
+struct stretch stretch_measure(double from, double to, double dt); /* to may be infinite */
+
+/* ---- trace ----
+ * Row: n state values, the step index if `indexed` (RECORD_AUTO), the time if `timed` (adaptive). Otherwise row i is
+ * step i * every. The present state is shown as a last row when it was not recorded itself.
+ */
+
+#define CHUNK_SHIFT 12
+#define CHUNK_ROWS ((size_t)1 << CHUNK_SHIFT)
+
+struct trace {
+    int n;
+    bool indexed, timed;
+    int64_t every, next; /* unless indexed: record each so many steps; the next one to record */
+    size_t width;        /* doubles a row */
+    size_t cap;          /* rows: decimated there (indexed) or full */
+    double **chunk;
+    size_t chunks, room, count;
+
+    int64_t bucket;         /* steps that share at most three rows; 1: not decimated */
+    int64_t tail_end;       /* step at which the last bucket ends */
+    size_t tail, low, high; /* its rows: first, smallest, largest position */
+    unsigned generation;    /* changes whenever rows before the tail change */
+
+    struct grid *grid;
+    size_t grids, grid_room;
+
+    double now[LIMIT_VARIABLES];
+    double now_t;
+    int64_t now_step;
+};
+
+struct trace *trace_create(int n, bool timed, struct recording_rule rule, size_t memory); /* NULL: no memory */
+void trace_destroy(struct trace *trace);
+/* Offers the state after `step`; false: full or no memory, nothing recorded. Steps come in order, each once. */
+bool trace_record(struct trace *trace, int64_t step, double t, const double *y);
+void trace_present(struct trace *trace, int64_t step, double t, const double *y);
+/* Drops everything after row i, which becomes the present. */
+void trace_truncate(struct trace *trace, size_t i);
+bool trace_reserve_grids(struct trace *trace, size_t more); /* room for so many regrids; false: no memory */
+void trace_regrid(struct trace *trace, struct grid grid);   /* from here on a new grid */
+const struct grid *trace_grid(const struct trace *trace);   /* the present one */
+size_t trace_settled(const struct trace *trace);            /* rows that only a new generation can change */
+size_t trace_row_bytes(int n, bool timed, enum record_rule rule);
+
+/* ---- runs ---- */
+
+#define MEMORY_DEFAULT ((size_t)1 << 30) /* [byte] budget of a trace */
+
+/* The scene that was in force from a step on: one at the start, one more for each run_rebind(). */
+struct epoch {
+    int64_t first;                 /* step index of its start */
+    double t;                      /* [s] */
+    double start[LIMIT_VARIABLES]; /* where the exact solution starts: its own value at the end of the epoch before */
+    struct system system;
+};
+
+/* A sum that does not lose small addends (Neumaier 1974). */
+struct sum {
+    double high, low;
+};
+
+/* Work since the start up to row `row`, in units of factor^2 J (see run_private). */
+struct balance {
+    size_t row;
+    struct sum work; /* drag, drive and changes of parameters */
+    struct sum drag; /* drag alone */
+};
+
+struct run_private {
+    struct step step;
+    double *work;        /* of the method */
+    double *before;      /* [n] state before the step */
+    double *bound;       /* [n] magnitudes that count as diverged */
+    struct epoch *epoch; /* at least one */
+    size_t epochs, epoch_room;
+    int64_t batch;          /* steps between looks at the clock */
+    double factor;          /* power of two on states before their energies are compared */
+    struct balance settled; /* up to rows that do not change while the trace keeps its generation */
+    unsigned generation;
+};
+
+/* The epoch that led to the state at `step`: where one ends, the state still belongs to it. */
+const struct epoch *run_epoch(const struct run *run, int64_t step);
+
+/* Whether an observable means something for this system. */
+bool observable_defined(const struct observable *observable, const struct system *system, bool exact_known);
+
+/* Visits the rows of a run in order, or its present state, with what an observable needs beside the state. */
+struct walk {
+    const struct run *run;
+    unsigned needs;
+    size_t next;
+    struct balance balance;
+    double state[LIMIT_VARIABLES], exact[LIMIT_VARIABLES];
+    struct sample sample;
+};
+
+void walk_begin(struct walk *walk, const struct run *run, unsigned needs);
+bool walk_next(struct walk *walk); /* false: no more rows */
+void walk_present(struct walk *walk, const struct run *run, unsigned needs);
+
+/* ledger.c: carries the balance from row i (state y, scaled) on to the state (step, t, y). */
+void balance_extend(struct balance *balance, const struct run *run, size_t i, int64_t step, double t, const double *y);
+double system_energy(const struct system *system, const double *y); /* [J] */
+
+#endif

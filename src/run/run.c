@@ -1,0 +1,207 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Runs: creation, going back, changing the scene on the way. */
+#include "private.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+
+#define AMPLITUDE_MAX 1e150 /* [m] above it a run has diverged: its energy still is a finite number */
+
+const char *stop_name(enum stop stop)
+{
+    static const char *const name[] = {
+        [STOP_NONE] = "ok",
+        [STOP_END] = "ok",
+        [STOP_CONDITION] = "ok",
+        [STOP_DIVERGED] = "diverged",
+        [STOP_CANCELLED] = "cancelled",
+        [STOP_NO_SOLUTION] = "no-solution",
+        [STOP_STALLED] = "stalled",
+        [STOP_FULL] = "full",
+    };
+    return name[stop];
+}
+
+/* Magnitudes are compared in scaled state: velocities by the scene's own velocity at the same amplitude. */
+static void set_bounds(struct run *run)
+{
+    const struct system *system = &run->system;
+    int half = system->n / 2;
+    for (int i = 0; i < system->n; i++) {
+        bool velocity = system->order == 2 && i >= half;
+        double bound = AMPLITUDE_MAX * (velocity ? system->scale[i] / system->scale[i - half] : 1);
+        run->private_state->bound[i] = bound < AMPLITUDE_MAX ? AMPLITUDE_MAX : fmin(bound, DBL_MAX);
+    }
+}
+
+/*
+ * Energy is quadratic in the state where forces are linear and homogeneous; there a power of two on the state changes
+ * no ratio of energies, and squares of 1e-200 or 1e200 stay in range.
+ */
+static double energy_factor(const struct system *system)
+{
+    const struct oscillator *o = &system->oscillator;
+    int exponent;
+    frexp(system->scale[0], &exponent);
+    if (!system->linear || !o->whole || o->gravity != 0 || o->drive != 0 || abs(exponent) < 300)
+        return 1;
+    return ldexp(1, exponent < -1000 ? 1000 : -exponent);
+}
+
+static bool push_epoch(struct run *run, const struct system *system, const double *start)
+{
+    struct run_private *p = run->private_state;
+    if (p->epochs == p->epoch_room) {
+        size_t room = p->epoch_room ? p->epoch_room * 2 : 1;
+        struct epoch *more = realloc(p->epoch, room * sizeof *more);
+        if (!more)
+            return false;
+        p->epoch = more;
+        p->epoch_room = room;
+    }
+    struct epoch *epoch = &p->epoch[p->epochs++];
+    *epoch = (struct epoch){.first = run->steps, .t = run->t, .system = *system};
+    memcpy(epoch->start, start, (size_t)system->n * sizeof *start);
+    return true;
+}
+
+const struct epoch *run_epoch(const struct run *run, int64_t step)
+{
+    const struct run_private *p = run->private_state;
+    size_t i = p->epochs - 1;
+    while (i > 0 && p->epoch[i].first >= step)
+        i--;
+    return &p->epoch[i];
+}
+
+static bool allocate(struct run *run)
+{
+    size_t n = (size_t)run->system.n, work = method_work_size(run->method, run->system.n);
+    struct run_private *p = run->private_state = calloc(1, sizeof *p);
+    run->trace = trace_create(run->system.n, run->plan.adaptive, run->settings.record, run->settings.memory);
+    if (!p || !run->trace)
+        return false;
+    p->work = calloc(work + 2 * n, sizeof *p->work);
+    if (!p->work || !push_epoch(run, &run->system, run->y) || !trace_reserve_grids(run->trace, 1))
+        return false;
+    p->before = p->work + work;
+    p->bound = p->before + n;
+    p->batch = 16;
+    p->factor = energy_factor(&run->system);
+    p->step = (struct step){.system = &run->system, .drag = run->settings.drag, .y = run->y, .work = p->work};
+    return trace_record(run->trace, 0, run->t, run->y);
+}
+
+struct run *run_create(const struct scene *scene, const struct method *method, const struct run_settings *settings,
+                       double span, struct error *error)
+{
+    struct run *run = calloc(1, sizeof *run);
+    if (!run) {
+        error_memory(error);
+        return NULL;
+    }
+    run->scene = *scene;
+    run->method = method;
+    run->settings = *settings;
+    if (!scene_bind(scene, &run->system, error) ||
+        !plan_make(&run->system, method, settings, span, &run->plan, error) ||
+        !method_applies(method, &run->system, &run->settings.drag, error)) {
+        run_destroy(run);
+        return NULL;
+    }
+    run->t = run->system.t0;
+    memcpy(run->y, run->system.start, (size_t)run->system.n * sizeof *run->y);
+    if (!allocate(run)) {
+        run_destroy(run);
+        error_memory(error);
+        return NULL;
+    }
+    double h = span < 0 ? -settings->dt : settings->dt;
+    trace_regrid(run->trace, (struct grid){.first = 0, .origin = run->t, .h = h});
+    trace_present(run->trace, 0, run->t, run->y);
+    run->controller = (struct controller){.tol = settings->tol, .h = h};
+    set_bounds(run);
+    return run;
+}
+
+void run_destroy(struct run *run)
+{
+    if (!run)
+        return;
+    trace_destroy(run->trace);
+    if (run->private_state) {
+        free(run->private_state->work);
+        free(run->private_state->epoch);
+        free(run->private_state);
+    }
+    free(run);
+}
+
+static void use_system(struct run *run, const struct system *system)
+{
+    run->system = *system;
+    run->private_state->step.warm = false;
+    set_bounds(run);
+}
+
+bool run_back(struct run *run, int64_t rows)
+{
+    struct run_private *p = run->private_state;
+    struct trace *trace = run->trace;
+    size_t last = trace_count(trace) - 1;
+    bool enough = rows <= 0 || (uint64_t)rows <= last;
+    size_t row = rows <= 0 ? last : enough ? last - (size_t)rows : 0;
+    if (row == last && rows <= 0)
+        return true;
+    /* Of an adaptive run the size of the step that led here is the next proposal; the controller's memory is not
+     * recorded. */
+    double h = row > 0 ? trace_time(trace, row) - trace_time(trace, row - 1) : run->settings.dt;
+    trace_truncate(trace, row);
+    run->steps = trace->now_step;
+    run->t = trace->now_t;
+    memcpy(run->y, trace->now, (size_t)run->system.n * sizeof *run->y);
+    run->controller = (struct controller){.tol = run->settings.tol, .h = h};
+    run->stop = STOP_NONE;
+    while (p->epochs > 1 && p->epoch[p->epochs - 1].first > run->steps)
+        p->epochs--;
+    use_system(run, &p->epoch[p->epochs - 1].system);
+    return enough;
+}
+
+bool run_rebind(struct run *run, const struct scene *scene, struct error *error)
+{
+    struct run_private *p = run->private_state;
+    struct system system;
+    struct plan plan;
+    enum drag drag = run->settings.drag;
+    if (!scene_bind(scene, &system, error))
+        return false;
+    if (system.n != run->system.n || system.order != run->system.order)
+        return error_set(error, ERROR_COMMAND, "the number of variables cannot change during a run");
+    if (!method_applies(run->method, &system, &drag, error) ||
+        !plan_make(&system, run->method, &run->settings, HUGE_VAL, &plan, error))
+        return false;
+
+    struct epoch *last = &p->epoch[p->epochs - 1];
+    double start[LIMIT_VARIABLES];
+    bool exact = run->plan.exact_known && plan.exact_known;
+    memcpy(start, last->start, sizeof start);
+    if (last->first == run->steps) {
+        last->system = system;
+    } else {
+        if (exact)
+            system_exact(&last->system, last->t, last->start, run->t, start, NULL);
+        if (!push_epoch(run, &system, start))
+            return error_memory(error);
+    }
+    p->factor = 1;
+    p->settled = (struct balance){0};
+    p->step.drag = run->settings.drag = drag;
+    run->plan.exact_known = exact;
+    run->plan.ledger = true; /* changing a parameter does work */
+    run->plan.growth = plan.growth;
+    run->plan.limit = plan.limit;
+    use_system(run, &system);
+    return true;
+}

@@ -1,0 +1,295 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The trace: rows in chunks, decimation that keeps every peak, times from grids. */
+#include "private.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+
+/* ---- rows ---- */
+
+static size_t row_width(int n, bool timed, bool indexed)
+{
+    return (size_t)n + indexed + timed;
+}
+
+size_t trace_row_bytes(int n, bool timed, enum record_rule rule)
+{
+    return row_width(n, timed, rule == RECORD_AUTO) * sizeof(double);
+}
+
+static double *row_at(const struct trace *trace, size_t i)
+{
+    return trace->chunk[i >> CHUNK_SHIFT] + (i & (CHUNK_ROWS - 1)) * trace->width;
+}
+
+static int64_t row_step(const struct trace *trace, size_t i)
+{
+    return trace->indexed ? (int64_t)row_at(trace, i)[trace->n] : (int64_t)i * trace->every;
+}
+
+struct trace *trace_create(int n, bool timed, struct recording_rule rule, size_t memory)
+{
+    struct trace *trace = calloc(1, sizeof *trace);
+    if (!trace)
+        return NULL;
+    trace->n = n;
+    trace->timed = timed;
+    trace->indexed = rule.rule == RECORD_AUTO;
+    trace->every = rule.rule == RECORD_EVERY ? rule.every : 1;
+    trace->width = row_width(n, timed, trace->indexed);
+    trace->cap = (memory ? memory : MEMORY_DEFAULT) / (trace->width * sizeof(double));
+    if (trace->indexed) {
+        /* Three rows a bucket must always fit into half of the cap, or decimating would not end. */
+        trace->cap = trace->cap > LIMIT_SAMPLES ? LIMIT_SAMPLES : trace->cap < 64 ? 64 : trace->cap;
+    }
+    trace->bucket = 1;
+    return trace;
+}
+
+void trace_destroy(struct trace *trace)
+{
+    if (!trace)
+        return;
+    for (size_t i = 0; i < trace->chunks; i++)
+        free(trace->chunk[i]);
+    free(trace->chunk);
+    free(trace->grid);
+    free(trace);
+}
+
+static bool grow(struct trace *trace)
+{
+    if (trace->chunks == trace->room) {
+        size_t room = trace->room ? trace->room * 2 : 16;
+        double **chunk = realloc(trace->chunk, room * sizeof *chunk);
+        if (!chunk)
+            return false;
+        trace->chunk = chunk;
+        trace->room = room;
+    }
+    double *rows = malloc(CHUNK_ROWS * trace->width * sizeof *rows);
+    if (!rows)
+        return false;
+    trace->chunk[trace->chunks++] = rows;
+    return true;
+}
+
+static void write_row(struct trace *trace, size_t i, int64_t step, double t, const double *y)
+{
+    double *row = row_at(trace, i);
+    copy_state(row, y, trace->n);
+    if (trace->indexed)
+        row[trace->n] = (double)step;
+    if (trace->timed)
+        row[trace->width - 1] = t;
+}
+
+static bool append(struct trace *trace, int64_t step, double t, const double *y)
+{
+    if (trace->count >> CHUNK_SHIFT == trace->chunks && !grow(trace))
+        return false;
+    write_row(trace, trace->count++, step, t, y);
+    return true;
+}
+
+/* ---- decimation ----
+ * A bucket of 2^k steps keeps its first row and those of smallest and largest position (of equals the earliest).
+ * Merging two buckets gives the rows that one bucket of twice the size would have kept, so the trace depends on the
+ * step count only.
+ */
+
+static bool keep(struct trace *trace, int64_t step, double t, const double *y)
+{
+    if (step >= trace->tail_end) {
+        if (!append(trace, step, t, y))
+            return false;
+        trace->tail = trace->low = trace->high = trace->count - 1;
+        trace->tail_end = (step | (trace->bucket - 1)) + 1;
+        return true;
+    }
+    size_t *extreme, *other = &trace->low;
+    if (y[0] < row_at(trace, trace->low)[0]) {
+        extreme = &trace->low;
+        other = &trace->high;
+    } else if (y[0] > row_at(trace, trace->high)[0]) {
+        extreme = &trace->high;
+    } else {
+        return true;
+    }
+    if (*extreme == trace->tail) {
+        if (!append(trace, step, t, y))
+            return false;
+    } else { /* its row goes; at most the other extreme stands after it */
+        if (*other > *extreme) {
+            memcpy(row_at(trace, *extreme), row_at(trace, *other), trace->width * sizeof *y);
+            *other = *extreme;
+        }
+        write_row(trace, trace->count - 1, step, t, y);
+    }
+    *extreme = trace->count - 1;
+    return true;
+}
+
+static void coarsen(struct trace *trace)
+{
+    do {
+        double row[LIMIT_VARIABLES + 2];
+        size_t count = trace->count;
+        trace->bucket *= 2;
+        trace->count = 0;
+        trace->tail_end = 0;
+        for (size_t i = 0; i < count; i++) { /* writes never overtake reads, and the chunks are there */
+            memcpy(row, row_at(trace, i), trace->width * sizeof *row);
+            keep(trace, (int64_t)row[trace->n], row[trace->width - 1], row);
+        }
+    } while (trace->count > trace->cap / 2);
+    trace->generation++;
+}
+
+bool trace_record(struct trace *trace, int64_t step, double t, const double *y)
+{
+    if (!trace->indexed && step != trace->next)
+        return true;
+    if (trace->count == trace->cap) {
+        if (!trace->indexed)
+            return false;
+        coarsen(trace);
+    }
+    if (!(trace->bucket > 1 ? keep(trace, step, t, y) : append(trace, step, t, y)))
+        return false;
+    trace->next = step + trace->every;
+    return true;
+}
+
+size_t trace_settled(const struct trace *trace)
+{
+    return trace->bucket > 1 ? trace->tail : trace->count;
+}
+
+void trace_truncate(struct trace *trace, size_t i)
+{
+    if (i < trace->count) {
+        trace->now_t = trace_time(trace, i);
+        trace->now_step = row_step(trace, i);
+        memcpy(trace->now, row_at(trace, i), (size_t)trace->n * sizeof(double));
+        trace->count = i + 1;
+        trace->next = (int64_t)trace->count * trace->every;
+        trace->generation++;
+    }
+    while (trace->grids > 1 && trace_grid(trace)->first > trace->now_step)
+        trace->grids--;
+    if (trace->bucket > 1) { /* find the rows of the last bucket again */
+        int64_t begin = trace->now_step & ~(trace->bucket - 1);
+        trace->tail_end = begin + trace->bucket;
+        trace->tail = trace->count - 1;
+        while (trace->tail > 0 && row_step(trace, trace->tail - 1) >= begin)
+            trace->tail--;
+        trace->low = trace->high = trace->tail;
+        for (size_t k = trace->tail + 1; k < trace->count; k++) {
+            if (row_at(trace, k)[0] < row_at(trace, trace->low)[0])
+                trace->low = k;
+            if (row_at(trace, k)[0] > row_at(trace, trace->high)[0])
+                trace->high = k;
+        }
+    }
+}
+
+/* ---- times ---- */
+
+double grid_time(const struct grid *grid, int64_t step)
+{
+    return grid->origin + (double)(step - grid->first) * grid->h;
+}
+
+const struct grid *trace_grid(const struct trace *trace)
+{
+    return &trace->grid[trace->grids - 1];
+}
+
+bool trace_reserve_grids(struct trace *trace, size_t more)
+{
+    if (trace->grids + more <= trace->grid_room)
+        return true;
+    size_t room = 2 * trace->grid_room + more;
+    struct grid *grid = realloc(trace->grid, room * sizeof *grid);
+    if (!grid)
+        return false;
+    trace->grid = grid;
+    trace->grid_room = room;
+    return true;
+}
+
+void trace_regrid(struct trace *trace, struct grid grid)
+{
+    if (trace->grids > 0 && trace_grid(trace)->first == grid.first)
+        trace->grids--;
+    trace->grid[trace->grids++] = grid;
+}
+
+struct stretch stretch_measure(double from, double to, double dt)
+{
+    double ratio = fabs(to - from) / dt;
+    if (!(ratio <= LIMIT_STEPS))
+        return (struct stretch){.ratio = ratio, .whole = (int64_t)LIMIT_STEPS};
+    /* The difference carries the rounding of both times, which is what the second bound allows for. */
+    double near = round(ratio), size = fmax(fabs(from), fabs(to)) / dt;
+    if (fabs(ratio - near) <= 4 * DBL_EPSILON * fmax(near, size))
+        return (struct stretch){.ratio = ratio, .whole = (int64_t)near, .exact = true};
+    double whole = floor(ratio);
+    return (struct stretch){
+        .ratio = ratio, .whole = (int64_t)whole, .partial = to - (from + whole * copysign(dt, to - from))};
+}
+
+/* ---- reading ---- */
+
+void trace_present(struct trace *trace, int64_t step, double t, const double *y)
+{
+    trace->now_step = step;
+    trace->now_t = t;
+    memcpy(trace->now, y, (size_t)trace->n * sizeof *y);
+}
+
+size_t trace_count(const struct trace *trace)
+{
+    return trace->count + (row_step(trace, trace->count - 1) != trace->now_step);
+}
+
+int64_t trace_step(const struct trace *trace, size_t i)
+{
+    return i < trace->count ? row_step(trace, i) : trace->now_step;
+}
+
+double trace_time(const struct trace *trace, size_t i)
+{
+    int64_t step = trace_step(trace, i);
+    if (step == trace->now_step)
+        return trace->now_t; /* at the end of a span this is the time asked for, to the last bit */
+    if (trace->timed)
+        return row_at(trace, i)[trace->width - 1];
+    size_t low = 0, high = trace->grids;
+    while (high - low > 1) {
+        size_t middle = low + (high - low) / 2;
+        if (trace->grid[middle].first <= step)
+            low = middle;
+        else
+            high = middle;
+    }
+    return grid_time(&trace->grid[low], step);
+}
+
+const double *trace_state(const struct trace *trace, size_t i)
+{
+    return i < trace->count ? row_at(trace, i) : trace->now;
+}
+
+bool trace_decimated(const struct trace *trace)
+{
+    return trace->bucket > 1;
+}
+
+size_t trace_bytes(const struct trace *trace)
+{
+    return sizeof *trace + trace->room * sizeof *trace->chunk + trace->grid_room * sizeof *trace->grid +
+           trace->chunks * CHUNK_ROWS * trace->width * sizeof(double);
+}

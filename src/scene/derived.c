@@ -1,0 +1,195 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Quantities that follow from the parameters, with the uncertainty that the parameters give them. */
+#include <float.h>
+#include <math.h>
+
+#include "params.h"
+
+#define TWO_PI 6.283185307179586476925
+
+double scene_reynolds(const struct scene *scene, double speed)
+{
+    return scene->value[P_rho] * speed * scene->value[P_length] / scene->value[P_eta];
+}
+
+const char *reynolds_regime(double reynolds)
+{
+    return reynolds < 2300    ? "laminar"
+           : reynolds <= 4000 ? "transitional"
+           : reynolds > 4000  ? "turbulent"
+                              : "undefined";
+}
+
+/* ---- values: NaN where there is nothing to speak of -------------------------------------------------------------- */
+
+static double omega0(const struct scene *scene)
+{
+    double k = scene->value[P_k];
+    return k > 0 ? sqrt(k) / sqrt(scene->value[P_m]) : NAN;
+}
+
+static double T0(const struct scene *scene)
+{
+    return TWO_PI / omega0(scene);
+}
+
+static double f0(const struct scene *scene)
+{
+    return omega0(scene) / TWO_PI;
+}
+
+static double zeta(const struct scene *scene)
+{
+    return scene->value[P_gamma] / 2 / omega0(scene);
+}
+
+static double Q(const struct scene *scene)
+{
+    double gamma = scene->value[P_gamma];
+    return gamma > 0 ? omega0(scene) / gamma : NAN;
+}
+
+static double tau(const struct scene *scene)
+{
+    double gamma = scene->value[P_gamma];
+    return gamma > 0 ? 2 / gamma : NAN;
+}
+
+static double omega_d(const struct scene *scene)
+{
+    double omega = omega0(scene), s = scene->value[P_gamma] / 2;
+    return omega > fabs(s) ? sqrt((omega - s) * (omega + s)) : NAN;
+}
+
+static double T_d(const struct scene *scene)
+{
+    return TWO_PI / omega_d(scene);
+}
+
+static double equilibrium(const struct scene *scene)
+{
+    double k = scene->value[P_k];
+    return k != 0 ? -scene->value[P_m] * scene->value[P_g] / k : NAN;
+}
+
+/* hypot neither overflows nor underflows on the way. */
+static double amplitude(const struct scene *scene)
+{
+    return hypot(scene->value[P_y0] - equilibrium(scene), scene->value[P_v0] / omega0(scene));
+}
+
+static double E0(const struct scene *scene)
+{
+    struct system system;
+    struct error error;
+    if (!scene_bind(scene, &system, &error))
+        return NAN;
+    return system_kinetic(&system, system.start) + system_potential(&system, system.start);
+}
+
+static double Re(const struct scene *scene)
+{
+    return scene_reynolds(scene, amplitude(scene) * omega0(scene));
+}
+
+/*
+ * First-order propagation of independent uncertainties (GUM 5.1.2), each sensitivity a central difference over a step
+ * small enough for its truncation and large enough for its rounding to be invisible in an uncertainty.
+ */
+static struct measured propagate(const struct scene *scene, double (*value)(const struct scene *))
+{
+    double variance = 0;
+    for (int i = 0; i < P_COUNT; i++) {
+        double u = scene->uncertainty[i], x = scene->value[i];
+        if (!(u > 0))
+            continue;
+        double step = 1e-5 * fmax(fabs(x), u);
+        struct scene up = *scene, down = *scene;
+        up.value[i] = x + step;
+        down.value[i] = x - step;
+        double part = (value(&up) - value(&down)) / (up.value[i] - down.value[i]) * u;
+        variance += part * part;
+    }
+    return (struct measured){value(scene), sqrt(variance)};
+}
+
+/* ---- inverses: the value of `target` that gives the quantity this value; NaN for values it cannot take ----------- */
+
+static double omega0_inverse(const struct scene *scene, double value)
+{
+    return value > 0 ? scene->value[P_m] * value * value : NAN;
+}
+
+static double T0_inverse(const struct scene *scene, double value)
+{
+    return omega0_inverse(scene, TWO_PI / value);
+}
+
+static double f0_inverse(const struct scene *scene, double value)
+{
+    return omega0_inverse(scene, TWO_PI * value);
+}
+
+static double zeta_inverse(const struct scene *scene, double value)
+{
+    return 2 * value * omega0(scene);
+}
+
+static double Q_inverse(const struct scene *scene, double value)
+{
+    return value > 0 ? omega0(scene) / value : NAN;
+}
+
+static double tau_inverse(const struct scene *scene, double value)
+{
+    (void)scene;
+    return value > 0 ? 2 / value : NAN;
+}
+
+/* name, unit, quantity, brief, citation, inverse and target parameter (or NULL). */
+#define DERIVED_ROWS(ROW)                                                                                              \
+    ROW(omega0, "rad/s", ANGULAR_FREQUENCY, "angular frequency without damping, sqrt(k/m)", "", omega0_inverse, "k")   \
+    ROW(T0, "s", TIME, "period without damping, 2 pi/omega0", "", T0_inverse, "k")                                     \
+    ROW(f0, "Hz", FREQUENCY, "frequency without damping, omega0/(2 pi)", "", f0_inverse, "k")                          \
+    ROW(zeta, "", NUMBER, "damping ratio gamma/(2 omega0): 1 is critical", "", zeta_inverse, "gamma")                  \
+    ROW(Q, "", NUMBER, "quality factor omega0/gamma", "", Q_inverse, "gamma")                                          \
+    ROW(tau, "s", TIME, "time in which the amplitude falls to 1/e, 2/gamma", "", tau_inverse, "gamma")                 \
+    ROW(omega_d, "rad/s", ANGULAR_FREQUENCY, "angular frequency with damping, sqrt(omega0^2 - gamma^2/4)", "", NULL,   \
+        NULL)                                                                                                          \
+    ROW(T_d, "s", TIME, "period with damping, 2 pi/omega_d", "", NULL, NULL)                                           \
+    ROW(equilibrium, "m", LENGTH, "position of rest, -m g/k", "", NULL, NULL)                                          \
+    ROW(amplitude, "m", LENGTH, "initial amplitude about the position of rest", "", NULL, NULL)                        \
+    ROW(E0, "J", ENERGY, "energy at the start", "", NULL, NULL)                                                        \
+    ROW(Re, "", NUMBER, "Reynolds number at the largest speed, amplitude * omega0", "Reynolds 1883", NULL, NULL)
+
+#define MEASURED(name, ...) \
+    static struct measured name##_measured(const struct scene *scene) \
+    { \
+        return propagate(scene, name); \
+    }
+DERIVED_ROWS(MEASURED)
+
+#define ROW(name, unit, kind, brief, citation, back, param) \
+    {{#name, unit, brief, citation, NULL}, QUANTITY_##kind, name##_measured, back, param},
+static const struct derived_row rows[] = {DERIVED_ROWS(ROW)};
+
+const struct catalog derived_catalog = CATALOG("derived quantity", rows);
+
+bool scene_set_derived(struct scene *scene, const struct derived_row *row, struct measured value, struct error *error)
+{
+    char got[REAL_TEXT_SIZE];
+    real_format(value.value, got);
+    if (!row->inverse)
+        return error_set(error, ERROR_COMMAND, "%s follows from the parameters and cannot be set", row->row.name);
+    double target = row->inverse(scene, value.value);
+    if (!isfinite(target))
+        return error_set(error, ERROR_COMMAND, "%s cannot be %s%s%s here: no finite %s gives it", row->row.name, got,
+                         *row->row.unit ? " " : "", row->row.unit, row->target);
+    double uncertainty = 0;
+    if (value.uncertainty > 0) {
+        double step = 1e-5 * fmax(fabs(value.value), value.uncertainty);
+        double slope = (row->inverse(scene, value.value + step) - row->inverse(scene, value.value - step)) / (2 * step);
+        uncertainty = fabs(slope) * value.uncertainty;
+    }
+    return scene_set(scene, param_index(row->target), (struct measured){target, uncertainty}, error);
+}

@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The functions of expressions. A NaN argument gives NaN, also where libm's fmin and fmax would drop it. */
+#include <math.h>
+
+#include "expr.h"
+
+static double least(double a, double b)
+{
+    return a < b || isnan(a) ? a : b;
+}
+
+static double most(double a, double b)
+{
+    return a > b || isnan(a) ? a : b;
+}
+
+static double sign(double x)
+{
+    return x > 0 ? 1 : x < 0 ? -1 : x;
+}
+
+static double step(double x)
+{
+    return isnan(x) ? x : x >= 0;
+}
+
+static double choose(double condition, double yes, double no)
+{
+    return isnan(condition) ? condition : condition > 0 ? yes : no;
+}
+
+static const struct function rows[] = {
+    {{"sin", "", "sin(x): sine of an angle in radians", "", NULL}, .one = sin},
+    {{"cos", "", "cos(x): cosine of an angle in radians", "", NULL}, .one = cos},
+    {{"tan", "", "tan(x): tangent of an angle in radians", "", NULL}, .one = tan},
+    {{"asin", "", "asin(x): angle whose sine is x, -pi/2 to pi/2", "", NULL}, .one = asin},
+    {{"acos", "", "acos(x): angle whose cosine is x, 0 to pi", "", NULL}, .one = acos},
+    {{"atan", "", "atan(x): angle whose tangent is x, -pi/2 to pi/2", "", NULL}, .one = atan},
+    {{"atan2", "", "atan2(y, x): angle of the point (x, y), -pi to pi", "", NULL}, .two = atan2},
+    {{"sinh", "", "sinh(x): hyperbolic sine", "", NULL}, .one = sinh},
+    {{"cosh", "", "cosh(x): hyperbolic cosine", "", NULL}, .one = cosh},
+    {{"tanh", "", "tanh(x): hyperbolic tangent", "", NULL}, .one = tanh},
+    {{"sqrt", "", "sqrt(x): square root", "", NULL}, .one = sqrt},
+    {{"cbrt", "", "cbrt(x): cube root, also of negative numbers", "", NULL}, .one = cbrt},
+    {{"exp", "", "exp(x): e to the power x", "", NULL}, .one = exp},
+    {{"log", "", "log(x): natural logarithm", "", NULL}, .one = log},
+    {{"log10", "", "log10(x): logarithm to the base 10", "", NULL}, .one = log10},
+    {{"pow", "", "pow(x, n): x to the power n, the same as x^n", "", NULL}, .two = pow},
+    {{"hypot", "", "hypot(x, y): sqrt(x^2 + y^2) without overflow", "", NULL}, .two = hypot},
+    {{"abs", "", "abs(x): absolute value", "", NULL}, .one = fabs},
+    {{"sign", "", "sign(x): -1, 0 or 1", "", NULL}, .one = sign},
+    {{"step", "", "step(x): 0 for x < 0, else 1", "", NULL}, .one = step},
+    {{"min", "", "min(a, b): the smaller of two", "", NULL}, .two = least},
+    {{"max", "", "max(a, b): the larger of two", "", NULL}, .two = most},
+    {{"floor", "", "floor(x): largest integer <= x", "", NULL}, .one = floor},
+    {{"ceil", "", "ceil(x): smallest integer >= x", "", NULL}, .one = ceil},
+    {{"round", "", "round(x): nearest integer, halves away from 0", "", NULL}, .one = round},
+    {{"if", "", "if(c, a, b): a where c > 0, else b", "", NULL}, .three = choose},
+};
+
+const struct catalog function_catalog = CATALOG("function", rows);

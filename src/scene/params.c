@@ -1,0 +1,91 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The parameter table and the scene that holds its values. */
+#include <assert.h>
+#include <float.h>
+#include <math.h>
+
+#include "params.h"
+
+#define ANY .least = -HUGE_VAL
+#define AT_LEAST(limit) .least = (limit)
+#define ABOVE(limit) .least = (limit), .least_excluded = true
+
+static const struct param_row rows[] = {
+#define PARAM(name, unit, kind, value, range, brief) \
+    {.row = {#name, (unit), (brief), "", NULL}, .quantity = QUANTITY_##kind, .initial = (value), range},
+#include "terms.def"
+};
+
+const struct catalog param_catalog = CATALOG("parameter", rows);
+
+int param_index(const char *name)
+{
+    const struct row *found = catalog_find(&param_catalog, text_of(name));
+    assert(found);
+    return (int)((const struct param_row *)found - rows);
+}
+
+static double preset_value(const struct preset *preset, int param)
+{
+    for (size_t i = 0; i < COUNT_OF(preset->value) && preset->value[i].param; i++)
+        if (param_index(preset->value[i].param) == param)
+            return preset->value[i].value;
+    return rows[param].initial;
+}
+
+void scene_init(struct scene *scene, const struct preset *preset)
+{
+    *scene = (struct scene){.preset = preset ? preset : (const struct preset *)catalog_row(&preset_catalog, 0)};
+    for (int i = 0; i < P_COUNT; i++)
+        scene_unset(scene, i);
+}
+
+void scene_unset(struct scene *scene, int param)
+{
+    scene->value[param] = preset_value(scene->preset, param);
+    scene->uncertainty[param] = 0;
+    scene->given[param] = false;
+}
+
+static bool in_range(const struct param_row *row, double value, struct error *error)
+{
+    char got[REAL_TEXT_SIZE], least[REAL_TEXT_SIZE];
+    const char *unit = row->row.unit;
+    real_format(value, got);
+    if (!isfinite(value))
+        return error_set(error, ERROR_COMMAND, "%s must be a finite number (got %s)", row->row.name, got);
+    if (row->least_excluded ? value > row->least : value >= row->least)
+        return true;
+    real_format(row->least, least);
+    return error_set(error, ERROR_COMMAND, "%s must be %s %s (got %s%s%s)", row->row.name,
+                     row->least_excluded ? ">" : ">=", least, got, *unit ? " " : "", unit);
+}
+
+bool params_coherent(const double *param, struct error *error)
+{
+    if (isfinite(param[P_k] / param[P_m]) && param[P_m] >= DBL_MIN)
+        return true;
+    char k[REAL_TEXT_SIZE], m[REAL_TEXT_SIZE];
+    real_format(param[P_k], k);
+    real_format(param[P_m], m);
+    return error_set(error, ERROR_COMMAND, "k/m overflows: k = %s N/m, m = %s kg", k, m);
+}
+
+bool scene_set(struct scene *scene, int param, struct measured value, struct error *error)
+{
+    assert(param >= 0 && param < P_COUNT);
+    const struct param_row *row = &rows[param];
+    if (!in_range(row, value.value, error))
+        return false;
+    if (value.uncertainty < 0 || isinf(value.uncertainty))
+        return error_set(error, ERROR_COMMAND, "the uncertainty of %s must be a finite number >= 0", row->row.name);
+    double before = scene->value[param];
+    scene->value[param] = value.value;
+    if ((param == P_k || param == P_m) && !params_coherent(scene->value, error)) {
+        scene->value[param] = before;
+        return false;
+    }
+    scene->uncertainty[param] = isnan(value.uncertainty) ? 0 : value.uncertainty;
+    scene->given[param] = true;
+    return true;
+}

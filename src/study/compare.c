@@ -1,0 +1,159 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* compare: the same scene integrated by several methods and step sizes, with error, energy, cost and a verdict in words. */
+#include <hooke/study.h>
+
+#include <stdio.h>
+#include <string.h>
+
+/*
+ * What the one-step matrix of the method says of E/E0 after the run: the energy is quadratic in the state, so it grows by the square of the
+ * spectral radius a step. NAN where the scene is not one linear oscillator, or its own energy is not constant.
+ */
+static double predicted_energy_factor(const struct run *run, double *growth)
+{
+    const struct oscillator *o = &run->system.oscillator;
+    *growth = run->plan.growth;
+    bool plain = o->whole && run->system.linear && run->system.conservative && run->system.autonomous && o->stiffness > 0 &&
+                 o->gravity == 0;
+    if (!plain || run->plan.adaptive || isnan(*growth)) {
+        return NAN;
+    }
+    return exp(2 * (double)run->steps * log(*growth));
+}
+
+static const char *span_text(double seconds, char out[48])
+{
+    struct buffer text = {0};
+    buffer_quantity(&text, seconds, QUANTITY_TIME, 4);
+    snprintf(out, 48, "%s", text.data ? text.data : "?");
+    buffer_free(&text);
+    return out;
+}
+
+/* Growth of 1 within this is called bounded: the predicted factor over the whole run, and the rounding of the matrix. */
+#define BOUNDED 0.02
+
+static void judge(struct comparison *row)
+{
+    const struct run *run = row->run;
+    char span[48];
+    span_text(fabs(run->t - run->system.t0), span);
+    if (run->stop != STOP_END) {
+        struct buffer why = {0};
+        run_explain(run, &why);
+        snprintf(row->verdict, sizeof row->verdict, "%s", why.data ? why.data : stop_name(run->stop));
+        buffer_free(&why);
+        return;
+    }
+    double growth;
+    row->predicted_factor = predicted_energy_factor(run, &growth);
+    if (!isnan(row->predicted_factor)) {
+        double predicted = log(row->predicted_factor);
+        double measured = log(row->energy_factor);
+        bool agrees = fabs(predicted - measured) <= 0.1 * fabs(predicted) + BOUNDED;
+        if (fabs(predicted) <= BOUNDED) {
+            snprintf(row->verdict, sizeof row->verdict, "energy bounded%s: within %.2g of E0 in %s", agrees ? ", as predicted" : "",
+                     row->ledger.error_max, span);
+        } else {
+            snprintf(row->verdict, sizeof row->verdict, "energy x %.4g in %s, %s: amplitude x %.6g a step", row->energy_factor, span,
+                     agrees ? "as predicted" : "NOT as predicted", growth);
+        }
+    } else if (!isnan(row->ledger.error_max)) {
+        snprintf(row->verdict, sizeof row->verdict, "energy balance within %.2g of E0 in %s", row->ledger.error_max, span);
+    } else {
+        snprintf(row->verdict, sizeof row->verdict, "reached %s", span);
+    }
+}
+
+static bool compare_one(const struct compare_request *request, const struct contender *contender, double dt, double tol,
+                        struct comparison *row, struct error *error)
+{
+    *row = (struct comparison){.order = NAN, .predicted_factor = NAN, .energy_factor = NAN};
+    struct run_settings settings = {
+        .dt = dt,
+        .tol = contender->method->flags & METHOD_ADAPTIVE ? tol : 0,
+        .drag = contender->drag,
+        .record = request->record,
+    };
+    row->run = run_create(request->scene, contender->method, &settings, request->duration, error);
+    if (!row->run) {
+        return false;
+    }
+    struct run_target target = {.t = row->run->system.t0 + request->duration, .steps = -1};
+    while (run_advance(row->run, &target, 0, request->cancel)) {
+    }
+    run_errors(row->run, &row->errors);
+    run_ledger(row->run, &row->ledger);
+    row->energy_factor = row->ledger.final / row->ledger.initial;
+    if (row->run->stop == STOP_END) {
+        time_solve(&row->run->system, contender->method, &row->run->settings, request->duration, request->timing, request->cancel,
+                   &row->time);
+    } else {
+        row->time = (struct timing_result){NAN, NAN, NAN, 0};
+    }
+    judge(row);
+    return true;
+}
+
+/* Observed order between two rows of one method: error ~ dt^p. */
+static double observed_order(const struct comparison *coarse, const struct comparison *fine)
+{
+    double ratio = log(coarse->run->settings.dt / fine->run->settings.dt);
+    double order = log(coarse->errors.max / fine->errors.max) / ratio;
+    return fine->run->stop == STOP_END && coarse->run->stop == STOP_END && isfinite(order) ? order : NAN;
+}
+
+bool study_compare(const struct compare_request *request, struct comparison *rows, int *count, struct error *error)
+{
+    *count = 0;
+    bool by_tol = request->tols > 0;
+    int settings = by_tol ? request->tols : request->dts;
+    /* All refusals before any work: a setting that cannot be run would otherwise waste the ones before it. */
+    struct system system;
+    if (!scene_bind(request->scene, &system, error)) {
+        return false;
+    }
+    for (int c = 0; c < request->contenders; c++) {
+        enum drag drag = request->contender[c].drag;
+        if (!method_applies(request->contender[c].method, &system, &drag, error)) {
+            return false;
+        }
+        for (int s = 0; s < settings; s++) {
+            struct run_settings each = {.dt = request->dt[by_tol ? 0 : s], .drag = drag, .record = request->record};
+            if (by_tol && (request->contender[c].method->flags & METHOD_ADAPTIVE)) {
+                each.tol = request->tol[s];
+            }
+            struct plan plan;
+            if (!plan_make(&system, request->contender[c].method, &each, request->duration, &plan, error)) {
+                return false;
+            }
+        }
+    }
+    for (int c = 0; c < request->contenders; c++) {
+        for (int s = 0; s < settings; s++) {
+            bool adaptive = by_tol && (request->contender[c].method->flags & METHOD_ADAPTIVE);
+            if (by_tol && !adaptive && s > 0) {
+                break; /* tolerances mean nothing to a fixed-step method: one row */
+            }
+            struct comparison *row = &rows[*count];
+            if (!compare_one(request, &request->contender[c], request->dt[by_tol ? 0 : s], adaptive ? request->tol[s] : 0, row, error)) {
+                return false;
+            }
+            if (cancelled(request->cancel)) {
+                comparison_free(row);
+                return error_set(error, ERROR_CANCELLED, "stopped: %d of %d finished", *count, request->contenders * settings);
+            }
+            if (!by_tol && s > 0) {
+                row->order = observed_order(row - 1, row);
+            }
+            (*count)++;
+        }
+    }
+    return true;
+}
+
+void comparison_free(struct comparison *row)
+{
+    run_destroy(row->run);
+    row->run = NULL;
+}

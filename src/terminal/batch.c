@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Files, -c texts and standard input, executed without a prompt. */
+#include "terminal.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <string.h>
+#include <unistd.h>
+
+static void show(struct reply *reply, struct text line)
+{
+    struct buffer safe = {0};
+    safe_text(&safe, line, false);
+    reply_note(reply, "+ %s", safe.data ? safe.data : "");
+    buffer_free(&safe);
+}
+
+/* Standard input line by line, so that results of the first line are out before the second arrives. */
+static void run_input(struct session *session, const struct options *options, struct reply *reply, struct streams *streams)
+{
+    struct script script;
+    script_begin(&script, session, "-", NULL);
+    struct buffer line = {0};
+    char chunk[1 << 14];
+    bool open = true;
+    bool going = true;
+    while (open && going && !signals_ending()) {
+        streams_flush(streams);
+        ssize_t got = read(STDIN_FILENO, chunk, sizeof chunk);
+        if (got < 0 && errno == EINTR && !cancelled(&interrupt)) {
+            continue;
+        }
+        open = got > 0;
+        struct text rest = {chunk, got > 0 ? (size_t)got : 0};
+        while (going && rest.len > 0) {
+            const char *end = memchr(rest.at, '\n', rest.len);
+            size_t len = end ? (size_t)(end - rest.at) : rest.len;
+            /* An endless line is cut one byte above the limit, so that the interpreter names it. */
+            size_t room = LIMIT_LINE + 1 > line.len ? LIMIT_LINE + 1 - line.len : 0;
+            buffer_put(&line, (struct text){rest.at, len < room ? len : room});
+            rest = end ? (struct text){end + 1, rest.len - len - 1} : (struct text){rest.at + len, 0};
+            if (end) {
+                if (options->verbose) {
+                    show(reply, buffer_text(&line));
+                }
+                going = script_feed(&script, session, buffer_text(&line), reply);
+                buffer_clear(&line);
+            }
+        }
+    }
+    if (going && line.len > 0) {
+        if (options->verbose) {
+            show(reply, buffer_text(&line));
+        }
+        script_feed(&script, session, buffer_text(&line), reply);
+    }
+    script_end(&script, session, reply);
+    buffer_free(&line);
+}
+
+static void run_text(struct session *session, const struct options *options, const char *text, struct reply *reply)
+{
+    struct script script;
+    script_begin(&script, session, "-c", NULL);
+    struct text rest = text_of(text);
+    struct text line;
+    while (text_split(&rest, '\n', &line)) {
+        if (options->verbose) {
+            show(reply, line);
+        }
+        if (!script_feed(&script, session, line, reply)) {
+            break;
+        }
+    }
+    script_end(&script, session, reply);
+}
+
+void batch_run(struct session *session, const struct options *options, bool input, struct reply *reply, struct streams *streams)
+{
+    for (int i = 0; i < options->tasks && !session->quit; i++) {
+        const struct task *task = &options->task[i];
+        if (task->kind == TASK_COMMAND) {
+            run_text(session, options, task->text, reply);
+        } else if (strcmp(task->text, "-") == 0) {
+            run_input(session, options, reply, streams);
+        } else {
+            script_file(session, task->text, NULL, reply);
+        }
+        if (session->status != 0 && !session->keep_going) {
+            return;
+        }
+    }
+    if (input && !session->quit) {
+        run_input(session, options, reply, streams);
+    }
+}

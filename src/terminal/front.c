@@ -1,0 +1,78 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the output can show, and where the user's own files are. */
+#include "terminal.h"
+
+#include <errno.h>
+#include <langinfo.h>
+#include <locale.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+void front_probe(struct front *front, const struct options *options, int fd)
+{
+    const char *term = getenv("TERM");
+    const char *no_color = getenv("NO_COLOR");
+    bool terminal = isatty(fd);
+    bool dumb = !term || strcmp(term, "dumb") == 0;
+    front->utf8 = strcmp(nl_langinfo(CODESET), "UTF-8") == 0 && !(term && strcmp(term, "linux") == 0);
+    front->color = terminal && !dumb && !(no_color && *no_color);
+    struct winsize size;
+    if (terminal && ioctl(fd, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 && size.ws_row > 0) {
+        front->width = size.ws_col;
+        front->height = size.ws_row;
+    }
+    if (options->width) {
+        front->width = options->width;
+        front->height = options->height;
+    }
+}
+
+/* Makes each folder of the path that is missing; private to the user. */
+static void make_folders(char *path)
+{
+    for (char *slash = strchr(path + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
+        *slash = 0;
+        mkdir(path, 0700);
+        *slash = '/';
+    }
+}
+
+char *user_path(const char *variable, const char *fallback, const char *name, bool create)
+{
+    struct buffer path = {0};
+    const char *base = getenv(variable);
+    const char *home = getenv("HOME");
+    if (base && base[0] == '/') {
+        buffer_format(&path, "%s/hooke/%s", base, name);
+    } else if (home && home[0] == '/') {
+        buffer_format(&path, "%s/%s/hooke/%s", home, fallback, name);
+    }
+    if (path.failed || path.len == 0) {
+        buffer_free(&path);
+        return NULL;
+    }
+    if (create) {
+        make_folders(path.data);
+    }
+    return path.data;
+}
+
+void rc_run(struct session *session, struct reply *reply)
+{
+    if (access("rc.hk", F_OK) == 0) {
+        reply_note(reply, "note: ./rc.hk is not read; only the one in the configuration folder is");
+    }
+    char *path = user_path("XDG_CONFIG_HOME", ".config", "rc.hk", false);
+    struct stat status;
+    if (path && stat(path, &status) == 0) {
+        if (status.st_uid != geteuid() || (status.st_mode & (S_IWGRP | S_IWOTH))) {
+            reply_warning(reply, "%s is not read: it must belong to you and be writable by nobody else", path);
+        } else {
+            script_file(session, path, NULL, reply);
+        }
+    }
+    free(path);
+}
