@@ -44,7 +44,7 @@ LINE_CFLAGS := $(shell $(PKG) --cflags readline 2>/dev/null)
 LINE_LIBS   := $(shell $(PKG) --libs readline 2>/dev/null || echo -lreadline)
 TEST_LIBS   := $(shell $(PKG) --libs cmocka 2>/dev/null || echo -lcmocka)
 
-CPPFLAGS += -D_GNU_SOURCE -DHOOKE_VERSION='"$(VERSION)"' -Iinclude
+CPPFLAGS += -D_GNU_SOURCE -DHOOKE_VERSION='"$(VERSION)"' -Iinclude -Ibuild
 CFLAGS   := -std=c11 $(OPT_$(CONFIG)) $(WARNINGS) $(NUMBERS) $(HARDEN) -fPIE $(CFLAGS_EXTRA)
 LDFLAGS  := $(filter -fsanitize% --coverage,$(OPT_$(CONFIG))) $(LDHARDEN) $(LDFLAGS_EXTRA)
 LIBS     := $(GSL_LIBS) -lm
@@ -56,6 +56,11 @@ TOP := $(if $(filter release,$(CONFIG)),build,$(B))
 
 objects  = $(patsubst src/%.c,$(B)/%.o,$(sort $(wildcard src/$(1)/*.c)))
 upto     = $(if $(filter $(1),$(firstword $(2))),$(1),$(firstword $(2)) $(call upto,$(1),$(wordlist 2,99,$(2))))
+
+# A format is one file: src/data/NAME.def with its functions and its row. The list of them follows from the folder.
+FORMATS := $(sort $(wildcard src/data/*.def))
+$(shell mkdir -p build && printf '#include "../%s"\n' $(FORMATS) >build/formats.new && \
+  { cmp -s build/formats.new build/formats.def || cp build/formats.new build/formats.def; }; rm -f build/formats.new)
 
 LIBRARY_OBJECTS := $(foreach l,$(LIBRARY_LAYERS),$(call objects,$(l)))
 PROGRAM_OBJECTS := $(foreach l,$(PROGRAM_LAYERS),$(call objects,$(l))) $(B)/main.o

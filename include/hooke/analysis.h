@@ -114,6 +114,11 @@ struct fit_model {
                 struct error *error);
 };
 
+/*
+ * Rows damped and sine need no guess. Uncertainties: least squares, widened for the lag-1 autocorrelation of the residuals; of period, omega and
+ * gamma also half the difference of the window's halves where these differ by more than 2.5 standard deviations. ERROR_COMMAND: does not
+ * oscillate; ERROR_NUMERICAL: did not converge. A fit switches GSL's error handler off (process-wide: GSL has no other way).
+ */
 extern const struct catalog fit_catalog;
 
 /* Model value at time t [s] (absolute). */

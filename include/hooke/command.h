@@ -77,6 +77,8 @@ struct source {
 enum charset_choice { CHOOSE_AUTO, CHOOSE_ASCII, CHOOSE_BLOCK, CHOOSE_BRAILLE };
 enum color_choice { COLOR_AUTO, COLOR_ALWAYS, COLOR_NEVER };
 enum phase_axes { PHASE_SCALED, PHASE_RAW };
+enum sync_choice { SYNC_AUTO, SYNC_ON, SYNC_OFF }; /* whether the next frame waits until the terminal has answered */
+enum view_choice { VIEW_PAGE, VIEW_SCROLL };       /* the live view sweeps, then pages; or scrolls by whole cells */
 
 struct settings {
     double dt;       /* [s] */
@@ -86,6 +88,8 @@ struct settings {
     int width, height; /* [cell] of plots, 0: the front end's */
     int digits;        /* significant, in text */
     int charset, color, format, timing, phase_axes; /* the enums above, enum output_format, enum timing */
+    int sync, view;
+    double fps; /* frames a second of the live view */
 };
 
 struct setting {
@@ -125,11 +129,15 @@ struct setup {
     int lets;
 };
 
+struct leg; /* private: one thing that was asked of a run (go there, change a parameter, go back) */
+
 /* Runs and recordings are shared by the session and its undo entries. */
 struct held_run {
     struct run *run;
     int references;
     char *note; /* NULL: none */
+    struct leg *leg; /* [legs] what was asked of the run since its start: enough to recreate it bit for bit */
+    int legs;
 };
 
 struct held_recording {
@@ -177,10 +185,31 @@ struct cursors {
         bool set;
         double t, t_uncertainty, y; /* [s] [s] SI */
         int crossing;     /* number of the up-crossing, 0: not on one */
+        double amplitude; /* of the motion there; NAN: not known */
     } at[2];
     enum snap snap;
     double periods;       /* between A and B, as counted; NAN: not known */
+    char of[LIMIT_NAME + 16]; /* what they stand on: "run 2", "data swing3" */
+    size_t samples;       /* it had then */
+    enum quantity quantity; /* of y */
 };
+
+/* What the two cursors say, made from what struct cursors holds. NAN: not known. */
+struct cursor_reading {
+    double dt;                 /* [s] B - A */
+    double periods;            /* between them */
+    struct measured period;    /* [s] */
+    struct measured frequency; /* [Hz] */
+    double theory;             /* [s] period of the scene, with its linear damping */
+    bool damped;               /* it has some: then theory is not T0 */
+    double deviation;          /* (period - theory)/theory */
+    double decrement, quality; /* logarithmic decrement from the amplitudes at A and B, Q = pi/decrement */
+};
+
+/* False: the cursors are not shown or not both set. Cheap: a screen asks for each frame. */
+bool session_cursor_reading(const struct session *session, struct cursor_reading *reading);
+/* The same in four lines for people, as `cursor` prints them; without a newline at the end. */
+void session_cursor_lines(const struct session *session, struct buffer *text);
 
 struct view {
     enum layout layout;
@@ -216,6 +245,9 @@ struct live {
     double fraction;  /* of the way to the target, < 0: unknown */
     double marks[32]; /* [s] times at which parameters were changed during the run */
     int mark_count;
+    bool pausing;     /* asked to pause at the next look */
+    bool changing;    /* private: the present command changes the current run */
+    struct buffer record; /* private: what `record` writes instead of, and after, the present statement */
 };
 
 struct snapshot; /* private: undo, redo, checkpoints */
@@ -241,6 +273,8 @@ struct front {
     bool (*slice)(void *context, struct session *session, int64_t until);
     /* Draws the present screen into a file, as ncurses would show it (batch: of front.width x height). */
     bool (*screenshot)(void *context, const struct session *session, const char *path, struct write_policy policy, struct error *error);
+    /* The same as lines of text, for `screenshot` without a file. */
+    bool (*screen)(void *context, const struct session *session, struct buffer *text, struct error *error);
     /* Changes of the front end itself; false: not possible here, with the reason. */
     bool (*change)(void *context, enum front_change change, struct error *error);
 };
@@ -279,6 +313,8 @@ struct session {
     uint64_t changes; /* counts changes: autosave compares it */
     int commands;     /* statements executed */
     bool typed;       /* the statement being executed was typed by a person */
+    int nesting;      /* command_exec inside command_exec: sourced files, and lines typed while a run goes on */
+    bool halted;      /* a run was paused: what stands after it on the line and in the file is not executed */
 
     struct view view;
     struct log log;
@@ -290,6 +326,11 @@ struct session *session_create(const struct front *front);
 void session_destroy(struct session *session);
 /* Appends the commands that recreate the set-up; sourcing them gives the same state. */
 void session_save(const struct session *session, struct buffer *text);
+/*
+ * The same with recordings by absolute path, the runs and the view: sourcing it in a new session gives the same exports. Runs that took 2 s or more
+ * of computing, and those that stopped at a condition on names that are not saved, are only mentioned in a comment. Measurements are not kept.
+ */
+void session_autosave(const struct session *session, struct buffer *text);
 /* Short state for a prompt or a state line: "spring m=200 g k=15 N/m | euler dt=10 ms | t=9.6 s". */
 void session_state_line(const struct session *session, struct buffer *text);
 
@@ -297,7 +338,8 @@ void session_state_line(const struct session *session, struct buffer *text);
 
 /*
  * Executes one line, which may hold several statements. Each statement is atomic: everything is checked before the session changes. The first
- * error ends the line: it is written to the reply, session->status is set, and the result is false.
+ * error ends the line: it is written to the reply, session->status is set, and the result is false. May be called again from inside front.slice;
+ * what would disturb the run that goes on is then refused. A run that was paused ends the line too, with a note if something stands after it.
  */
 bool command_exec(struct session *session, struct text line, const struct source *where, struct reply *reply);
 
@@ -329,6 +371,48 @@ void reply_error(struct reply *reply, const struct error *error, const struct so
  */
 bool command_complete(struct session *session, struct text line, size_t cursor, size_t *start,
                       void (*offer)(void *context, const char *candidate, const char *brief), void *context);
+
+/* ---- figures of the session --------------------------------------------------------------------------------------------------- */
+
+static inline struct run *session_run(const struct session *session)
+{
+    return session->current_run >= 0 ? session->run[session->current_run]->run : NULL;
+}
+
+static inline struct recording *session_recording(const struct session *session)
+{
+    return session->current_recording >= 0 ? session->recording[session->current_recording]->recording : NULL;
+}
+
+enum charset session_charset(const struct session *session);
+
+enum plot_kind { PLOT_POSITION, PLOT_VELOCITY, PLOT_PHASE, PLOT_ENERGY, PLOT_ERROR, PLOT_RESIDUAL, PLOT_SPECTRUM };
+
+extern const struct catalog plot_catalog;
+
+struct figure_request {
+    enum plot_kind kind;
+    const int *run; /* places in the session */
+    int runs;
+    int recording;  /* place, -1: none */
+    double window[2]; /* [s] NAN: choose */
+    int width;        /* [cell] that will be drawn on */
+    bool log;         /* vertical axis */
+    enum charset charset;
+    double trail;     /* periods of the phase plot, 0: 2; HUGE_VAL: all */
+    /* Of a view that lasts: the newest part instead of the first, its time axis fixed. */
+    bool follow;
+    bool running;     /* the end moves: nothing that is written depends on it */
+    double span;      /* [s] of time shown, 0: as much as the width can show */
+    int pages;        /* the window moves on by span / pages */
+    double until;     /* [s] the axis reaches to here at least, where known; NAN */
+};
+
+/* Builds the figure; all memory from the arena. */
+bool session_figure(const struct session *session, const struct figure_request *request, struct arena *arena,
+                    struct figure *figure, struct error *error);
+/* Place of the recording that belongs into such a plot without being asked for: the current one, where it overlaps the run; -1: none. */
+int figure_recording(const struct session *session, enum plot_kind kind);
 
 /* ---- the catalog of commands: the man page and the README are made from it ----------------------------------------------------------- */
 

@@ -11,16 +11,17 @@
 #include <gsl/gsl_multifit_nlinear.h>
 #include <math.h>
 
-enum { WINDOWS_MOST = 128, WINDOWS_LEAST = 8 };
+enum { WINDOWS_MOST = 64, WINDOWS_LEAST = 8 };
 
-#define DELTA_LEAST 6.0 /* difference of BIC that decides (NUMERICS: no wrong single law, few spurious second terms)   \
-                         */
+#define AVERAGED 1e-10 /* mean square to which averaging over a period is good: no law is better than that */
+/* Difference of BIC that decides: with it no wrong single law and few spurious second terms. */
+#define DELTA_LEAST 6.0
 
 struct envelope {
     size_t count;
     double s[WINDOWS_MOST]; /* time since the start over the span: 0 … 1 */
     double a[WINDOWS_MOST]; /* amplitude over the largest one */
-    double least;           /* mean square below which a misfit is reading noise */
+    double noise;           /* mean variance of the readings */
     bool gamma, quadratic;  /* which terms the law has */
 };
 
@@ -103,7 +104,7 @@ static bool fit_law(struct envelope *e, bool gamma, bool quadratic, double start
             square += gsl_vector_get(f, i) * gsl_vector_get(f, i);
             product += i > 0 ? gsl_vector_get(f, i) * gsl_vector_get(f, i - 1) : 0;
         }
-        result->mean_square = fmax(square / (double)e->count, e->least);
+        result->mean_square = fmax(square / (double)e->count, AVERAGED);
         result->autocorrelation = square > 0 ? product / square : 0;
         result->gamma = gamma ? gsl_vector_get(at, 1) : 0;
         result->q = quadratic ? gsl_vector_get(at, p - 1) : 0;
@@ -113,16 +114,20 @@ static bool fit_law(struct envelope *e, bool gamma, bool quadratic, double start
     return true;
 }
 
-/* Amplitudes of successive windows of whole periods, over the part where they stand out of their noise. */
+/*
+ * Amplitudes of successive windows of whole periods (part of one would alternate with the shape of the oscillation),
+ * where they stand out of their noise.
+ */
 static void read_envelope(const struct motion *m, struct envelope *e)
 {
     const struct samples *x = &m->samples;
-    double periods = floor(m->overview.periods), span = x->t[x->n - 1] - x->t[0], largest = 0, noise = 0;
-    size_t windows = periods < WINDOWS_MOST ? (size_t)periods : WINDOWS_MOST;
-    for (size_t k = 0; k < windows; k++) {
+    double span = x->t[x->n - 1] - x->t[0], largest = 0, noise = 0;
+    double whole = fmax(1, ceil(m->overview.periods / WINDOWS_MOST)), width = whole * m->overview.period;
+    size_t windows = (size_t)(span / width * (1 + 1e-9));
+    for (size_t k = 0; k < windows && e->count < WINDOWS_MOST; k++) {
         struct reading reading;
-        size_t from = samples_index(x, x->t[0] + span * (double)k / (double)windows);
-        size_t to = k + 1 < windows ? samples_index(x, x->t[0] + span * (double)(k + 1) / (double)windows) : x->n;
+        size_t from = samples_index(x, x->t[0] + width * (double)k);
+        size_t to = samples_index(x, x->t[0] + width * (double)(k + 1));
         if (!local_amplitude(m, from, to, &reading) ||
             !(reading.amplitude.uncertainty < 0.3 * reading.amplitude.value)) {
             continue;
@@ -135,8 +140,7 @@ static void read_envelope(const struct motion *m, struct envelope *e)
     for (size_t k = 0; k < e->count; k++) {
         e->a[k] /= largest;
     }
-    /* Averaging over a period is itself only good to about 1e-5 of the amplitude. */
-    e->least = fmax(0.25 * noise / (double)(e->count ? e->count : 1) / (largest * largest), 1e-10);
+    e->noise = e->count ? noise / (double)e->count / (largest * largest) : 0;
 }
 
 bool envelope_laws(const struct motion *m, struct fit *fit, double *sway)
@@ -185,7 +189,6 @@ bool envelope_laws(const struct motion *m, struct fit *fit, double *sway)
         square += e->a[k] * e->a[k];
     }
     double scatter = fmin(fmin(law[0].mean_square, law[1].mean_square), law[2].mean_square);
-    *sway =
-        scatter > 40 * e->least ? sqrt(scatter / (square / n)) : 0; /* least is a quarter of the readings' variance */
+    *sway = scatter > 10 * e->noise ? sqrt(scatter / (square / n)) : 0;
     return true;
 }

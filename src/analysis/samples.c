@@ -101,10 +101,10 @@ double samples_noise(const struct samples *samples, double *scratch)
 }
 
 /*
- * A missed echo: the value leaves by more than 0.6 of the robust range in one sample and is back within six, or the
- * record ends there. Slow enough for every oscillation with at least six samples a period; a coarse net that only
- * protects the spectrum: local fits decide later. Once forwards, once backwards: seen from a bad first sample all
- * others are off.
+ * A missed echo: the value leaves the middle by more than two thirds of the robust range (15 to 85 %) in one sample and
+ * comes back as fast within six samples, or the record ends there. Slow enough for every oscillation with at least six
+ * samples a period; a coarse net that only protects the spectrum: local fits decide later. Once forwards, once
+ * backwards: a bad first sample is seen from behind only.
  */
 void samples_flag_spikes(struct samples *samples, double *scratch)
 {
@@ -116,7 +116,8 @@ void samples_flag_spikes(struct samples *samples, double *scratch)
     for (size_t i = 0; i < n; i += stride) {
         scratch[count++] = samples->y[i];
     }
-    double high = quantile(scratch, count, 0.95), low = quantile(scratch, count, 0.05), jump = 0.6 * (high - low);
+    double high = quantile(scratch, count, 0.85), low = quantile(scratch, count, 0.15), jump = 0.67 * (high - low);
+    double middle = 0.5 * (high + low);
     if (!(jump > 0)) {
         return;
     }
@@ -125,12 +126,13 @@ void samples_flag_spikes(struct samples *samples, double *scratch)
         unsigned char *use = samples->use + (backwards ? n - 1 : 0);
         ptrdiff_t step = backwards ? -1 : 1;
         for (size_t i = 1; i < n; i++) {
-            double base = y[(ptrdiff_t)(i - 1) * step];
-            if (fabs(y[(ptrdiff_t)i * step] - base) <= jump) {
+            double before = y[(ptrdiff_t)(i - 1) * step], here = y[(ptrdiff_t)i * step], away = here - before;
+            if (fabs(away) <= jump || fabs(here - middle) <= fabs(before - middle)) {
                 continue;
             }
             size_t back = i + 1;
-            while (back < n && back <= i + LONGEST && fabs(y[(ptrdiff_t)back * step] - base) >= 0.5 * jump) {
+            while (back < n && back <= i + LONGEST &&
+                   copysign(1, away) * (y[(ptrdiff_t)(back - 1) * step] - y[(ptrdiff_t)back * step]) <= jump) {
                 back++;
             }
             if (back <= i + LONGEST) {

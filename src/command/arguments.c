@@ -50,11 +50,15 @@ static struct item *next_item(struct parser *parser, struct given *given, struct
     return item;
 }
 
-static bool in_range(const struct argument *argument, const struct item *item, struct error *error)
+static bool in_range(const struct parser *parser, const struct argument *argument, const struct item *item, struct error *error)
 {
+    const struct text rest = parser->rest;
     if ((argument->flags & ARG_NEGATIVE) || argument->type != TYPE_VALUE || item->value.value > 0)
         return true;
-    return error_at(error, item->text, "%s must be more than 0, got '%.*s'", argument->name, (int)item->text.len, item->text.at);
+    error_at(error, item->text, "%s must be more than 0, got '%.*s'", argument->name, (int)item->text.len, item->text.at);
+    if (rest.len > 1 && rest.at[0] == ',' && rest.at[1] >= '0' && rest.at[1] <= '9')
+        error_hint(error, "the comma separates the values of a list; the decimal mark is a point");
+    return false;
 }
 
 static bool read_choice(struct parser *parser, const struct argument *argument, const char *stops, struct item *item,
@@ -122,6 +126,8 @@ static bool read_condition(struct parser *parser, struct item *item, struct erro
         return false;
     item->text = (struct text){parser->rest.at, used};
     item->condition = condition;
+    if (!check_condition(parser, item->text, error))
+        return false;
     parser->rest = (struct text){parser->rest.at + used, parser->rest.len - used};
     return true;
 }
@@ -135,7 +141,7 @@ static bool read_item(struct parser *parser, const struct argument *argument, co
     case TYPE_NONE:
         return true;
     case TYPE_VALUE:
-        return parse_value(parser, name, argument->quantity, item, error) && in_range(argument, item, error);
+        return parse_value(parser, name, argument->quantity, item, error) && in_range(parser, argument, item, error);
     case TYPE_INTEGER:
         return parse_integer(parser, name, negative, item, error);
     case TYPE_RANGE:
@@ -144,7 +150,7 @@ static bool read_item(struct parser *parser, const struct argument *argument, co
         return read_condition(parser, item, error);
     case TYPE_EXPR:
         return strchr("'\"", parser->rest.at[0]) ? parse_word(parser, stops, item, error)
-                                                 : parse_value(parser, name, QUANTITY_OTHER, item, error);
+                                                 : parse_value(parser, "the expression", QUANTITY_OTHER, item, error);
     case TYPE_CHOICE:
         return read_choice(parser, argument, stops, item, error);
     case TYPE_RUN:
@@ -179,7 +185,7 @@ struct progress {
     const struct command *command;
     struct arguments *arguments;
     int open;         /* argument that may take more items without a new introduction, -1: none */
-    bool after_value; /* a number was read last */
+    const struct item *number; /* that was read last, NULL: something else */
 };
 
 static bool read_into(struct progress *progress, int place, const char *start, struct error *error)
@@ -215,8 +221,9 @@ static bool read_into(struct progress *progress, int place, const char *start, s
             parser->rest = (struct text){parser->rest.at + 1, parser->rest.len - 1};
     }
     given->where = (struct text){start, (size_t)(parser->rest.at - start)};
-    progress->after_value = argument->type == TYPE_VALUE || argument->type == TYPE_RANGE || argument->type == TYPE_EXPR ||
-                           argument->type == TYPE_INTEGER || argument->type == TYPE_CONDITION;
+    const bool number = argument->type == TYPE_VALUE || argument->type == TYPE_RANGE || argument->type == TYPE_EXPR ||
+                        argument->type == TYPE_INTEGER || argument->type == TYPE_CONDITION;
+    progress->number = number ? &given->item[given->count - 1] : NULL;
     progress->open = many && argument->form == FORM_WORD ? place : -1;
     return true;
 }
@@ -306,6 +313,9 @@ static bool read_next(struct progress *progress, struct error *error)
         }
         if (place < 0)
             return unknown_argument(progress->command, FORM_KEY, name, error);
+    } else if (place >= 0 && progress->command->argument[place].type == TYPE_CHOICE && !has(progress->arguments, place) &&
+               catalog_find(progress->command->argument[place].choices, name)) {
+        used = 0; /* `measure energy`: what the place wants comes before a word of the same name, as in `of energy` */
     } else if ((place = find_argument(progress->command, FORM_WORD, name)) >= 0 && peek_word(*rest, "").len == name.len) {
         used = name.len;
     } else if (is_lead(progress->command, name)) {
@@ -315,7 +325,7 @@ static bool read_next(struct progress *progress, struct error *error)
         place = next_place(progress, peek_word(*rest, ","));
         used = 0;
         if (place < 0)
-            return refuse_rest(parser, progress->after_value, error);
+            return refuse_rest(parser, progress->number, error);
     }
     if (has(progress->arguments, place) && !(progress->command->argument[place].flags & ARG_MANY))
         return error_at(error, (struct text){start, used ? used : 1}, "'%s' is given twice", progress->command->argument[place].name);
@@ -325,15 +335,15 @@ static bool read_next(struct progress *progress, struct error *error)
 
 bool parse_arguments(struct parser *parser, const struct command *command, struct arguments *arguments, struct error *error)
 {
-    struct progress progress = {parser, command, arguments, -1, false};
+    struct progress progress = {parser, command, arguments, -1, NULL};
     for (;;) {
         struct text before = parser->rest;
         skip_blanks(&parser->rest);
         if (parser->rest.len == 0)
             break;
         /* Something glued to a number, as in 0,5 or 5cmm. */
-        if (progress.after_value && before.at == parser->rest.at && before.len > 0)
-            return refuse_rest(parser, true, error);
+        if (progress.number && before.at == parser->rest.at)
+            return refuse_rest(parser, progress.number, error);
         if (!read_next(&progress, error))
             return false;
     }

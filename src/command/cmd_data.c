@@ -215,7 +215,7 @@ HANDLER(data)
 COMMAND(load, .row = {"load", "", "read a recording from a file", "", NULL}, .group = "DATA",
         .text = "Finds the table, its separator, decimal mark, columns and units by itself and says what it found; every finding can be\n"
                 "overruled. A file without times needs rate=. A recording of the same name is replaced.",
-        .examples = "load position.txt\nload film.csv t=1 y=3 unit=cm as=film", .see = "data fit measure plot", .flags = COMMAND_CHANGES,
+        .examples = "load bare.txt\nload disk.txt y=2 unit=cm as=disk", .see = "data fit measure plot", .flags = COMMAND_CHANGES,
         ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED), KEY("t", TYPE_TEXT), KEY("y", TYPE_TEXT),
                   KEY("unit", TYPE_UNIT), KEY("tunit", TYPE_UNIT, .quantity = QUANTITY_TIME),
                   KEY("rate", TYPE_VALUE, .quantity = QUANTITY_FREQUENCY),
@@ -224,7 +224,7 @@ COMMAND(load, .row = {"load", "", "read a recording from a file", "", NULL}, .gr
 
 COMMAND(data, .row = {"data", "", "list recordings, choose one, choose the part in use", "", NULL}, .group = "DATA",
         .text = "window: the part that fit, measure and plot use; zero: subtracted from the values; restore: the whole file, zero 0.",
-        .examples = "data\ndata window 2:20", .see = "load fit", .flags = COMMAND_CHANGES,
+        .examples = "data\ndata window 2:8", .see = "load fit", .flags = COMMAND_CHANGES,
         ARGUMENTS(WORD("list", TYPE_NONE, .group = 1), WORD("use", TYPE_RECORDING, .group = 1),
                   WORD("window", TYPE_RANGE, .quantity = QUANTITY_TIME, .group = 1),
                   WORD("zero", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_OTHER, .group = 1),

@@ -141,12 +141,14 @@ static void keep_fit(struct session *session, const struct subject *subject, con
 
 HANDLER(fit)
 {
-    const struct given *model = given_for(given, "MODEL");
+    const struct given *model = given_for(given, "MODEL"), *run = given_for(given, "run"), *to = given_for(given, "to");
     const struct row *row = model->count ? model->item->row : catalog_row(&fit_catalog, 0);
     struct subject subject;
     struct fit fit = {0};
-    if (!subject_open(session, given_for(given, "run"), given_for(given, "to"), given_for(given, "window"), false, 8, given->arena,
-                      &subject, error))
+    /* Recordings are what is fitted, unless there is none or a run is named. */
+    struct item current = {.index = session->current_recording};
+    const struct given data = to->count || current.index < 0 ? *to : (struct given){.count = 1, .item = &current};
+    if (!subject_open(session, run, &data, given_for(given, "window"), false, 8, given->arena, &subject, error))
         return false;
     if (!((const struct fit_model *)(const void *)row)->fit(&subject.series, given->arena, session->front.cancel, &fit, error))
         return false;
@@ -229,12 +231,12 @@ HANDLER(adopt)
 COMMAND(fit, .row = {"fit", "", "fit a damped oscillation to a recording or a run", "", NULL}, .group = "DATA",
         .text = "y = c + A exp(-gamma t/2) cos(omega t + phase), t from the first sample of the window: gamma is that of\n"
                 "y'' + gamma y' + omega0^2 y = 0. No guesses are needed. Both halves and the law of the envelope are always compared.",
-        .examples = "load position.txt; fit\nfit sine window=2:8", .see = "adopt measure load",
+        .examples = "load bare.txt; fit\nfit sine window=2:8", .see = "adopt measure load",
         ARGUMENTS(PLACE("MODEL", TYPE_CHOICE, .choices = &fit_catalog), WORD("to", TYPE_RECORDING, .group = 1),
                   WORD("run", TYPE_RUN, .group = 1), KEY("window", TYPE_RANGE, .quantity = QUANTITY_TIME)))
 
 COMMAND(adopt, .row = {"adopt", "", "take k, gamma and the start from the last fit", "", NULL}, .group = "DATA",
         .text = "y0, v0 and t0 are those of the fit at the first sample of its window, and the offset is taken off the recording, so that the\n"
                 "run lies over the data. 'adopt amplitude' starts at y0 = A, v0 = 0, t0 = 0 instead, as on the sheet.",
-        .examples = "load position.txt; m = 200 g; fit; adopt; run\nadopt amplitude", .see = "fit run", .flags = COMMAND_CHANGES,
+        .examples = "load bare.txt; m = 200 g; fit; adopt; run\nadopt amplitude", .see = "fit run", .flags = COMMAND_CHANGES,
         ARGUMENTS(WORD("amplitude", TYPE_NONE)))

@@ -69,7 +69,8 @@ static void put_theory(struct buffer *text, double value, double theory, enum qu
         return;
     buffer_put(text, TEXT("   theory "));
     buffer_measured(text, (struct measured){theory, 0}, unit, 5);
-    buffer_format(text, " (%+.2g %%)", 100 * (value - theory) / theory);
+    const double percent = 100 * (value - theory) / theory;
+    buffer_format(text, " (%+.2f %%)", fabs(percent) < 0.005 ? 0.0 : percent);
 }
 
 /* Of a run its own scene; of a recording the present one, if somebody has said what the spring is. */
@@ -304,10 +305,15 @@ static bool measure_drift(struct measuring *m)
     return say(m, &text);
 }
 
-/* The largest speed: of a run as recorded, of a recording from amplitude and period. */
+/* The largest speed: of a run as recorded, of a recording from amplitude and period, else what the scene will start with. */
 static bool largest_speed(struct measuring *m, struct measured *speed)
 {
     const struct series *s = &m->subject.series;
+    if (!m->subject.run && !m->subject.recording) {
+        const struct scene *scene = &m->session->setup.scene;
+        *speed = (struct measured){derived(scene, "amplitude") * derived(scene, "omega0"), 0};
+        return isfinite(speed->value) || error_set(m->error, ERROR_COMMAND, "the scene does not oscillate (k > 0 is needed)");
+    }
     if (m->subject.run) {
         const struct run *run = m->subject.run;
         *speed = (struct measured){0, 0};
@@ -390,6 +396,11 @@ HANDLER(measure)
     const enum measurable which = (enum measurable)quantity->index;
     const bool energy = is_given(given, "energy") || which == MEASURE_ENERGY;
     struct measuring m = {session, given, reply, {.run = NULL}, quantity->row->name, error};
+    /* The Reynolds number can be asked for before anything has moved. */
+    if (which == MEASURE_REYNOLDS && session->runs == 0 && session->recordings == 0) {
+        snprintf(m.subject.name, sizeof m.subject.name, "the scene");
+        return measures[which](&m);
+    }
     return subject_open(session, given_for(given, "run"), given_for(given, "data"), given_for(given, "window"), energy, 2, given->arena,
                         &m.subject, error) &&
            measures[which](&m);
@@ -399,7 +410,7 @@ HANDLER(measure)
 COMMAND(measure, .row = {"measure", "", "measure a quantity of a run or a recording", "", NULL}, .group = "MEASURE",
         .text = "Acts on the most recent run or recording unless told. The period comes from line fits at the up-crossings and is given\n"
                 "with its standard uncertainty. at= or windows= choose where the amplitude is read.",
-        .examples = "run; measure period\nmeasure amplitude at=0,20,40 of run 1", .see = "fit list plot",
+        .examples = "run; measure period\nmeasure amplitude at=1,4,8 of run 1", .see = "fit list plot",
         ARGUMENTS(PLACE("QUANTITY", TYPE_CHOICE, .flags = ARG_REQUIRED, .choices = &quantity_catalog),
                   WORD("run", TYPE_RUN, .lead = "of", .group = 1), WORD("data", TYPE_RECORDING, .lead = "of", .group = 1),
                   WORD("energy", TYPE_NONE, .lead = "of"), KEY("window", TYPE_RANGE, .quantity = QUANTITY_TIME),

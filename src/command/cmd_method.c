@@ -12,8 +12,6 @@ static void reply_method(const struct session *session, struct reply *reply)
     const struct run_settings settings = session_run_settings(session);
     struct buffer text = {0};
     buffer_format(&text, "%s: %s", method->row.name, method->row.brief);
-    if (method->order > 0)
-        buffer_format(&text, ", order %d", method->order);
     if (settings.tol > 0) {
         buffer_put(&text, TEXT("; adaptive, tol = "));
         buffer_short(&text, settings.tol, 6);

@@ -66,8 +66,12 @@ HANDLER(export)
 HANDLER(print)
 {
     UNUSED(error);
-    const struct item *item = given_for(given, "EXPR")->item;
+    struct item *item = given_for(given, "EXPR")->item;
+    struct named_value named;
     struct buffer text = {0};
+    /* Of a single name the uncertainty is known, too. */
+    if (!item->is_string && peek_name(item->text).len == item->text.len && names_value(session, item->text, &named))
+        item->value.uncertainty = named.uncertainty;
     if (item->is_string)
         safe_text(&text, item->text, true);
     else

@@ -12,21 +12,6 @@ static bool ends_with(struct text text, const char *end)
     return text.len > len && text_is((struct text){text.at + text.len - len, len}, end);
 }
 
-/* The recording that lies over the run without being asked for: the current one, where times overlap. */
-static int overlapping(const struct session *session, enum plot_kind kind)
-{
-    const struct run *run = session_run(session);
-    const struct recording *recording = session_recording(session);
-    if (!recording || kind != PLOT_POSITION)
-        return -1;
-    if (!run)
-        return session->current_recording;
-    if (recording->column[recording->value].quantity != QUANTITY_LENGTH)
-        return -1;
-    const double a = trace_time(run->trace, 0), b = trace_time(run->trace, trace_count(run->trace) - 1);
-    return fmin(a, b) < recording->window[1] && fmax(a, b) > recording->window[0] ? session->current_recording : -1;
-}
-
 /* Which runs: those named, every one, or the current one unless only a recording was named. */
 static bool choose_runs(struct session *session, const struct arguments *given, struct figure_request *request, struct error *error)
 {
@@ -47,9 +32,10 @@ static bool choose_runs(struct session *session, const struct arguments *given, 
     }
     if (runs->count == 0 && data->count == 0 && session->current_run >= 0)
         place[request->runs++] = session->current_run;
-    request->recording = data->count ? data->item->index : runs->count ? -1 : overlapping(session, request->kind);
-    if (request->runs == 0 && request->recording >= 0 && request->kind != PLOT_POSITION)
-        return error_at(error, data->where, "of a recording there is only a plot of the position");
+    request->recording = data->count ? data->item->index : runs->count && request->kind != PLOT_RESIDUAL ? -1 : figure_recording(session, request->kind);
+    if (request->runs == 0 && request->recording >= 0 && request->kind != PLOT_POSITION && request->kind != PLOT_RESIDUAL &&
+        request->kind != PLOT_SPECTRUM)
+        return error_at(error, data->where, "of a recording there are only plots of position, residual and spectrum");
     if (request->runs > 0 || request->recording >= 0)
         return true;
     error_set(error, ERROR_COMMAND, "there is nothing to plot: no run and no recording");
@@ -112,7 +98,7 @@ HANDLER(plot)
 }
 #endif
 
-COMMAND(plot, .row = {"plot", "", "draw position, velocity, phase, energy or error", "", "p"}, .group = "PLOT",
+COMMAND(plot, .row = {"plot", "", "draw position, velocity, phase, energy, error, residual or spectrum", "", "p"}, .group = "PLOT",
         .text = "Of the current run and of the recording where they overlap in time, unless told. Without a window at least 8 columns a\n"
                 "period are kept (5 with dots) and the phase plot shows the last 2 periods; the frame says so. A run that grows out of\n"
                 "bounds leaves the frame and does not flatten the others.",

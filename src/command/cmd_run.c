@@ -9,6 +9,7 @@
 
 #define SECONDS_ASKED 60    /* predicted run times above it need --force or a yes */
 #define UNTIL_DURATIONS 1000 /* `run until` gives up after so many durations */
+#define FAR 1e300            /* [s] no run gets there; finite, so that what is left of the way is a number */
 #define SLICE_NS 10000000   /* 10 ms between looks at the front end */
 
 /* ---- what is said about a run ------------------------------------------------------------------------------------------ */
@@ -77,7 +78,7 @@ static void warn_growth(struct run *run, struct reply *reply)
     buffer_put(&text, TEXT(" a step"));
     if (isfinite(run->plan.limit) && run->plan.limit > 0) {
         buffer_put(&text, TEXT("; it is stable below dt = "));
-        buffer_quantity(&text, run->plan.limit, QUANTITY_TIME, 3);
+        buffer_measured(&text, (struct measured){run->plan.limit, 0}, QUANTITY_TIME, 3);
     }
     reply_warning(reply, "%s", buffer_view(&text));
     buffer_free(&text);
@@ -93,12 +94,12 @@ static void warn_coarse(const struct session *session, const struct run *run, st
         return;
     struct buffer text = {0};
     buffer_put(&text, TEXT("dt = "));
-    buffer_quantity(&text, dt, QUANTITY_TIME, 4);
+    buffer_measured(&text, (struct measured){dt, 0}, QUANTITY_TIME, 4);
     buffer_format(&text, " is %.0f %% of the period T0 = ", 100 * dt / period);
     buffer_measured(&text, (struct measured){period, 0}, QUANTITY_TIME, 4);
     if (isfinite(run->plan.limit) && run->plan.limit > 0) {
         buffer_format(&text, "; %s needs dt < ", run->method->row.name);
-        buffer_quantity(&text, run->plan.limit, QUANTITY_TIME, 3);
+        buffer_measured(&text, (struct measured){run->plan.limit, 0}, QUANTITY_TIME, 3);
         buffer_put(&text, TEXT(" to stay stable"));
     }
     reply_warning(reply, "%s", buffer_view(&text));
@@ -247,7 +248,7 @@ HANDLER(step)
     if (run ? !can_go_on(run, error) : !(run = new_run(session, (double)steps * session->setup.settings.dt, true, error)))
         return false;
     if (count->count == 0 || steps <= 1000000000)
-        return advance(session, run, &(struct run_target){.t = direction(run) * HUGE_VAL, .steps = steps}, reply, error);
+        return advance(session, run, &(struct run_target){.t = direction(run) * FAR, .steps = steps}, reply, error);
     return error_at(error, count->where, "more than 1e9 steps: use continue DURATION");
 }
 

@@ -126,12 +126,12 @@ COMMAND(runs, .row = {"runs", "", "list the runs", "", NULL}, .group = "RUNS", .
         .examples = "runs\ncompare euler verlet; runs", .see = "use drop rename note")
 
 COMMAND(use, .row = {"use", "", "make a run the current one", "", NULL}, .group = "RUNS",
-        .text = "measure, plot, continue and names in expressions act on the current run.", .examples = "compare euler verlet; use 1",
+        .text = "measure, plot, continue and names in expressions act on the current run.", .examples = "compare euler verlet; use 1\nuse 1; measure period",
         .see = "runs", .flags = COMMAND_CHANGES, ARGUMENTS(PLACE("N", TYPE_RUN, .flags = ARG_REQUIRED)))
 
 COMMAND(rename, .row = {"rename", "", "give a run a name", "", NULL}, .group = "RUNS",
         .text = "The name can stand wherever the number can, and stands in the legend of plots.",
-        .examples = "run; rename 1 reference", .see = "runs note", .flags = COMMAND_CHANGES,
+        .examples = "run; rename 1 reference\nuse reference", .see = "runs note", .flags = COMMAND_CHANGES,
         ARGUMENTS(PLACE("N", TYPE_RUN, .flags = ARG_REQUIRED), PLACE("NAME", TYPE_TEXT, .flags = ARG_REQUIRED)))
 
 COMMAND(drop, .row = {"drop", "", "forget runs", "", NULL}, .group = "RUNS", .text = "undo brings them back.",
@@ -139,5 +139,5 @@ COMMAND(drop, .row = {"drop", "", "forget runs", "", NULL}, .group = "RUNS", .te
         ARGUMENTS(PLACE("N", TYPE_RUN, .flags = ARG_REQUIRED | ARG_MANY | ARG_ALL)))
 
 COMMAND(note, .row = {"note", "", "write a note for the current run", "", NULL}, .group = "RUNS",
-        .text = "It stands in the list of runs and in exports.", .examples = "run; note with the large disk", .see = "runs export",
+        .text = "It stands in the list of runs and in exports.", .examples = "run; note with the large disk\nruns", .see = "runs export",
         ARGUMENTS(PLACE("TEXT", TYPE_REST, .flags = ARG_REQUIRED)))

@@ -176,7 +176,7 @@ static struct parser value_parser(struct session *session, const struct argument
 
 static bool read_value(struct parser *parser, const char *what, enum quantity quantity, struct item *item, struct error *error)
 {
-    return parse_value(parser, what, quantity, item, error) && refuse_rest(parser, true, error);
+    return parse_value(parser, what, quantity, item, error) && refuse_rest(parser, item, error);
 }
 
 HANDLER(set)
@@ -258,7 +258,7 @@ HANDLER(let)
     const struct text name = given_for(given, "NAME")->item->text;
     const char *kind;
     if (name_is_taken(session, name, &kind)) {
-        error_at(error, name, "'%.*s' is already the name of a %s", (int)name.len, name.at, kind);
+        error_at(error, name, "'%.*s' is taken: it is the name of %s %s", (int)name.len, name.at, strchr("aeiou", kind[0]) ? "an" : "a", kind);
         return error_hint(error, "choose another name for the variable");
     }
     struct parser parser = value_parser(session, given);

@@ -107,11 +107,11 @@ HANDLER(quit)
 #endif
 
 COMMAND(source, .row = {"source", "", "run the commands of a file", "", NULL}, .group = "SESSION",
-        .text = "Stops at the first error and says where. Files may source files, 16 deep.", .examples = "source lab1.hk\nsource setup.hk; run",
+        .text = "Stops at the first error and says where. Files may source files, 16 deep.", .examples = "source lab1.hk\nsource lab1.hk; run",
         .see = "save record", ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED)))
 
 COMMAND(record, .row = {"record", "", "append the commands that succeed to a file", "", NULL}, .group = "SESSION",
-        .text = "'record off' ends it. (What is kept of a run is the setting: set record all.)", .examples = "record session.hk\nrecord off",
+        .text = "With off it ends. (How much of a run is kept is the setting of the same name: set record all.)", .examples = "record session.hk\nrecord off",
         .see = "history save source", .flags = COMMAND_UNRECORDED, ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED)))
 
 COMMAND(history, .row = {"history", "", "list the lines executed", "", NULL}, .group = "SESSION",

@@ -3,12 +3,13 @@
 #ifndef COMMAND_ROWS
 #include "undo.h"
 
+#include <math.h>
 #include <string.h>
 
 static bool move(struct session *session, const struct arguments *given, bool back, struct reply *reply, struct error *error)
 {
     const struct given *count = given_for(given, "N");
-    const int steps = count->count ? (int)(count->item->value.value < LIMIT_UNDO ? count->item->value.value : LIMIT_UNDO) : 1;
+    const int steps = count->count ? (int)fmin(count->item->value.value, 1e9) : 1;
     char label[LIMIT_NAME + 1];
     int done = 0;
     while (done < steps && undo_move(session, back, label, error)) {
@@ -88,7 +89,7 @@ COMMAND(undo, .row = {"undo", "", "take back the last N commands that changed so
         .see = "redo checkpoint", ARGUMENTS(PLACE("N", TYPE_INTEGER)))
 
 COMMAND(redo, .row = {"redo", "", "do again what undo took back", "", NULL}, .group = "STATE",
-        .text = "Runs come back with the same bits.", .examples = "run; undo; redo\nredo 2", .see = "undo",
+        .text = "Runs come back with the same bits.", .examples = "run; undo; redo\nundo 2; redo 2", .see = "undo",
         ARGUMENTS(PLACE("N", TYPE_INTEGER)))
 
 COMMAND(checkpoint, .row = {"checkpoint", "", "remember the present state", "", NULL}, .group = "STATE",
@@ -96,7 +97,7 @@ COMMAND(checkpoint, .row = {"checkpoint", "", "remember the present state", "", 
         ARGUMENTS(PLACE("NAME", TYPE_TEXT)))
 
 COMMAND(restore, .row = {"restore", "", "go back to a checkpoint", "", NULL}, .group = "STATE",
-        .text = "The latest one unless a name is given. undo takes the restore back.", .examples = "checkpoint; set k 20; restore\nrestore undamped",
+        .text = "The latest one unless a name is given. undo takes the restore back.", .examples = "checkpoint; set k 20; restore\ncheckpoint undamped; gamma = 0.1; restore undamped",
         .see = "checkpoint undo", .flags = COMMAND_CHANGES, ARGUMENTS(PLACE("NAME", TYPE_TEXT)))
 
 COMMAND(save, .row = {"save", "", "write the commands that recreate the set-up", "", NULL}, .group = "STATE",

@@ -195,20 +195,32 @@ static const struct argument *find_by_form(const struct command *command, enum a
 /* What may come next: the words, keys and options of the command, and the item of the next place. */
 static void offer_arguments(struct completion *c, const struct command *command, struct text before)
 {
+    /* After `of` only what it leads to. */
+    const struct text last = previous_word(before);
+    bool led = false;
+    for (int i = 0; i < command->arguments; i++)
+        if (command->argument[i].lead && text_is(last, command->argument[i].lead)) {
+            offer(c, command->argument[i].name, "");
+            led = true;
+        }
+    if (led)
+        return;
     int places = count_words(before);
+    const char *lead = "";
     const struct argument *place = NULL;
     for (int i = 0; i < command->arguments; i++) {
         const struct argument *argument = &command->argument[i];
         if (argument->form == FORM_PLACE && !place && (places-- == 0 || (argument->flags & ARG_MANY)))
             place = argument;
-        if (argument->form == FORM_WORD && argument->name[0] != '>')
+        if (argument->form == FORM_WORD && argument->name[0] != '>' && !argument->lead)
             offer(c, argument->name, "");
         else if (argument->form == FORM_KEY)
             offer_suffixed(c, "", argument->name, "=", "");
         else if (argument->form == FORM_OPTION)
             offer_suffixed(c, "--", argument->name, "", "");
-        if (argument->lead)
+        if (argument->lead && strcmp(argument->lead, lead) != 0)
             offer(c, argument->lead, "");
+        lead = argument->lead ? argument->lead : lead;
     }
     if (place)
         offer_item(c, place, before);
@@ -225,6 +237,17 @@ static void complete_arguments(struct completion *c, const struct command *comma
         const struct argument *key = find_by_form(command, FORM_KEY, peek_name(last));
         if (key) {
             offer_item(c, key, TEXT(""));
+            return;
+        }
+    }
+    /* NAME=5 and a blank: the unit. */
+    size_t equals = before.len;
+    while (equals > 0 && before.at[equals - 1] != '=')
+        equals--;
+    if (equals > 0 && digit_before(before)) {
+        const struct argument *key = find_by_form(command, FORM_KEY, previous_word((struct text){before.at, equals - 1}));
+        if (key && key->type == TYPE_VALUE) {
+            offer_units(c, key->quantity);
             return;
         }
     }

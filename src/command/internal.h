@@ -101,6 +101,7 @@ static inline bool is_given(const struct arguments *arguments, const char *name)
 enum command_flag {
     COMMAND_CHANGES = 1,    /* may change what undo restores: a snapshot is taken before */
     COMMAND_UNRECORDED = 2, /* not written by `record` */
+    COMMAND_ANYTIME = 4,    /* also while a run goes on: it does not disturb it */
 };
 
 #define HANDLER_PARAMETERS struct session *session, const struct arguments *given, struct reply *reply, struct error *error
@@ -146,8 +147,10 @@ bool parse_word(struct parser *parser, const char *stops, struct item *item, str
 bool parse_value(struct parser *parser, const char *what, enum quantity wanted, struct item *item, struct error *error);
 bool parse_range(struct parser *parser, const char *what, enum quantity wanted, struct item *item, struct error *error);
 bool parse_integer(struct parser *parser, const char *what, bool negative, struct item *item, struct error *error);
-/* Refuses what is left, with the likely reason: decimal comma, unknown unit, word too many. after_value: a number stands before. */
-bool refuse_rest(const struct parser *parser, bool after_value, struct error *error);
+/* Refuses what is left, with the likely reason: decimal comma, unknown unit, word too many. number: what was read before, NULL: no number. */
+bool refuse_rest(const struct parser *parser, const struct item *number, struct error *error);
+/* Both sides of a comparison must be of one quantity, where that is known. */
+bool check_condition(struct parser *parser, struct text condition, struct error *error);
 /* Reads all arguments of a command. */
 bool parse_arguments(struct parser *parser, const struct command *command, struct arguments *arguments, struct error *error);
 /* find, or the only row that starts so at the prompt. */
@@ -159,11 +162,15 @@ int catalog_place(const struct catalog *catalog, const struct row *row);
 struct names {
     const struct session *session;
     bool expects_run; /* state and observables are known although there is no run yet: it is about to start */
+    bool saved_only;  /* without variables and results: what means the same when a saved session is read again */
+    const struct run *run; /* whose state and observables; NULL: those of the current run */
 };
 
 struct expr_scope names_scope(const struct names *names);
 /* Value, uncertainty and quantity of one name; false: unknown. */
 bool names_value(const struct session *session, struct text name, struct named_value *value);
+/* Also of the state of a run that is only about to start; QUANTITY_OTHER: unknown. */
+enum quantity name_quantity(const struct session *session, struct text name);
 /* Everything that can be named: offers candidates for completion and help. */
 void names_each(const struct session *session, void (*offer)(void *context, const char *name, const char *brief), void *context);
 bool name_is_taken(const struct session *session, struct text name, const char **kind);
@@ -181,16 +188,6 @@ const char *buffer_view(const struct buffer *buffer);
 
 /* ---- the session (session.c, runs.c, undo.c) ------------------------------------------------------------------------------------------- */
 
-static inline struct run *session_run(const struct session *session)
-{
-    return session->current_run >= 0 ? session->run[session->current_run]->run : NULL;
-}
-
-static inline struct recording *session_recording(const struct session *session)
-{
-    return session->current_recording >= 0 ? session->recording[session->current_recording]->recording : NULL;
-}
-
 void session_changed(struct session *session);
 /* Takes the run over (also when it fails: then it is destroyed) and makes it the current one. */
 bool session_add_run(struct session *session, struct run *run, struct error *error);
@@ -206,7 +203,6 @@ struct write_policy session_policy(const struct session *session, bool force);
 void session_default_settings(struct settings *settings);
 /* Settings of a new run: dt, tol (0 unless the method adapts), drag, recording. */
 struct run_settings session_run_settings(const struct session *session);
-enum charset session_charset(const struct session *session);
 void session_size(const struct session *session, int *width, int *height);
 
 struct snapshot *snapshot_take(const struct session *session, const char *label); /* NULL: no memory */
@@ -220,6 +216,30 @@ void undo_clear(struct session *session);
 void reply_run(const struct session *session, const struct run *run, struct reply *reply);
 /* [m] rms distance of the run from the recording where they overlap in time; NAN: they do not, or it is no length. */
 double run_data_rms(const struct run *run, const struct recording *recording);
+
+/* ---- live runs (live.c) ------------------------------------------------------------------------------------------------------------------------ */
+
+/*
+ * Advances to the target in slices of at most 10 ms, with a look at the front end between them; `clocked`: simulated time follows the clock. Back when it is
+ * there, or paused: then run->stop is STOP_CANCELLED.
+ */
+void live_advance(struct session *session, struct run *run, const struct run_target *target, bool clocked);
+/* State and marks of session->live follow from the current run. */
+void live_refresh(struct session *session);
+/*
+ * A parameter of the scene has changed: takes it over into the run that goes on, is paused, or is to be changed. *from [s]: since when, NAN: there is no
+ * such run. The run is unchanged on error.
+ */
+bool live_bind(struct session *session, int param, double *from, struct error *error);
+/* " from t = 3.2 s on", nothing where `from` is NAN. */
+void buffer_since(struct buffer *text, double from);
+
+bool command_set(HANDLER_PARAMETERS);
+
+/* ---- cursors (cursor.c) ------------------------------------------------------------------------------------------------------------------------ */
+
+/* After a command: cursors that stand on something that has changed find their places again. */
+void cursors_refresh(struct session *session);
 
 /* ---- settings (settings.c) ---------------------------------------------------------------------------------------------------------------- */
 
@@ -241,31 +261,17 @@ struct subject {
     struct recording *recording;
 };
 
+/* The scene that a run or a recording is measured against: its own; for a recording the present one, if somebody has said what the spring is, else NULL. */
+const struct scene *subject_scene(const struct session *session, const struct run *run);
+/* [s] of the oscillation with its linear damping; NAN: it does not oscillate, or there is no scene. */
+double scene_period(const struct scene *scene);
+/* Keeps it as a row of `list measurements` and as the result measured_NAME. */
+bool session_keep_measurement(struct session *session, const char *name, const char *of, struct measured value, enum quantity unit,
+                              double periods, struct error *error);
 /* Position, or energy, of a run over time; oldest first also where it went backwards. */
 bool run_series(const struct run *run, bool energy, struct arena *arena, struct series *series, struct error *error);
 /* The run or recording that was given, else the latest; window: of TYPE_RANGE. At least `least` samples. */
 bool subject_open(struct session *session, const struct given *run, const struct given *data, const struct given *window,
                   bool energy, size_t least, struct arena *arena, struct subject *subject, struct error *error);
-
-/* ---- figures (session_figure.c) ---------------------------------------------------------------------------------------------------------------- */
-
-enum plot_kind { PLOT_POSITION, PLOT_VELOCITY, PLOT_PHASE, PLOT_ENERGY, PLOT_ERROR };
-
-extern const struct catalog plot_catalog;
-
-struct figure_request {
-    enum plot_kind kind;
-    const int *run; /* places in the session */
-    int runs;
-    int recording;  /* place, -1: none */
-    double window[2]; /* [s] NAN: choose */
-    int width;        /* [cell] that will be drawn on */
-    bool log;         /* vertical axis */
-    enum charset charset;
-};
-
-/* Builds the figure; all memory from the arena. */
-bool session_figure(const struct session *session, const struct figure_request *request, struct arena *arena,
-                    struct figure *figure, struct error *error);
 
 #endif

@@ -19,8 +19,7 @@ static bool unknown_command(const struct session *session, struct text word, str
     struct named_value value;
     catalog_unknown(&command_catalog, word, error);
     if (names_value(session, word, &value))
-        return error_hint(error, "'print %s' shows it, '%s = VALUE' sets it", value.name[0] ? value.name : "NAME",
-                          value.name[0] ? value.name : "NAME");
+        return error_hint(error, "'print %.*s' shows it, '%.*s = VALUE' sets it", (int)word.len, word.at, (int)word.len, word.at);
     return error->hint[0] ? error_hint(error, "('help' lists the commands)") : error_hint(error, "'help' lists the commands");
 }
 
@@ -61,7 +60,7 @@ static bool exec_statement(struct session *session, struct text statement, const
 {
     if (cancelled(session->front.cancel))
         return error_set(error, ERROR_CANCELLED, "interrupted");
-    struct names names = {session, true};
+    struct names names = {.session = session, .expects_run = true};
     const struct expr_scope scope = names_scope(&names);
     struct parser parser = {session, &scope, arena, statement};
     struct arguments *arguments = arena_alloc(arena, sizeof *arguments);

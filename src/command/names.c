@@ -39,7 +39,7 @@ static bool find_name(const struct names *names, struct text name, int *slot)
     const struct session *session = names->session;
     enum name_kind kind;
     int place = 0;
-    if ((names->expects_run || session_run(session)) && in_catalog(&observable_catalog, name, &place))
+    if ((names->expects_run || names->run || session_run(session)) && in_catalog(&observable_catalog, name, &place))
         kind = NAME_OBSERVABLE;
     else if (in_catalog(&param_catalog, name, &place))
         kind = NAME_PARAM;
@@ -47,9 +47,9 @@ static bool find_name(const struct names *names, struct text name, int *slot)
         kind = NAME_DERIVED;
     else if (setting_is_number(catalog_find(&setting_catalog, name)) && in_catalog(&setting_catalog, name, &place))
         kind = NAME_SETTING;
-    else if (in_values(session->setup.let, session->setup.lets, name, &place))
+    else if (!names->saved_only && in_values(session->setup.let, session->setup.lets, name, &place))
         kind = NAME_LET;
-    else if (in_values(session->result, session->results, name, &place))
+    else if (!names->saved_only && in_values(session->result, session->results, name, &place))
         kind = NAME_RESULT;
     else
         return false;
@@ -69,8 +69,10 @@ static double setting_number(const struct settings *settings, const struct setti
     return value;
 }
 
-static struct named_value slot_value(const struct session *session, int slot)
+static struct named_value slot_value(const struct names *names, int slot)
 {
+    const struct session *session = names->session;
+    const struct run *run = names->run ? names->run : session_run(session);
     const size_t place = (size_t)(slot & ((1 << SLOT_KIND) - 1));
     const struct setup *setup = &session->setup;
     struct named_value value = {.value = (double)NAN, .quantity = QUANTITY_OTHER};
@@ -78,8 +80,8 @@ static struct named_value slot_value(const struct session *session, int slot)
     case NAME_OBSERVABLE: {
         const struct observable *observable = (const struct observable *)(const void *)catalog_row(&observable_catalog, place);
         value.quantity = observable->quantity;
-        if (session_run(session))
-            value.value = run_observable(session_run(session), observable);
+        if (run)
+            value.value = run_observable(run, observable);
         break;
     }
     case NAME_PARAM: {
@@ -113,7 +115,7 @@ static struct named_value slot_value(const struct session *session, int slot)
 
 static double scope_load(const void *context, int slot)
 {
-    return slot_value(((const struct names *)context)->session, slot).value;
+    return slot_value(context, slot).value;
 }
 
 void names_each(const struct session *session, void (*offer)(void *context, const char *name, const char *brief), void *context)
@@ -150,12 +152,19 @@ struct expr_scope names_scope(const struct names *names)
 
 bool names_value(const struct session *session, struct text name, struct named_value *value)
 {
-    const struct names names = {session, false};
+    const struct names names = {.session = session};
     int slot;
     if (!find_name(&names, name, &slot))
         return false;
-    *value = slot_value(session, slot);
+    *value = slot_value(&names, slot);
     return true;
+}
+
+enum quantity name_quantity(const struct session *session, struct text name)
+{
+    const struct names names = {.session = session, .expects_run = true};
+    int slot;
+    return find_name(&names, name, &slot) ? slot_value(&names, slot).quantity : QUANTITY_OTHER;
 }
 
 bool name_is_taken(const struct session *session, struct text name, const char **kind)

@@ -232,11 +232,12 @@ static const struct unit *unit_for(enum quantity quantity, double value)
 void buffer_measured(struct buffer *buffer, struct measured value, enum quantity quantity, int digits)
 {
     const struct unit *unit = unit_for(quantity, value.value);
-    const double factor = unit ? unit->factor : 1;
-    if (value.uncertainty > 0)
-        buffer_uncertain(buffer, value.value / factor, value.uncertainty / factor);
+    const double factor = unit ? unit->factor : 1, shown = value.value / factor + 0.0; /* no -0 */
+    /* An uncertainty below the digits shown (of a simulation: rounding) says nothing to a person. */
+    if (value.uncertainty > 0 && value.uncertainty > pow(10, -digits) * fabs(value.value))
+        buffer_uncertain(buffer, shown, value.uncertainty / factor);
     else
-        buffer_short(buffer, value.value / factor, digits);
+        buffer_short(buffer, shown, digits);
     const char *name = unit ? unit->row.name : quantity_unit(quantity);
     if (*name)
         buffer_format(buffer, " %s", name);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Plots of a session as figures: which curves, over which time, in which units. */
-#include "internal.h"
+#include "figure_curves.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -12,20 +12,24 @@
 #define TRAIL_PERIODS 2          /* of the phase plot */
 #define UNBOUNDED 20             /* times the median of the other curves' maxima */
 #define FRAME 10                 /* [cell] of the width that labels and frame take */
+#define HARMONICS 6              /* shown of a spectrum */
 
-static const struct row plots[] = {
-    [PLOT_POSITION] = {"position", "", "y against t", "", NULL},
-    [PLOT_VELOCITY] = {"velocity", "", "v against t", "", NULL},
-    [PLOT_PHASE] = {"phase", "", "v against y, the last two periods unless a window is given", "", NULL},
-    [PLOT_ENERGY] = {"energy", "", "energy against t", "", NULL},
-    [PLOT_ERROR] = {"error", "", "distance from the exact solution against t", "", NULL},
+struct plot_row {
+    struct row row;
+    const char *observable, *label; /* of the vertical axis */
+    bool periods;                   /* each period has to be seen: the window is limited to what the width can show */
+};
+
+static const struct plot_row plots[] = {
+    [PLOT_POSITION] = {{"position", "", "y against t", "", NULL}, "y", "y", true},
+    [PLOT_VELOCITY] = {{"velocity", "", "v against t", "", NULL}, "v", "v", true},
+    [PLOT_PHASE] = {{"phase", "", "v against y, the last two periods unless a window is given", "", NULL}, "v", "v", false},
+    [PLOT_ENERGY] = {{"energy", "", "energy against t", "", NULL}, "energy", "E", false},
+    [PLOT_ERROR] = {{"error", "", "distance from the exact solution against t", "", NULL}, "error", "error", false},
+    [PLOT_RESIDUAL] = {{"residual", "", "the recording minus its fit, or minus the run, against t", "", NULL}, "y", "residual", false},
+    [PLOT_SPECTRUM] = {{"spectrum", "", "amplitude spectrum of y", "", NULL}, "y", "amplitude", false},
 };
 const struct catalog plot_catalog = CATALOG("plot", plots);
-
-static const char *const observable_of[] = {[PLOT_POSITION] = "y", [PLOT_VELOCITY] = "v", [PLOT_PHASE] = "v", [PLOT_ENERGY] = "energy",
-                                            [PLOT_ERROR] = "error"};
-static const char *const label_of[] = {[PLOT_POSITION] = "y", [PLOT_VELOCITY] = "v", [PLOT_PHASE] = "v", [PLOT_ENERGY] = "E",
-                                       [PLOT_ERROR] = "error"};
 
 /* What is built up. */
 struct drawing {
@@ -52,10 +56,32 @@ static double derived_value(const struct scene *scene, const char *name)
     return row ? ((const struct derived_row *)(const void *)row)->value(scene).value : (double)NAN;
 }
 
-static double scene_period(const struct scene *scene)
+static const struct recording *recording_of(const struct drawing *d)
 {
-    const double damped = derived_value(scene, "T_d");
-    return isfinite(damped) ? damped : derived_value(scene, "T0");
+    return d->request->recording >= 0 ? d->session->recording[d->request->recording]->recording : NULL;
+}
+
+/* Whether the fit of the session is one of this recording. */
+static bool has_fit_of(const struct session *session, const struct recording *recording)
+{
+    char name[sizeof session->fit_of];
+    snprintf(name, sizeof name, "data %s", recording->name);
+    return session->has_fit && strcmp(name, session->fit_of) == 0;
+}
+
+int figure_recording(const struct session *session, enum plot_kind kind)
+{
+    const struct run *run = session_run(session);
+    const struct recording *recording = session_recording(session);
+    if (!recording || (kind != PLOT_POSITION && kind != PLOT_RESIDUAL && (kind != PLOT_SPECTRUM || run)) ||
+        (kind == PLOT_RESIDUAL && !run && !has_fit_of(session, recording)))
+        return -1;
+    if (!run)
+        return session->current_recording;
+    if (recording->column[recording->value].quantity != QUANTITY_LENGTH)
+        return -1;
+    const double a = trace_time(run->trace, 0), b = trace_time(run->trace, trace_count(run->trace) - 1);
+    return fmin(a, b) < recording->window[1] && fmax(a, b) > recording->window[0] ? session->current_recording : -1;
 }
 
 /* ---- which part of the time ------------------------------------------------------------------------------------------------ */
@@ -77,22 +103,57 @@ static void span_of(const struct drawing *d, double *from, double *to)
     }
 }
 
+/* Down to a length whose quarters are short numbers too: a window that lasts has labels that look the same on each page. */
+static double short_number(double length)
+{
+    static const double digits[] = {8, 6, 4, 3.2, 2.4, 2, 1.6, 1.2, 1};
+    const double unit = pow(10, floor(log10(length)));
+    for (size_t i = 0; i < COUNT_OF(digits); i++)
+        if (digits[i] * unit <= length)
+            return digits[i] * unit;
+    return length;
+}
+
+/* [s] the longest window in which every period can be seen at this width; NAN: any. */
+static double longest_window(const struct drawing *d)
+{
+    const struct figure_request *request = d->request;
+    const int each = request->charset == CHARSET_ASCII ? PERIOD_COLUMNS_ASCII : PERIOD_COLUMNS_DOTS;
+    const int columns = request->width > 2 * FRAME ? request->width - FRAME : FRAME;
+    const double most = plots[request->kind].periods || request->follow ? d->period * columns / each : (double)NAN;
+    return request->follow && d->total > most && isnormal(most) ? short_number(most) : most;
+}
+
+static double trail(const struct drawing *d)
+{
+    return d->request->trail > 0 ? d->request->trail : TRAIL_PERIODS;
+}
+
 static void choose_window(struct drawing *d)
 {
     const struct figure_request *request = d->request;
     double from, to;
     span_of(d, &from, &to);
-    const bool asked = !isnan(request->window[0]) || !isnan(request->window[1]);
+    const double now = to;
+    const bool asked = !isnan(request->window[0]) || !isnan(request->window[1]), phase = request->kind == PLOT_PHASE;
+    if (request->follow && !phase && request->until > to)
+        to = request->until;
     d->total = to - from;
     d->window[0] = isnan(request->window[0]) ? from : request->window[0];
     d->window[1] = isnan(request->window[1]) ? to : request->window[1];
-    const int each = request->charset == CHARSET_ASCII ? PERIOD_COLUMNS_ASCII : PERIOD_COLUMNS_DOTS;
-    const int columns = request->width > 2 * FRAME ? request->width - FRAME : FRAME;
-    const double most = d->period * columns / each;
-    if (!asked && (request->kind == PLOT_POSITION || request->kind == PLOT_VELOCITY) && to - from > most)
+    const double most = request->span > 0 ? request->span : longest_window(d);
+    if (asked || request->kind == PLOT_SPECTRUM) {
+    } else if (phase) {
+        d->window[0] = fmax(from, to - trail(d) * d->period);
+    } else if (request->follow && (request->span > 0 || d->total > most)) {
+        /* A moving window starts a whole number of pages, or of columns, after the start: while the curve grows nothing else moves. */
+        const double turn = most / (request->pages > 0 ? request->pages : 1);
+        const double start = from + turn * fmax(0, ceil((now - from - most) / turn - 1e-6));
+        d->window[0] = start;
+        d->window[1] = start + most;
+    } else if (d->total > most) {
         d->window[1] = from + most;
-    if (!asked && request->kind == PLOT_PHASE && to - from > TRAIL_PERIODS * d->period)
-        d->window[0] = to - TRAIL_PERIODS * d->period;
+    }
     d->shown = d->window[1] - d->window[0];
 }
 
@@ -118,39 +179,67 @@ static const char *run_label(const struct drawing *d, const struct run *run)
 
 static bool add_run(struct drawing *d, const struct run *run)
 {
-    const size_t n = trace_count(run->trace);
     const bool phase = d->request->kind == PLOT_PHASE;
-    double *x = arena_array(d->arena, n, sizeof *x), *y = arena_array(d->arena, n, sizeof *y);
-    const char *label = run_label(d, run);
-    if (!x || !y || !label)
+    struct curve *curve = &d->curve[d->curves];
+    *curve = (struct curve){.label = run_label(d, run)};
+    if (!curve->label)
         return error_memory(d->error);
-    if (!run_column(run, observable(observable_of[d->request->kind]), y, d->error) ||
-        (phase && !run_column(run, observable("y"), x, d->error)))
-        return false;
-    /* Of a run that ended earlier the phase plot shows its own last periods. */
-    const double end = trace_time(run->trace, n - 1);
-    const double late = phase && isnan(d->request->window[0]) && end < d->window[1] ? d->window[1] - end : 0;
-    size_t kept = 0;
-    for (size_t i = 0; i < n; i++) {
-        const double t = trace_time(run->trace, i);
-        if (t < d->window[0] - late || t > d->window[1])
-            continue;
-        x[kept] = phase ? x[i] : t;
-        y[kept] = phase ? y[i] / d->omega0 : y[i];
-        kept++;
+    if (d->request->kind == PLOT_SPECTRUM) {
+        d->curves++;
+        return run_spectrum(run, d->window[0], d->window[1], d->period, d->arena, curve, d->error);
     }
-    d->curve[d->curves++] = (struct curve){.label = label, .x = x, .y = y, .n = kept};
+    /* Of a run that ended earlier the phase plot shows its own last periods. */
+    const double end = trace_time(run->trace, trace_count(run->trace) - 1);
+    const double late = phase && isnan(d->request->window[0]) && end < d->window[1] ? d->window[1] - end : 0;
+    struct chosen_rows rows;
+    if (!choose_rows(run, d->window[0] - late, d->window[1], d->request->follow, d->request->width, d->arena, &rows, d->error))
+        return false;
+    double *x = arena_array(d->arena, rows.n + 1, sizeof *x), *y = arena_array(d->arena, rows.n + 1, sizeof *y);
+    if (!x || !y)
+        return error_memory(d->error);
+    if (!values_at_rows(run, observable(phase ? "y" : "t"), &rows, d->arena, x, d->error) ||
+        !values_at_rows(run, observable(plots[d->request->kind].observable), &rows, d->arena, y, d->error))
+        return false;
+    for (size_t i = 0; i < rows.n && d->omega0 != 1; i++)
+        y[i] /= d->omega0;
+    curve->x = x;
+    curve->y = y;
+    curve->n = rows.n;
+    d->curves++;
     return true;
 }
 
-static bool add_recording(struct drawing *d, struct recording *recording)
+static bool add_recording(struct drawing *d, const struct recording *recording)
 {
     struct series series;
+    struct curve *curve = &d->curve[d->curves];
     if (!recording_series(recording, d->arena, 1, &series, d->error))
         return false;
     series = series_window(series, d->window[0], d->window[1]);
-    d->curve[d->curves++] = (struct curve){.label = d->request->runs ? "data" : recording->name, .x = series.t, .y = series.y, .n = series.n,
-                                           .points = true};
+    *curve = (struct curve){.label = d->request->runs ? "data" : recording->name, .x = series.t, .y = series.y, .n = series.n, .points = true};
+    d->curves++;
+    if (d->request->kind != PLOT_SPECTRUM)
+        return true;
+    curve->points = false;
+    return data_spectrum(&series, d->arena, curve, d->error);
+}
+
+static bool add_residual(struct drawing *d, const struct recording *recording)
+{
+    const bool fitted = has_fit_of(d->session, recording);
+    const struct run *run = d->request->runs ? d->session->run[d->request->run[0]]->run : NULL;
+    if (!fitted && !run)
+        return error_set(d->error, ERROR_COMMAND, "a residual needs a fit of this recording, or a run beside it");
+    if (!add_recording(d, recording))
+        return false;
+    struct curve *curve = &d->curve[d->curves - 1];
+    double *left = arena_array(d->arena, curve->n + 1, sizeof *left);
+    if (!left)
+        return error_memory(d->error);
+    for (size_t i = 0; i < curve->n; i++)
+        left[i] = curve->y[i] - (fitted ? fit_value(&d->session->fit, curve->x[i]) : run_position(run, curve->x[i]));
+    curve->y = left;
+    curve->label = fitted ? "data - fit" : "data - run";
     return true;
 }
 
@@ -214,13 +303,16 @@ static double size_of(const struct drawing *d, bool x)
 static const char *make_note(const struct drawing *d)
 {
     const struct figure_request *request = d->request;
-    const bool asked = !isnan(request->window[0]) || !isnan(request->window[1]);
+    const bool asked = !isnan(request->window[0]) || !isnan(request->window[1]), part = !asked && d->shown < d->total * (1 - 1e-9);
     struct buffer text = {0};
-    if (request->kind == PLOT_PHASE && !asked && d->shown < d->total)
-        buffer_format(&text, "last %d T", TRAIL_PERIODS);
-    else if (!asked && d->shown < d->total)
-        buffer_format(&text, "first %.4g of %.4g s", d->shown, d->total);
-    else if (isfinite(d->period) && request->kind <= PLOT_VELOCITY && d->shown * PERIOD_COLUMNS_DOTS > d->period * (request->width - FRAME))
+    if (request->kind == PLOT_PHASE && part)
+        buffer_format(&text, "last %.4g T", trail(d));
+    else if (request->follow && part && !request->running)
+        buffer_format(&text, "last %.4g of %.4g s", d->shown, d->total);
+    else if (part)
+        buffer_format(&text, request->follow ? "last %.4g s" : "first %.4g of %.4g s", d->shown, d->total);
+    else if (isfinite(d->period) && plots[request->kind].periods &&
+             d->shown * PERIOD_COLUMNS_DOTS > d->period * (request->width - FRAME))
         buffer_format(&text, "%.0f periods: envelope", d->shown / d->period);
     const char *note = text.len ? arena_text(d->arena, buffer_text(&text)) : NULL;
     buffer_free(&text);
@@ -229,13 +321,12 @@ static const char *make_note(const struct drawing *d)
 
 static enum quantity y_quantity(const struct drawing *d)
 {
-    if (d->request->kind == PLOT_POSITION && d->request->runs == 0) {
-        const struct recording *recording = d->session->recording[d->request->recording]->recording;
+    const struct recording *recording = recording_of(d);
+    if (recording && d->request->runs == 0)
         return recording->column[recording->value].quantity;
-    }
     if (d->request->kind == PLOT_PHASE && d->omega0 != 1)
         return QUANTITY_LENGTH;
-    return observable(observable_of[d->request->kind])->quantity;
+    return observable(plots[d->request->kind].observable)->quantity;
 }
 
 static void mark_present(const struct drawing *d, struct figure *figure)
@@ -264,23 +355,38 @@ bool session_figure(const struct session *session, const struct figure_request *
             d.omega0 = omega0;
     }
     choose_window(&d);
-    for (int i = 0; i < request->runs; i++)
+    const struct recording *recording = recording_of(&d);
+    const bool residual = request->kind == PLOT_RESIDUAL, spectrum = request->kind == PLOT_SPECTRUM;
+    if (residual && !recording)
+        return error_set(error, ERROR_COMMAND, "a residual needs a recording");
+    for (int i = 0; i < request->runs && !residual; i++)
         if (!add_run(&d, session->run[request->run[i]]->run))
             return false;
-    if (request->recording >= 0 && !add_recording(&d, session->recording[request->recording]->recording))
+    if (recording && !(residual ? add_residual : add_recording)(&d, recording))
         return false;
     if (!mark_unbounded(&d))
         return false;
 
-    *figure = (struct figure){.title = plots[request->kind].name, .curve = d.curve, .curves = d.curves, .zero_line = request->kind != PLOT_ENERGY,
-                              .equal = phase && d.omega0 != 1, .note = make_note(&d)};
-    figure->x = phase ? make_axis("y", QUANTITY_LENGTH, size_of(&d, true)) : make_axis("t", QUANTITY_TIME, d.window[1]);
-    figure->y = make_axis(phase && d.omega0 != 1 ? "v/omega0" : label_of[request->kind], y_quantity(&d), size_of(&d, false));
+    *figure = (struct figure){.title = plots[request->kind].row.name, .curve = d.curve, .curves = d.curves,
+                              .zero_line = request->kind != PLOT_ENERGY && !spectrum, .equal = phase && d.omega0 != 1, .note = make_note(&d)};
+    figure->x = phase ? make_axis("y", QUANTITY_LENGTH, size_of(&d, true))
+                      : spectrum ? (struct axis){.label = "f", .unit = "Hz"} : make_axis("t", QUANTITY_TIME, d.window[1]);
+    figure->y = make_axis(phase && d.omega0 != 1 ? "v/omega0" : plots[request->kind].label, y_quantity(&d), size_of(&d, false));
     figure->y.log = request->log;
     if (figure->equal) {
         figure->y.factor = figure->x.factor;
         figure->y.unit = figure->x.unit;
     }
-    mark_present(&d, figure);
+    if (request->follow && !phase && !spectrum) {
+        figure->x.fixed = true;
+        figure->x.from = d.window[0];
+        figure->x.to = d.window[1];
+    } else if (spectrum && d.curve[0].n > 0) {
+        const double nyquist = d.curve[0].x[d.curve[0].n - 1];
+        figure->x.fixed = true;
+        figure->x.to = isfinite(d.period) ? fmin(nyquist, HARMONICS / d.period) : nyquist;
+    }
+    if (!residual && !spectrum)
+        mark_present(&d, figure);
     return true;
 }

@@ -172,7 +172,7 @@ bool setting_read(const struct setting *setting, struct parser *parser, struct s
         return true;
     }
     struct item item = {0};
-    if (!parse_value(parser, setting->row.name, setting->quantity, &item, error) || !refuse_rest(parser, true, error))
+    if (!parse_value(parser, setting->row.name, setting->quantity, &item, error) || !refuse_rest(parser, &item, error))
         return false;
     if (!(item.value.value > setting->least && item.value.value <= setting->most))
         return error_at(error, item.text, "%s must be more than 0, got '%.*s'", setting->row.name, (int)item.text.len, item.text.at);

@@ -10,6 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define FAR 1e300 /* [s] no run gets there */
+
 struct run_mark {
     struct held_run *held;
     int64_t steps;
@@ -86,19 +88,30 @@ const char *snapshot_label(const struct snapshot *snapshot)
     return snapshot->label;
 }
 
+/* Back to the last recorded state that is not after `steps`. */
+static void back_to(struct run *run, int64_t steps)
+{
+    const size_t rows = trace_count(run->trace);
+    size_t back = 0;
+    while (back + 1 < rows && trace_step(run->trace, rows - 1 - back) > steps)
+        back++;
+    if (back > 0)
+        run_back(run, (int64_t)back);
+}
+
 static void return_run(struct run *run, const struct run_mark *mark)
 {
-    if (run->steps != mark->steps || run->t != mark->t) {
-        size_t rows = trace_count(run->trace), back = 0;
-        while (back + 1 < rows && trace_step(run->trace, rows - 1 - back) > mark->steps)
-            back++;
-        if (back + 1 < rows && trace_step(run->trace, rows - 1 - back) == mark->steps &&
-            trace_time(run->trace, rows - 1 - back) != mark->t)
-            back++;
-        if (back > 0)
-            run_back(run, (int64_t)back);
-        if (run->steps < mark->steps || run->t != mark->t)
-            run_advance(run, &(struct run_target){.t = mark->t, .steps = mark->steps - run->steps}, 0, NULL);
+    /* The way on was either by steps or to a time: of an adaptive run the last step tells which. */
+    const double sign = mark->t < run->t ? -1 : 1, targets[] = {sign * FAR, mark->t};
+    const int64_t from = run->steps;
+    const struct controller controller = run->controller;
+    back_to(run, mark->steps);
+    for (size_t i = run->plan.adaptive ? 0 : 1; i < COUNT_OF(targets) && run->steps <= mark->steps && run->t != mark->t; i++) {
+        if (run->steps > from) {
+            back_to(run, from);
+            run->controller = controller;
+        }
+        run_advance(run, &(struct run_target){.t = targets[i], .steps = mark->steps - run->steps}, 0, NULL);
     }
     run->stop = mark->stop;
     run->controller = mark->controller;

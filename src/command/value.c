@@ -85,12 +85,9 @@ static bool to_si(const struct part *part, const struct unit *fallback, const ch
 }
 
 /* Quantity of an expression that is a single name. */
-static enum quantity quantity_of_name(struct parser *parser, struct text typed)
+static enum quantity quantity_of_name(const struct parser *parser, struct text typed)
 {
-    struct named_value value;
-    if (peek_name(typed).len == typed.len && names_value(parser->session, typed, &value))
-        return value.quantity;
-    return QUANTITY_OTHER;
+    return peek_name(typed).len == typed.len ? name_quantity(parser->session, typed) : QUANTITY_OTHER;
 }
 
 bool parse_value(struct parser *parser, const char *what, enum quantity wanted, struct item *item, struct error *error)
@@ -190,30 +187,71 @@ bool parse_integer(struct parser *parser, const char *what, bool negative, struc
     return true;
 }
 
-bool refuse_rest(const struct parser *parser, bool after_value, struct error *error)
+static bool unknown_unit(struct text word, enum quantity quantity, struct error *error)
+{
+    catalog_unknown(&unit_catalog, word, error);
+    struct buffer units = {0};
+    quantity_units(quantity, &units);
+    if (units.len > 0)
+        error_hint(error, "units of %s are %s", quantity_name(quantity), buffer_view(&units));
+    buffer_free(&units);
+    return false;
+}
+
+static bool decimal_comma(struct text rest, struct error *error)
+{
+    /* rest.at[-1] is the last digit of the number before the comma. */
+    const char *from = rest.at, *to = rest.at + 1;
+    while (is_digit(from[-1]) || from[-1] == '-' || from[-1] == '.')
+        from--;
+    while (to < rest.at + rest.len && is_digit(*to))
+        to++;
+    error_at(error, between(from, to), "decimal comma in '%.*s': the decimal mark is a point", (int)(to - from), from);
+    return error_hint(error, "write %.*s.%.*s", (int)(rest.at - from), from, (int)(to - rest.at - 1), rest.at + 1);
+}
+
+bool refuse_rest(const struct parser *parser, const struct item *number, struct error *error)
 {
     struct text rest = parser->rest;
     if (rest.len == 0)
         return true;
-    if (after_value && rest.len >= 2 && rest.at[0] == ',' && is_digit(rest.at[1])) {
-        /* rest.at[-1] is the last digit of the number before. */
-        const char *from = rest.at, *to = rest.at + 1;
-        while (is_digit(from[-1]) || from[-1] == '-' || from[-1] == '.')
-            from--;
-        while (to < rest.at + rest.len && is_digit(*to))
-            to++;
-        const int whole = (int)(rest.at - from), decimals = (int)(to - rest.at - 1);
-        error_at(error, between(from, to), "decimal comma in '%.*s': the decimal mark is a point", (int)(to - from), from);
-        return error_hint(error, "write %.*s.%.*s", whole, from, decimals, rest.at + 1);
-    }
+    if (number && rest.len >= 2 && rest.at[0] == ',' && is_digit(rest.at[1]) && is_digit(rest.at[-1]))
+        return decimal_comma(rest, error);
     skip_blanks(&rest);
+    if (rest.len == 0)
+        return true;
     struct text word = peek_word(rest, "");
     if (word.len == 0)
         word = rest;
-    if (after_value && is_name_start(word.at[0])) {
-        bool known = catalog_unknown(&unit_catalog, word, error);
-        if (error->hint[0])
-            return known;
-    }
+    if (number && !number->unit && is_name_start(word.at[0]))
+        return unknown_unit(word, number->quantity, error);
     return error_at(error, word, "unexpected '%.*s'", shown_length(word), word.at);
+}
+
+/* The quantity of `expr [UNIT]` at the start of text, where it is known. */
+static enum quantity side_quantity(struct parser *parser, struct text side)
+{
+    struct parser part = {parser->session, parser->scope, parser->arena, side};
+    struct part value;
+    struct error ignored;
+    skip_blanks(&side);
+    if (!parse_part(&part, &value, &ignored))
+        return QUANTITY_OTHER;
+    return value.unit ? value.unit->quantity : quantity_of_name(parser, between(side.at, part.rest.at));
+}
+
+bool check_condition(struct parser *parser, struct text condition, struct error *error)
+{
+    size_t at = 0;
+    while (at < condition.len && !strchr("<>", condition.at[at]))
+        at++;
+    const size_t end = at + 1 + (at + 1 < condition.len && condition.at[at + 1] == '=');
+    if (end > condition.len)
+        return true;
+    const struct text left = {condition.at, at}, right = text_trim((struct text){condition.at + end, condition.len - end});
+    const enum quantity a = side_quantity(parser, left), b = side_quantity(parser, right);
+    if (a == QUANTITY_OTHER || b == QUANTITY_OTHER || a == b)
+        return true;
+    return error_at(error, right, "'%.*s' (%s) cannot be compared with '%.*s' (%s)", shown_length(text_trim(left)), text_trim(left).at,
+                    quantity_name(a), shown_length(right), right.at, quantity_name(b));
 }

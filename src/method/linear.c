@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Linear stability: the one-step matrix of a method on q'' + 2 zeta q' + q = 0, and the largest step that does not grow.
+ * Linear stability: the one-step matrix of a method on q'' + 2 zeta q' + q = 0 and the largest step that does not grow.
  * The frequency is 1, so that h is x = omega dt and the state is already the scaled one.
  */
 #include "step.h"

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The equation z = y + h f(t, z) of implicit methods: in closed form for the oscillator, else by damped Newton
- * iteration. */
+/* The equation z = y + h f(t, z) of implicit methods: closed form for the oscillator, else damped Newton iteration. */
 #include "step.h"
 
 #include <float.h>
@@ -119,8 +118,7 @@ enum step_status implicit_euler_solve(struct step *step, double t, double h, con
         if (!solve_linear(n, jacobian, increment))
             return STEP_NO_SOLUTION;
 
-        /* Until increments stop decreasing (Hairer, McLachlan, Razakarivony 2008): a fixed tolerance would bias the
-         * rounding. */
+        /* Until increments stop decreasing; a tolerance biases the rounding (Hairer, McLachlan, Razakarivony 2008). */
         double move = size_of(system, increment, z);
         if (move <= DBL_EPSILON / 2 || (move >= last && move <= STANDSTILL))
             return STEP_OK;

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * One step of any splitting, with the three ways in which drag can enter it (NUMERICS 2.6):
+ * One step of any splitting, with the three ways in which drag can enter it:
  *
  * explicit  each kick uses the drag at the velocity it starts from.
- * implicit  a kick after the middle of the step uses the drag at the velocity it ends with; one before the middle the
- * drag at the start, one in the middle (or in a step without symmetry) half and half (or the end). So a symmetric step
- *           stays symmetric: for Verlet this is the central difference scheme.
+ * implicit  each kick uses the drag at the velocity it ends with; in a symmetric step those before the middle at the
+ *           velocity they start from, one in the middle at the mean of both. So the step stays symmetric: for Verlet
+ *           this is the central difference scheme.
  * exact     a symmetric step has the exact flow of the drag over h/2 at both ends, around all drifts and kicks; a step
  *           without symmetry solves v' = F - gamma v exactly in its kick, the force F standing still.
  *

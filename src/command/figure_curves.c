@@ -1,0 +1,181 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The numbers behind the curves of a session's figures. */
+#include "figure_curves.h"
+
+#include <math.h>
+#include <string.h>
+
+#define ROWS_ALL 4096        /* so many rows are taken as they are */
+#define SPECTRUM_SAMPLES 4096
+#define SAMPLES_A_PERIOD 16  /* of a spectrum */
+
+/* ---- rows ------------------------------------------------------------------------------------------------------------------- */
+
+/* The first row whose time is at or after t on the way of the run, which may go backwards. */
+static size_t row_after(const struct run *run, double t)
+{
+    const size_t n = trace_count(run->trace);
+    const double way = trace_time(run->trace, n - 1) < trace_time(run->trace, 0) ? -1 : 1;
+    size_t low = 0, high = n;
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+        if (way * trace_time(run->trace, middle) < way * t)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+#define EXTREMES 6
+
+/*
+ * Of a share of the rows the first, the last, and those where y, v and y v are least and largest: there position, velocity and the error of
+ * the energy have their extremes (the modified energy of a symplectic method differs by terms in y v, y^2, v^2; Hairer, Lubich, Wanner IX.8).
+ */
+static size_t choose_of_share(const struct run *run, size_t from, size_t to, size_t *out)
+{
+    const int second = run->system.order == 2 ? run->system.n / 2 : 0;
+    size_t at[EXTREMES + 2] = {from, from, from, from, from, from, from, to - 1};
+    double best[EXTREMES];
+    for (size_t i = from; i < to; i++) {
+        const double *y = trace_state(run->trace, i);
+        const double value[EXTREMES] = {y[0], -y[0], y[second], -y[second], y[0] * y[second], -(y[0] * y[second])};
+        for (int e = 0; e < EXTREMES; e++) {
+            if (i == from || value[e] > best[e]) {
+                best[e] = value[e];
+                at[e] = i;
+            }
+        }
+    }
+    size_t n = 0;
+    for (int i = 0; i < EXTREMES + 2; i++) { /* ascending, each once */
+        size_t place = n;
+        while (place > 0 && out[place - 1] > at[i])
+            place--;
+        if (place > 0 && out[place - 1] == at[i])
+            continue;
+        memmove(out + place + 1, out + place, (n - place) * sizeof *out);
+        out[place] = at[i];
+        n++;
+    }
+    return n;
+}
+
+bool choose_rows(const struct run *run, double from, double to, bool around, int columns, struct arena *arena, struct chosen_rows *rows,
+                 struct error *error)
+{
+    const size_t count = trace_count(run->trace);
+    const bool backwards = trace_time(run->trace, count - 1) < trace_time(run->trace, 0);
+    size_t first = row_after(run, backwards ? to : from), end = row_after(run, backwards ? from : to);
+    while (end < count && trace_time(run->trace, end) == (backwards ? from : to))
+        end++;
+    if (around) {
+        first -= first > 0;
+        end += end < count;
+    }
+    const size_t n = end > first ? end - first : 0, shares = 4 * (size_t)(columns > 0 ? columns : 1);
+    const bool all = n <= ROWS_ALL || n <= (EXTREMES + 2) * shares;
+    *rows = (struct chosen_rows){arena_array(arena, (all ? n : (EXTREMES + 2) * shares) + 1, sizeof *rows->row), 0};
+    if (!rows->row)
+        return error_memory(error);
+    if (all)
+        while (rows->n < n) {
+            rows->row[rows->n] = first + rows->n;
+            rows->n++;
+        }
+    for (size_t share = 0; !all && share < shares; share++)
+        rows->n += choose_of_share(run, first + n * share / shares, first + n * (share + 1) / shares, rows->row + rows->n);
+    return true;
+}
+
+/* ---- values ----------------------------------------------------------------------------------------------------------------- */
+
+/* Whether the scene of the start has been in force all along, as far as can be seen from outside. */
+static bool never_changed(const struct run *run)
+{
+    struct system start;
+    struct error ignored;
+    if (!scene_bind(&run->scene, &start, &ignored) || start.terms != run->system.terms || start.mass != run->system.mass ||
+        (run->plan.ledger && start.conservative))
+        return false;
+    for (int i = 0; i < start.terms; i++)
+        if (start.term[i].row != run->system.term[i].row ||
+            memcmp(start.term[i].c, run->system.term[i].c, sizeof start.term[i].c) != 0)
+            return false;
+    return true;
+}
+
+bool values_at_rows(const struct run *run, const struct observable *observable, const struct chosen_rows *rows, struct arena *arena,
+                    double *out, struct error *error)
+{
+    const size_t count = trace_count(run->trace);
+    if (count <= ROWS_ALL || observable->needs & (NEED_WORK | NEED_RATIO | NEED_CENTRE) || run->system.order != 2 || !never_changed(run) ||
+        (observable->needs & NEED_EXACT && !run->plan.exact_known)) {
+        double *column = arena_array(arena, count, sizeof *column);
+        if (!column)
+            return error_memory(error);
+        if (!run_column(run, observable, column, error))
+            return false;
+        for (size_t i = 0; i < rows->n; i++)
+            out[i] = column[rows->row[i]];
+        return true;
+    }
+    double exact[LIMIT_VARIABLES];
+    struct sample sample = {.run = run, .exact = exact, .system = &run->system};
+    for (size_t i = 0; i < rows->n; i++) {
+        sample.t = trace_time(run->trace, rows->row[i]);
+        sample.y = trace_state(run->trace, rows->row[i]);
+        if (observable->needs & NEED_EXACT)
+            system_exact(&run->system, run->system.t0, run->system.start, sample.t, exact, NULL);
+        out[i] = observable->value(&sample);
+    }
+    return true;
+}
+
+double run_position(const struct run *run, double t)
+{
+    const size_t after = row_after(run, t), count = trace_count(run->trace);
+    if (after == count)
+        return (double)NAN;
+    const double *right = trace_state(run->trace, after);
+    const double b = trace_time(run->trace, after), y1 = right[0], v1 = run->system.order == 2 ? right[run->system.n / 2] : 0;
+    if (b == t)
+        return y1;
+    if (after == 0)
+        return (double)NAN;
+    const double *left = trace_state(run->trace, after - 1);
+    const double a = trace_time(run->trace, after - 1), h = b - a, x = (t - a) / h, z = 1 - x;
+    if (run->system.order != 2)
+        return z * left[0] + x * y1;
+    /* Cubic Hermite through both states. */
+    return z * z * (1 + 2 * x) * left[0] + x * x * (3 - 2 * x) * y1 + h * x * z * (z * left[run->system.n / 2] - x * v1);
+}
+
+/* ---- spectra ------------------------------------------------------------------------------------------------------------------- */
+
+bool data_spectrum(const struct series *series, struct arena *arena, struct curve *curve, struct error *error)
+{
+    if (!series_spectrum(series, arena, &curve->x, &curve->y, &curve->n))
+        return error_set(error, ERROR_COMMAND, "a spectrum needs at least 8 samples");
+    return true;
+}
+
+/* Sampled evenly, no finer than a spectrum of a few harmonics needs: the newest part where that is not all of it. */
+bool run_spectrum(const struct run *run, double from, double to, double period, struct arena *arena, struct curve *curve,
+                  struct error *error)
+{
+    const double step = isfinite(period) ? fmax(run->settings.dt, period / SAMPLES_A_PERIOD) : run->settings.dt;
+    const double most = floor((to - from) / step);
+    const size_t n = most > SPECTRUM_SAMPLES ? SPECTRUM_SAMPLES : (size_t)fmax(most, 0);
+    double *t = arena_array(arena, n + 1, sizeof *t), *y = arena_array(arena, n + 1, sizeof *y);
+    if (!t || !y)
+        return error_memory(error);
+    struct series series = {t, y, 0, QUANTITY_LENGTH};
+    for (size_t i = 0; i < n; i++) {
+        t[series.n] = to - (double)(n - i) * step;
+        y[series.n] = run_position(run, t[series.n]);
+        series.n += isfinite(y[series.n]);
+    }
+    return data_spectrum(&series, arena, curve, error);
+}

@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * What was asked of a run since its start, so that it can be made again bit for bit: by undo, by a saved session, by `record`. How the work was cut
+ * into slices, and where it was paused, leaves no trace in the samples and stands here only as the step at which something else was asked.
+ */
+#ifndef HOOKE_COMMAND_JOURNAL_H
+#define HOOKE_COMMAND_JOURNAL_H
+
+#include "internal.h"
+
+enum leg_kind {
+    LEG_GO,   /* towards a time, a step or a condition */
+    LEG_SET,  /* a parameter changes */
+    LEG_BACK, /* recorded states are dropped; only of adaptive runs, the others keep no memory of it */
+};
+
+struct leg {
+    enum leg_kind kind;
+    int64_t from;    /* step of the run at which it was asked for */
+    double from_t;   /* [s] */
+    double t;        /* LEG_GO: the target [s], HUGE_VAL either way: none */
+    int64_t end;     /* LEG_GO: step at which it ends, INT64_MAX: none; LEG_BACK: step it led to */
+    char *condition; /* LEG_GO: as typed, NULL: none */
+    int64_t met;     /* step at which the condition became true, 0: it did not */
+    int param;       /* LEG_SET */
+    struct measured value;
+    int64_t rows;    /* LEG_BACK */
+};
+
+bool journal_add(struct held_run *held, struct leg leg, struct text condition, struct error *error);
+void journal_free(struct leg *leg, int legs);
+/* A copy; *copy NULL where there are none. False: no memory. */
+bool journal_copy(const struct leg *leg, int legs, struct leg **copy);
+/* What is still to be done after a pause: the last LEG_GO; NULL: nothing. */
+struct leg *journal_pending(const struct held_run *held);
+/* The run has been taken back by `rows`, from step `before`. */
+bool journal_back(struct held_run *held, int64_t before, double before_t, int64_t rows, struct error *error);
+/* The parameters in force now: those of the start and what was changed since. */
+void journal_scene(const struct held_run *held, struct scene *scene);
+/*
+ * Takes the run to the state at the end of these legs: `steps`, at time `t`. They may share a beginning with the run's own, which they replace; the
+ * run keeps its own without memory.
+ */
+bool journal_restore(struct session *session, struct held_run *held, const struct leg *leg, int legs, int64_t steps, double t);
+/*
+ * Appends the commands that do what was done since leg `first` and step `since` (0, 0: all): run, continue, change, back. number: of the run, 0: the
+ * next. False: a condition needs names that no saved session knows; then nothing is appended.
+ */
+bool journal_write(const struct session *session, const struct held_run *held, int first, int64_t since, int number, struct buffer *text);
+
+#endif

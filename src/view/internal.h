@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* view: what its files share. */
+#ifndef HOOKE_VIEW_INTERNAL_H
+#define HOOKE_VIEW_INTERNAL_H
+
+#include <hooke/view.h>
+
+/* One screen being drawn. */
+struct screen {
+    const struct session *session;
+    struct canvas *canvas;
+    enum charset charset;
+    struct arena arena; /* of this frame */
+};
+
+struct rectangle {
+    int x, y, width, height;
+};
+
+/* ---- layouts.c: which panes stand where ------------------------------------------------------------------------------------ */
+
+#define PLACES_MOST 8
+
+/* One pane on the screen. Panes that share a time axis stand over each other in one frame; only the last of them has labels below. */
+struct place {
+    enum pane pane;
+    struct rectangle at;
+    bool open;   /* continues in the place below: no time labels, no lower frame */
+    bool joined; /* continues the place above: its upper frame is a divider */
+    int number;  /* written in the frame; 0: none */
+};
+
+/* What the heights of the screen are used for; 0: not there. The prompt is the last row. */
+struct division {
+    int state, plots, log, numbers; /* [cell] */
+};
+
+struct division screen_division(const struct session *session, int height);
+int screen_places(const struct session *session, struct rectangle area, struct place place[PLACES_MOST]);
+bool pane_is_timed(enum pane pane); /* its horizontal axis is the time */
+
+/* ---- panes.c ------------------------------------------------------------------------------------------------------------------ */
+
+bool panes_draw(struct screen *screen, const struct place *place, int places); /* false: no memory */
+/* [s] one column of the focused time plot; 0: none. */
+double panes_column_time(struct screen *screen, const struct place *place, int places);
+
+/* ---- cursors.c ---------------------------------------------------------------------------------------------------------------- */
+
+void cursors_draw(const struct screen *screen, const struct figure_layout *layout, struct canvas *canvas, struct rectangle at, bool letters);
+void cursors_table(const struct screen *screen, struct rectangle at);
+
+/* ---- one file each ------------------------------------------------------------------------------------------------------------ */
+
+void state_line_draw(const struct screen *screen, int y);
+void numbers_draw(const struct screen *screen, struct text hint, int y);
+void log_draw(const struct screen *screen, struct rectangle at);
+void prompt_draw(const struct screen *screen, const struct prompt_line *prompt, int y, int *cursor_x);
+
+/* One line of text, cut with a mark where it is longer than the width. */
+void line_draw(const struct screen *screen, int x, int y, int width, struct text text, enum style style);
+
+static inline int larger(int a, int b)
+{
+    return a > b ? a : b;
+}
+
+static inline int smaller(int a, int b)
+{
+    return a < b ? a : b;
+}
+
+#endif

@@ -1,0 +1,139 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Layouts: how the height is divided, and which panes stand where. A layout is a row of the table. */
+#include "internal.h"
+
+#define PLOT_ROWS 8      /* frame, axis with labels, and four rows of curve: before that the log gets one row only */
+#define SHARED_ROWS 3    /* axis, labels and lower frame of panes over each other */
+#define CURVE_ROWS 3     /* at least, of each of them */
+#define PHASE_LEAST 24   /* [cell] */
+#define PHASE_LABELS 7   /* [cell] frame and labels of the phase plot beside its square */
+
+/*
+ * What gives way when the height shrinks (INTERFACE.md, section 6): numbers line, rows of the log but one, then the plots lose labels and
+ * frame by themselves; at last there is only the prompt.
+ */
+struct division screen_division(const struct session *session, int height)
+{
+    enum layout layout = session->view.layout;
+    struct division d = {.state = height >= 3, .numbers = height >= PLOT_ROWS + 4};
+    int rest = larger(height - 1 - d.state - d.numbers, 0);
+
+    if (layout == LAYOUT_LOG || height < 4)
+        d.log = rest;
+    else if (layout != LAYOUT_PLOT || session->view.cursors.shown)
+        d.log = larger(smaller(height / 4, rest - PLOT_ROWS), 1);
+    d.plots = layout == LAYOUT_LOG || height < 4 ? 0 : rest - d.log;
+    return d;
+}
+
+struct arrangement {
+    int least_width, least_height; /* of the area; below, `smaller` is taken instead */
+    enum layout smaller;
+    bool shared;    /* the panes of the left column share one time axis */
+    bool numbered;
+    int first;      /* share of the first pane of the left column, the others have 1 */
+    int lefts, rights;
+    enum pane left[4], right[2];
+};
+
+static const struct arrangement arrangements[] = {
+    [LAYOUT_SINGLE] = {.first = 1, .lefts = 1, .left = {PANE_POSITION}},
+    [LAYOUT_DUO] = {60, 0, LAYOUT_SINGLE, .first = 1, .lefts = 1, .left = {PANE_POSITION}, .rights = 1, .right = {PANE_PHASE}},
+    [LAYOUT_TRIO] = {60, 0, LAYOUT_SINGLE, .shared = true, .first = 2, .lefts = 2, .left = {PANE_POSITION, PANE_ENERGY}, .rights = 1,
+                     .right = {PANE_PHASE}},
+    [LAYOUT_STACK] = {.shared = true, .first = 1, .lefts = 4, .left = {PANE_POSITION, PANE_VELOCITY, PANE_ENERGY, PANE_ERROR}},
+    [LAYOUT_QUAD] = {110, 24, LAYOUT_TRIO, .numbered = true, .first = 1, .lefts = 2, .left = {PANE_POSITION, PANE_VELOCITY}, .rights = 2,
+                     .right = {PANE_PHASE, PANE_ENERGY}},
+    [LAYOUT_PLOT] = {60, 0, LAYOUT_SINGLE, .shared = true, .first = 2, .lefts = 2, .left = {PANE_POSITION, PANE_ENERGY}, .rights = 1,
+                     .right = {PANE_PHASE}},
+    [LAYOUT_LOG] = {.first = 1},
+};
+
+bool pane_is_timed(enum pane pane)
+{
+    return pane != PANE_PHASE && pane != PANE_SPECTRUM;
+}
+
+static bool offered(const struct session *session, enum pane pane)
+{
+    const struct pane_row *row = (const struct pane_row *)(const void *)catalog_row(&pane_catalog, (size_t)pane);
+    return !row->offered || row->offered(session);
+}
+
+/* The panes that make sense here. The focused one stands in the first place if the layout does not have it. */
+static int choose_panes(const struct session *session, const enum pane *wanted, int count, enum pane *out)
+{
+    int n = 0;
+    for (int i = 0; i < count; i++)
+        if (offered(session, wanted[i]))
+            out[n++] = wanted[i];
+    return n;
+}
+
+static bool holds(const enum pane *pane, int count, enum pane wanted)
+{
+    for (int i = 0; i < count; i++)
+        if (pane[i] == wanted)
+            return true;
+    return false;
+}
+
+/* One column from top to bottom. Returns how many places it has: panes for which there is no height are left out. */
+static int stack_column(struct rectangle area, const struct arrangement *a, const enum pane *pane, int count, struct place *place)
+{
+    bool shared = a->shared;
+    for (int i = 0; i < count; i++)
+        shared &= pane_is_timed(pane[i]);
+    int each = shared ? CURVE_ROWS + 1 : PLOT_ROWS, common = shared ? SHARED_ROWS : 0;
+    while (count > 1 && area.height < count * each + common)
+        count--;
+    int shares = a->first + count - 1, frames = shared ? count : 0, rows = area.height - common - frames, y = area.y;
+    for (int i = 0; i < count; i++) {
+        bool last = i == count - 1;
+        /* Of two full plots over each other the upper one is a little higher: 15 and 12 of 27 rows. */
+        int height = shared ? (rows * (i ? 1 : a->first) + shares / 2) / shares + 1 : (area.height * 5 + 4) / 9;
+        if (last)
+            height = area.y + area.height - y;
+        place[i] = (struct place){.pane = pane[i], .at = {area.x, y, area.width, height}, .open = shared && !last,
+                                  .joined = shared && i > 0};
+        y += height;
+    }
+    return count;
+}
+
+/* The phase plot is square: twice as many columns as rows. */
+static int right_width(const struct arrangement *a, const enum pane *right, int rights, struct rectangle area)
+{
+    int most = area.width * 2 / 5, square = 2 * (area.height - SHARED_ROWS - 1) + PHASE_LABELS;
+    if (a->numbered || right[0] != PANE_PHASE || rights > 1)
+        return most;
+    return larger(smaller(square, most), PHASE_LEAST);
+}
+
+int screen_places(const struct session *session, struct rectangle area, struct place place[PLACES_MOST])
+{
+    const struct view *view = &session->view;
+    enum layout layout = view->full ? LAYOUT_SINGLE : view->layout;
+    while (area.width < arrangements[layout].least_width || area.height < arrangements[layout].least_height)
+        layout = arrangements[layout].smaller;
+    const struct arrangement *a = &arrangements[layout];
+
+    enum pane left[4], right[2];
+    int lefts = choose_panes(session, a->left, a->lefts, left), rights = choose_panes(session, a->right, a->rights, right);
+    if (!lefts && !rights)
+        left[lefts++] = PANE_POSITION;
+    if (offered(session, view->focus) && !holds(left, lefts, view->focus) && !holds(right, rights, view->focus))
+        *(lefts ? left : right) = view->focus;
+    if (!lefts || !rights) {
+        int n = stack_column(area, a, lefts ? left : right, lefts ? lefts : rights, place);
+        for (int i = 0; i < n && a->numbered; i++)
+            place[i].number = i + 1;
+        return n;
+    }
+    int width = right_width(a, right, rights, area);
+    struct rectangle sides[2] = {{area.x, area.y, area.width - width, area.height}, {area.x + area.width - width, area.y, width, area.height}};
+    int n = stack_column(sides[0], a, left, lefts, place), all = n + stack_column(sides[1], a, right, rights, place + n);
+    for (int i = 0; i < all && a->numbered; i++) /* by rows, as one reads */
+        place[i].number = i < n ? 2 * i + 1 : 2 * (i - n) + 2;
+    return all;
+}

@@ -1,0 +1,95 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The numbers line: energy, its error, which run, the keys. Fields have fixed places, so that a new number changes few cells. */
+#include "internal.h"
+
+#include <stdio.h>
+
+#define LEAD 2 /* [cell] of line before the first field */
+#define KEYS_LONG 110
+
+static double present(const struct run *run, const char *name)
+{
+    const struct row *row = catalog_find(&observable_catalog, text_of(name));
+    return run_observable(run, (const struct observable *)(const void *)row);
+}
+
+/* "1.741 mJ": always four digits. */
+static void put_energy(struct buffer *out, double energy)
+{
+    const struct unit *unit = unit_display(QUANTITY_ENERGY, energy);
+    buffer_format(out, "E=%#.4g %s", energy / (unit ? unit->factor : 1), unit ? unit->row.name : "J");
+}
+
+/* "dE/E0=-3.1e-6"; where drag or a drive changes the energy, the error of its balance. */
+static void put_error(struct buffer *out, const struct run *run, double error)
+{
+    int exponent = error != 0 ? (int)floor(log10(fabs(error))) : 0;
+    double mantissa = error / pow(10, exponent);
+    if (fabs(mantissa) >= 9.95) {
+        mantissa /= 10;
+        exponent++;
+    }
+    buffer_format(out, "%s=%+.1fe%d", run->plan.ledger ? "E bal" : "dE/E0", mantissa, exponent);
+}
+
+/* Puts ` text ` into the line if it fits; returns the column after it. */
+static int put_field(const struct screen *screen, int x, int y, struct text text, int least, enum style style)
+{
+    int width = larger(text_width(text), least);
+    if (!text.len || x + width + 2 > screen->canvas->width)
+        return x;
+    for (int i = 0; i < width + 2; i++)
+        canvas_put(screen->canvas, x + i, y, ' ', STYLE_PLAIN);
+    canvas_text(screen->canvas, x + 1, y, text, style);
+    return x + width + 3;
+}
+
+static int put_numbers(const struct screen *screen, int x, int y)
+{
+    const struct run *run = session_run(screen->session);
+    if (!run)
+        return x;
+    double energy = present(run, "energy"), error = present(run, "energy-error");
+    struct buffer full = {0}, brief = {0}, runs = {0};
+    if (isfinite(energy)) {
+        put_energy(&full, energy);
+        if (isfinite(error)) {
+            put_error(&brief, run, error);
+            buffer_format(&full, "  %s", brief.data ? brief.data : "");
+        }
+    }
+    const int width = 25; /* "E=1.741 mJ  dE/E0=-3.1e-6" */
+    int next = put_field(screen, x, y, buffer_text(&full), width, STYLE_PLAIN);
+    if (next == x)
+        next = put_field(screen, x, y, buffer_text(&brief), 0, STYLE_PLAIN);
+    buffer_format(&runs, "run %d/%d", run->number, screen->session->run[screen->session->runs - 1]->run->number);
+    next = put_field(screen, next, y, buffer_text(&runs), 0, STYLE_PLAIN);
+    buffer_free(&full);
+    buffer_free(&brief);
+    buffer_free(&runs);
+    return next;
+}
+
+void numbers_draw(const struct screen *screen, struct text hint, int y)
+{
+    static const char long_keys[] = "F1 help  F5 run/pause  F6 layout  F7 cursors  PgUp log", keys[] = "F1 help  F5 run  F7 cursors";
+    int width = screen->canvas->width;
+    uint32_t across = screen->charset == CHARSET_ASCII ? '-' : 0x2500;
+
+    for (int x = 0; x < width; x++)
+        canvas_put(screen->canvas, x, y, across, STYLE_DIM);
+    if (hint.len) {
+        canvas_put(screen->canvas, LEAD, y, ' ', STYLE_PLAIN);
+        line_draw(screen, LEAD + 1, y, width - LEAD - 2, hint, STYLE_PLAIN);
+        canvas_put(screen->canvas, smaller(LEAD + 1 + text_width(hint), width - 1), y, ' ', STYLE_PLAIN);
+        return;
+    }
+    int x = put_numbers(screen, LEAD, y);
+    if (screen->session->view.scroll > 0) {
+        char text[48];
+        snprintf(text, sizeof text, "PgDn: %d newer lines", screen->session->view.scroll);
+        put_field(screen, x, y, text_of(text), 0, STYLE_BOLD);
+    } else {
+        put_field(screen, x, y, text_of(width < KEYS_LONG ? keys : long_keys), 0, STYLE_DIM);
+    }
+}

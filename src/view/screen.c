@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The screen: state line, panes, log, numbers, prompt from top to bottom. */
+#include "internal.h"
+
+static void draw_parts(struct screen *screen, const struct prompt_line *prompt, bool *ok)
+{
+    const struct session *session = screen->session;
+    const struct cursors *cursors = &session->view.cursors;
+    int width = screen->canvas->width, y = 0;
+    struct division division = screen_division(session, screen->canvas->height);
+
+    if (division.state)
+        state_line_draw(screen, y++);
+    if (division.plots) {
+        struct place place[PLACES_MOST];
+        int places = screen_places(session, (struct rectangle){0, y, width, division.plots}, place);
+        *ok = panes_draw(screen, place, places);
+        y += division.plots;
+    }
+    struct rectangle log = {0, y, width, division.log};
+    if (cursors->shown && division.plots)
+        cursors_table(screen, log);
+    else
+        log_draw(screen, log);
+    y += division.log;
+    if (division.numbers)
+        numbers_draw(screen, prompt->hint, y);
+}
+
+bool screen_draw(const struct session *session, const struct prompt_line *prompt, struct canvas *canvas, int *cursor_x, int *cursor_y)
+{
+    struct screen screen = {.session = session, .canvas = canvas, .charset = session_charset(session)};
+    bool ok = true;
+    int x = 0;
+
+    for (int i = 0; i < canvas->width * canvas->height; i++)
+        canvas->cell[i] = (struct cell){' ', STYLE_PLAIN};
+    draw_parts(&screen, prompt, &ok);
+    for (int i = 0; !ok && i < canvas->width * canvas->height; i++)
+        canvas->cell[i] = (struct cell){' ', STYLE_PLAIN};
+    if (ok)
+        prompt_draw(&screen, prompt, canvas->height - 1, &x);
+    if (cursor_x)
+        *cursor_x = x;
+    if (cursor_y)
+        *cursor_y = canvas->height - 1;
+    arena_reset(&screen.arena);
+    return ok;
+}
+
+int screen_log_rows(const struct session *session, int width, int height)
+{
+    (void)width;
+    return screen_division(session, height).log;
+}
+
+double screen_column_time(const struct session *session, int width, int height)
+{
+    struct screen screen = {.session = session, .charset = session_charset(session)};
+    struct division division = screen_division(session, height);
+    struct place place[PLACES_MOST];
+    int places = division.plots ? screen_places(session, (struct rectangle){0, division.state, width, division.plots}, place) : 0;
+    double time = panes_column_time(&screen, place, places);
+    arena_reset(&screen.arena);
+    return time;
+}

@@ -1,0 +1,150 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The state line: what is simulated, how, and how far it is. The longest form that fits. */
+#include "internal.h"
+
+#include <string.h>
+
+/* What each form contains, from the longest to the shortest. */
+struct form {
+    bool scene, start, parameters, method, step, steps, state;
+    bool blanks; /* between numbers and units, bars between the parts */
+};
+
+static const struct form forms[] = {
+    {true, true, true, true, true, true, true, true},        {true, false, true, true, true, true, true, true},
+    {true, false, true, true, true, false, true, true},      {true, false, false, true, true, false, true, true},
+    {true, false, false, true, true, false, true, false},    {false, false, false, true, true, false, true, false},
+    {false, false, false, true, false, false, true, false},  {false, false, false, false, false, false, true, false},
+    {false, false, false, false, false, false, false, false},
+};
+
+static void put_quantity(struct buffer *out, double value, enum quantity quantity, bool blanks)
+{
+    struct buffer text = {0};
+    buffer_quantity(&text, value, quantity, 3);
+    for (size_t i = 0; i < text.len; i++)
+        if (blanks || text.data[i] != ' ')
+            buffer_char(out, text.data[i]);
+    buffer_free(&text);
+}
+
+static void put_parameter(struct buffer *out, const struct scene *scene, int i, const char *gap)
+{
+    const struct param_row *param = (const struct param_row *)(const void *)catalog_row(&param_catalog, (size_t)i);
+    buffer_format(out, "%s%s=", gap, param->row.name);
+    if (scene->value[i] == 0 || param->quantity == QUANTITY_RATE) /* 1/s goes without saying */
+        buffer_short(out, scene->value[i], 3);
+    else
+        buffer_quantity(out, scene->value[i], param->quantity, 3);
+}
+
+/* Mass and spring, and whatever the user has set; the start only on request. */
+static void put_parameters(struct buffer *out, const struct scene *scene, bool start)
+{
+    static const char *const starts[] = {"y0", "v0", "t0"};
+    const char *gap = "  ";
+    for (int i = 0; i < (int)param_catalog.count; i++) {
+        const char *name = catalog_row(&param_catalog, (size_t)i)->name;
+        bool of_start = false;
+        for (size_t j = 0; j < COUNT_OF(starts); j++)
+            of_start |= strcmp(name, starts[j]) == 0;
+        bool always = strcmp(name, "m") == 0 || strcmp(name, "k") == 0;
+        if (of_start || !(always || (scene->given[i] && scene->value[i] != 0)))
+            continue;
+        put_parameter(out, scene, i, gap);
+        gap = "  ";
+    }
+    for (size_t j = 0; j + 1 < COUNT_OF(starts) && start; j++)
+        put_parameter(out, scene, param_index(starts[j]), j ? " " : "  ");
+}
+
+/* 2 decimals, more where the step is finer. */
+static int time_decimals(double dt)
+{
+    int decimals = 2;
+    for (double unit = 0.01; decimals < 4 && dt < 0.5 && fabs(dt / unit - floor(dt / unit + 0.5)) > 1e-6; unit /= 10)
+        decimals++;
+    return decimals;
+}
+
+static void put_progress(struct buffer *out, const struct session *session, const struct form *form)
+{
+    const struct live *live = &session->live;
+    const struct run *run = session_run(session);
+    bool slow = live->achieved < 0.9 * live->speed && isfinite(live->speed);
+    double speed = slow ? live->achieved : live->speed;
+
+    if (form->state && live->state == LIVE_RUNNING) {
+        buffer_put(out, TEXT("RUNNING "));
+        if (isinf(speed))
+            buffer_put(out, TEXT("max"));
+        else
+            buffer_format(out, speed >= 0.095 ? "%.1fx" : "%.2gx", speed);
+        if (slow && form->blanks)
+            buffer_put(out, TEXT(" (CPU)"));
+        buffer_put(out, form->blanks ? TEXT("  ") : TEXT(" "));
+    } else if (form->state && live->state == LIVE_PAUSED) {
+        buffer_put(out, TEXT("PAUSED "));
+    } else if (form->state && (live->state == LIVE_DIVERGED || (run && run->stop == STOP_DIVERGED))) {
+        buffer_put(out, TEXT("DIVERGED "));
+    }
+    if (!run)
+        return;
+    buffer_format(out, "t=%.*f%s", time_decimals(run->settings.dt), run->t, form->blanks ? " s" : "");
+    if (form->steps)
+        buffer_format(out, "  %lld step%s", (long long)run->steps, run->steps == 1 ? "" : "s");
+}
+
+static void put_form(struct buffer *out, const struct session *session, const struct form *form)
+{
+    const struct setup *setup = &session->setup;
+    const struct text bar = form->blanks ? TEXT(" | ") : TEXT(" ");
+    struct buffer progress = {0};
+
+    if (form->scene)
+        buffer_format(out, "%s%s", form->blanks ? " " : "", setup->scene.preset->row.name);
+    if (form->parameters)
+        put_parameters(out, &setup->scene, form->start);
+    if (form->method) {
+        buffer_put(out, form->scene ? bar : TEXT(""));
+        buffer_put(out, text_of(setup->method->row.name));
+    }
+    if (form->step) {
+        bool adaptive = setup->settings.tol > 0 && setup->method->flags & METHOD_ADAPTIVE && !setup->fixed;
+        buffer_put(out, adaptive ? TEXT(" tol=") : TEXT(" dt="));
+        if (adaptive)
+            buffer_short(out, setup->settings.tol, 2);
+        else
+            put_quantity(out, setup->settings.dt, QUANTITY_TIME, form->blanks);
+    }
+    put_progress(&progress, session, form);
+    if (progress.len && out->len)
+        buffer_put(out, bar);
+    buffer_put(out, buffer_text(&progress));
+    buffer_free(&progress);
+}
+
+/* The word that tells the state stands out, but is there without colours too. */
+static void mark_word(const struct screen *screen, int y, struct text line, const char *word, enum style style)
+{
+    const char *at = line.len ? memmem(line.at, line.len, word, strlen(word)) : NULL;
+    if (at)
+        canvas_text(screen->canvas, (int)(at - line.at), y, text_of(word), style);
+}
+
+void state_line_draw(const struct screen *screen, int y)
+{
+    struct buffer text = {0};
+    for (size_t i = 0; i < COUNT_OF(forms); i++) {
+        buffer_clear(&text);
+        put_form(&text, screen->session, &forms[i]);
+        if (text_width(buffer_text(&text)) <= screen->canvas->width)
+            break;
+    }
+    struct text line = buffer_text(&text);
+    line_draw(screen, 0, y, screen->canvas->width, line, STYLE_PLAIN);
+    mark_word(screen, y, line, "RUNNING", STYLE_BOLD);
+    mark_word(screen, y, line, "PAUSED", STYLE_BOLD);
+    mark_word(screen, y, line, "DIVERGED", STYLE_ALERT);
+    buffer_free(&text);
+}

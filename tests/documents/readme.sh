@@ -1,0 +1,52 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# The generated parts of the README are what the program writes, every example runs, every example of the help runs, the man page is well-formed,
+# the sample recordings are what their generator makes.
+set -u
+hooke=${HOOKE:-build/hooke}
+n=0 bad=0
+ok() { n=$((n + 1)); if [ "$2" -eq 0 ]; then echo "ok $n - $1"; else bad=1; echo "not ok $n - $1"; [ -n "${3:-}" ] && printf '%s\n' "$3" | head -15 | sed 's/^/#   /'; fi; }
+
+difference=$(scripts/reference check "$hooke"); ! grep -q '^not ok' <<<"$difference"
+ok "README.md is what the program writes (make reference)" $? "$difference"
+
+folder=$(mktemp -d) || exit 2
+trap 'rm -rf "$folder"' EXIT
+scripts/make-recordings "$folder"
+cmp -s "$folder/bare.txt" examples/lab/bare.txt && cmp -s "$folder/disk.txt" examples/lab/disk.txt
+ok "the sample recordings are what scripts/make-recordings makes" $?
+
+mkdir -p build/lab
+for example in examples/*.hk examples/lab/*.hk; do
+    [ -f "$example" ] || continue
+    said=$("$hooke" --batch "$example" 2>&1)
+    ok "$example runs" $? "$(tail -5 <<<"$said")"
+done
+
+# Examples of the help: each pair of lines is pasted into a session that has a recording, a fit and a run.
+top=$PWD
+program=$(realpath "$hooke")
+cp examples/lab/bare.txt examples/lab/disk.txt "$folder"
+cd "$folder" || exit 2
+mkdir -p examples/lab && cp bare.txt disk.txt examples/lab/
+failed=
+names=$("$program" --format json -c 'list commands' | sed -E 's/^\{"kind":"command","name":"([^"]*)".*/\1/')
+for name in $names; do
+    "$program" -c "help $name" | sed -n '/^examples:/,/^see also/p' | sed -n 's/^  //p' >"$name.hk"
+    [ -s "$name.hk" ] || { failed+="$name has no examples"$'\n'; continue; }
+    if ! said=$("$program" --batch -k -c 'load examples/lab/bare.txt; m = 200 g; fit damped; method rk4 dt=10ms; run 10 s; run 10 s; checkpoint start' "$name.hk" 2>&1 >/dev/null); then
+        failed+="$name: $(grep -m2 error <<<"$said" | tr '\n' ' ')"$'\n'
+    fi
+done
+cd "$top" || exit 2
+[ -z "$failed" ]
+ok "the examples of every command's help run" $? "$failed"
+
+if command -v mandoc >/dev/null; then
+    said=$(scripts/reference man "$hooke" | mandoc -T lint -W error 2>&1)
+    ok "the man page is well-formed" $? "$said"
+else
+    n=$((n + 1)); echo "ok $n - the man page is well-formed # SKIP mandoc is not installed"
+fi
+echo "1..$n"
+exit "$bad"

@@ -1,0 +1,275 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Crossings, period, amplitudes, decay and spectrum of synthetic series. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "analysis_testing.h"
+
+#define TWO_PI 6.283185307179586
+
+/* 50 Hz, 4.2 cm, 0.05 cm noise: what the cursors promise (0.09 % over one period, 0.014 % over eight). */
+static void crossings_are_as_good_as_promised(void **state)
+{
+    (void)state;
+    double one = 0, eight = 0, pull = 0;
+    int runs = 200, pairs = 0;
+    random_state = 21;
+    for (int run = 0; run < runs; run++) {
+        struct truth truth = {.amplitude = 4.2,
+                              .offset = 25,
+                              .period = 1.9373,
+                              .phase = random_between(-3, 3),
+                              .rate = 50,
+                              .span = 20,
+                              .noise = 0.05};
+        struct synthetic s = synthetic_make(&truth);
+        struct arena arena = {0};
+        struct overview overview;
+        struct crossing c[64];
+        series_overview(&s.series, &arena, &overview);
+        assert_true(overview.oscillates && close_to(overview.noise, 0.05, 0.01));
+        size_t n = series_crossings(&s.series, &overview, overview.mean, c, COUNT_OF(c));
+        assert_in_range(n, 19, 22);
+        for (size_t i = 1; i < n; i++) {
+            assert_true(c[i].t > c[i - 1].t && c[i].up != c[i - 1].up);
+            double phase = TWO_PI / 1.9373 * c[i].t + truth.phase, off = remainder(phase - TWO_PI / 4, TWO_PI / 2);
+            pull += pow(off / (TWO_PI / 1.9373) / c[i].uncertainty, 2);
+            pairs++;
+        }
+        one += pow((c[2].t - c[0].t) / 1.9373 - 1, 2);
+        eight += pow((c[16].t - c[0].t) / (8 * 1.9373) - 1, 2);
+        arena_reset(&arena);
+        synthetic_free(&s);
+    }
+    print_message("rms error of T: %.3f %% over 1 period, %.4f %% over 8\n", 100 * sqrt(one / runs),
+                  100 * sqrt(eight / runs));
+    assert_true(sqrt(one / runs) < 0.9e-3 && sqrt(eight / runs) < 1.4e-4);
+    assert_true(close_to(sqrt(pull / pairs), 1, 0.15)); /* the uncertainties are true */
+}
+
+static void noise_makes_no_extra_crossings(void **state)
+{
+    (void)state;
+    random_state = 22;
+    struct truth truth = {
+        .amplitude = 1, .offset = 3, .period = 2, .rate = 100, .span = 20.2, .noise = 0.2, .phase = 0.3};
+    struct synthetic s = synthetic_make(&truth);
+    struct arena arena = {0};
+    struct overview overview;
+    series_overview(&s.series, &arena, &overview);
+    struct crossing c[4];
+    assert_int_equal(series_crossings(&s.series, &overview, 3, c, COUNT_OF(c)), 20);
+    assert_int_equal(series_crossings(&s.series, &overview, 9, c, COUNT_OF(c)), 0);
+    /* another level: where the sine passes it, not where it passes its middle */
+    assert_int_equal(series_crossings(&s.series, &overview, 3.2, c, COUNT_OF(c)), 20);
+    double expected = (TWO_PI - acos(0.2) - 0.3) / TWO_PI * 2;
+    assert_true(c[1].up && close_to(c[1].t, expected, 4 * c[1].uncertainty));
+    arena_reset(&arena);
+    synthetic_free(&s);
+}
+
+static void exact_period(void **state)
+{
+    (void)state;
+    for (int damped = 0; damped < 2; damped++) {
+        struct truth truth = {.amplitude = 0.05, .period = 0.7526, .gamma = damped ? 0.05 : 0, .rate = 100, .span = 20};
+        struct synthetic s = synthetic_make(&truth);
+        struct arena arena = {0};
+        struct period period;
+        struct error error = {0};
+        assert_true(series_period(&s.series, &arena, &period, &error));
+        assert_true(close_to(period.period.value, 0.7526, 1e-8) && period.periods == 25);
+        assert_true(period.period.uncertainty > 0 && period.period.uncertainty < 1e-6);
+        arena_reset(&arena);
+        synthetic_free(&s);
+    }
+}
+
+static void period_covers_the_truth(void **state)
+{
+    (void)state;
+    int runs = 200, inside = 0;
+    random_state = 23;
+    for (int run = 0; run < runs; run++) {
+        struct truth truth = {.amplitude = 4,
+                              .offset = 21,
+                              .period = random_between(0.5, 1.5),
+                              .gamma = 0.02,
+                              .rate = 100,
+                              .span = random_between(8, 40),
+                              .noise = 0.05,
+                              .phase = random_between(-3, 3)};
+        struct synthetic s = synthetic_make(&truth);
+        struct arena arena = {0};
+        struct period period;
+        struct error error = {0};
+        assert_true(series_period(&s.series, &arena, &period, &error));
+        inside += close_to(period.period.value, truth.period, 1.96 * period.period.uncertainty);
+        arena_reset(&arena);
+        synthetic_free(&s);
+    }
+    print_message("95 %% intervals of the period: %.1f %%\n", 100.0 * inside / runs);
+    assert_in_range(inside, (uintmax_t)(0.90 * runs), (uintmax_t)runs);
+}
+
+static void amplitudes_at_times(void **state)
+{
+    (void)state;
+    random_state = 24;
+    struct truth truth = {
+        .t0 = 2, .amplitude = 5, .offset = 21, .period = 0.75, .gamma = 0.04, .rate = 100, .span = 60, .noise = 0.03};
+    struct synthetic s = synthetic_make(&truth);
+    struct arena arena = {0};
+    double at[] = {2, 10, 30, 62};
+    struct reading reading[4];
+    struct error error = {0};
+    for (int width = 0; width < 2; width++) {
+        assert_true(series_amplitudes(&s.series, &arena, at, 4, 4.0 * width, reading, &error));
+        for (int i = 0; i < 4; i++) {
+            double truth_here = 5 * exp(-0.02 * (at[i] - 2));
+            assert_true(reading[i].t == at[i]);
+            assert_true(close_to(reading[i].amplitude.value, truth_here, 4 * reading[i].amplitude.uncertainty + 1e-4));
+            assert_true(reading[i].amplitude.uncertainty < 0.01);
+        }
+    }
+    at[0] = 1;
+    assert_false(series_amplitudes(&s.series, &arena, at, 4, 0, reading, &error));
+    assert_int_equal(error.code, ERROR_COMMAND);
+    arena_reset(&arena);
+    synthetic_free(&s);
+}
+
+/* The lab's question: position and energy of the same motion give the same gamma. */
+static void position_and_energy_agree(void **state)
+{
+    (void)state;
+    double gamma = 0.025, omega = sqrt(8.4 * 8.4 - gamma * gamma / 4);
+    enum { N = 12000 };
+    static double t[N], y[N], e[N];
+    for (size_t i = 0; i < N; i++) {
+        double s = t[i] = 0.01 * (double)i, a = 0.05 * exp(-0.5 * gamma * s);
+        y[i] = a * cos(omega * s);
+        double v = -0.5 * gamma * y[i] - a * omega * sin(omega * s);
+        e[i] = 0.5 * v * v + 0.5 * 8.4 * 8.4 * y[i] * y[i];
+    }
+    struct series position = {.t = t, .y = y, .n = N}, energy = {.t = t, .y = e, .n = N, .quantity = QUANTITY_ENERGY};
+    struct arena arena = {0};
+    struct decay p, q;
+    struct error error = {0};
+    assert_true(series_decay(&position, &arena, false, 0, &p, &error) && p.readings == 6);
+    assert_true(series_decay(&energy, &arena, true, 0, &q, &error) && q.readings == 6);
+    assert_true(close_to(p.gamma.value, gamma, 1e-7 * gamma) && close_to(q.gamma.value, gamma, 1e-4 * gamma));
+    assert_true(close_to(p.initial.value, 0.05, 1e-8) && close_to(p.tau.value, 80, 1e-4));
+    assert_true(close_to(p.quality.value, omega / gamma, 1e-3) &&
+                close_to(p.decrement.value, gamma * TWO_PI / 2 / omega, 1e-8));
+    assert_true(close_to(p.halves[0], gamma, 1e-6) && close_to(q.halves[1], gamma, 1e-4));
+    /* the classic mix-up would be a factor of two */
+    assert_false(series_decay(&position, &arena, false, 2, &p, &error));
+    arena_reset(&arena);
+}
+
+static void decay_covers_the_truth(void **state)
+{
+    (void)state;
+    int runs = 100, inside = 0;
+    random_state = 25;
+    for (int run = 0; run < runs; run++) {
+        struct truth truth = {.amplitude = 5,
+                              .offset = 21,
+                              .period = 0.75,
+                              .gamma = random_between(-0.01, 0.05),
+                              .rate = 100,
+                              .span = 40,
+                              .noise = 0.05,
+                              .phase = random_between(-3, 3)};
+        struct synthetic s = synthetic_make(&truth);
+        struct arena arena = {0};
+        struct decay decay;
+        struct error error = {0};
+        assert_true(series_decay(&s.series, &arena, false, 8, &decay, &error) && decay.readings == 8);
+        inside += close_to(decay.gamma.value, truth.gamma, 1.96 * decay.gamma.uncertainty);
+        arena_reset(&arena);
+        synthetic_free(&s);
+    }
+    assert_in_range(inside, 88, 100);
+}
+
+static void spectrum_shows_the_amplitude(void **state)
+{
+    (void)state;
+    random_state = 26;
+    for (int uneven = 0; uneven < 2; uneven++) {
+        struct truth truth = {
+            .amplitude = 3, .offset = 21, .period = 0.75, .rate = 40, .span = 30.3, .noise = 0.05, .phase = 1};
+        struct synthetic s = synthetic_make(&truth);
+        for (size_t i = 0; uneven && i < s.series.n; i++) {
+            s.t[i] += 0.4 / 40 * random_uniform();
+            s.y[i] = 21 + 3 * cos(TWO_PI / 0.75 * s.t[i] + 1);
+        }
+        struct arena arena = {0};
+        const double *frequency, *amplitude;
+        size_t bins, peak = 1;
+        assert_true(close_to(series_peak_frequency(&s.series, &arena), TWO_PI / 0.75, 2e-3));
+        assert_true(series_spectrum(&s.series, &arena, &frequency, &amplitude, &bins));
+        for (size_t k = 1; k < bins; k++) {
+            assert_true(frequency[k] > frequency[k - 1] && amplitude[k] >= 0);
+            peak = amplitude[k] > amplitude[peak] ? k : peak;
+        }
+        assert_true(close_to(frequency[peak], 1 / 0.75, 0.02) && close_to(amplitude[peak], 3, 0.15));
+        assert_true(close_to(frequency[bins - 1], 20, 0.5));
+        arena_reset(&arena);
+        synthetic_free(&s);
+    }
+}
+
+static void refusals_have_reasons(void **state)
+{
+    (void)state;
+    static double t[100], y[100];
+    for (size_t i = 0; i < 100; i++) {
+        t[i] = (double)i;
+        y[i] = 3;
+    }
+    struct series series = {.t = t, .y = y, .n = 100};
+    struct arena arena = {0};
+    struct period period;
+    struct decay decay;
+    struct error error = {0};
+    assert_false(series_period(&series, &arena, &period, &error));
+    assert_int_equal(error.code, ERROR_COMMAND);
+    assert_string_equal(error.text, "the signal does not oscillate: it is constant");
+    assert_false(series_decay(&series, &arena, false, 0, &decay, &error));
+    assert_true(isnan(series_peak_frequency(&series, &arena)));
+    arena_reset(&arena);
+}
+
+static void windows_share_memory(void **state)
+{
+    (void)state;
+    double t[] = {0, 1, 2, 3, 4}, y[] = {5, 6, 7, 8, 9};
+    struct series series = {.t = t, .y = y, .n = 5}, part = series_window(series, 0.5, 3);
+    assert_true(part.t == t + 1 && part.y == y + 1 && part.n == 3);
+    assert_int_equal(series_window(series, 10, 20).n, 0);
+    assert_int_equal(series_window(series, -1, 9).n, 5);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(crossings_are_as_good_as_promised),
+        cmocka_unit_test(noise_makes_no_extra_crossings),
+        cmocka_unit_test(exact_period),
+        cmocka_unit_test(period_covers_the_truth),
+        cmocka_unit_test(amplitudes_at_times),
+        cmocka_unit_test(position_and_energy_agree),
+        cmocka_unit_test(decay_covers_the_truth),
+        cmocka_unit_test(spectrum_shows_the_amplitude),
+        cmocka_unit_test(refusals_have_reasons),
+        cmocka_unit_test(windows_share_memory),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

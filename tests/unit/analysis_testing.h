@@ -1,0 +1,89 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Synthetic recordings with a known truth, from a fixed seed. */
+#ifndef ANALYSIS_TESTING_H
+#define ANALYSIS_TESTING_H
+
+#include <hooke/analysis.h>
+
+#include <math.h>
+#include <stdlib.h>
+
+static uint64_t random_state = 1;
+
+static inline double random_uniform(void) /* [0, 1): splitmix64 */
+{
+    uint64_t z = (random_state += 0x9E3779B97F4A7C15u);
+    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
+    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
+    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
+}
+
+static inline double random_normal(void) /* Box & Muller 1958 */
+{
+    double u = 1 - random_uniform(), v = random_uniform();
+    return sqrt(-2 * log(u)) * cos(6.283185307179586 * v);
+}
+
+static inline double random_between(double low, double high)
+{
+    return low + (high - low) * random_uniform();
+}
+
+struct truth {
+    double amplitude, offset, period, gamma, phase; /* gamma as in exp(-gamma t/2) */
+    double quadratic; /* [1/s] q: amplitude divided by 1 + q (1 - exp(-gamma t/2)) 2/gamma */
+    double t0, rate, span;
+    double noise;    /* standard deviation */
+    double dropouts; /* share of samples that read 0 */
+    double drift;    /* of the offset over the whole span */
+    double clip;     /* values above offset + clip are cut; 0: none */
+};
+
+struct synthetic {
+    double *t, *y;
+    struct series series;
+};
+
+static inline struct synthetic synthetic_make(const struct truth *truth)
+{
+    size_t n = (size_t)(truth->span * truth->rate) + 1;
+    struct synthetic s = {.t = malloc(n * sizeof(double)), .y = malloc(n * sizeof(double))};
+    if (!s.t || !s.y) {
+        abort();
+    }
+    for (size_t i = 0; i < n; i++) {
+        double t = (double)i / truth->rate, g = truth->gamma;
+        double phi = fabs(g) > 1e-12 ? -expm1(-0.5 * g * t) * 2 / g : t;
+        double envelope = truth->amplitude * exp(-0.5 * g * t) / (1 + truth->quadratic * phi);
+        double y = truth->offset + truth->drift * t / truth->span +
+                   envelope * cos(6.283185307179586 / truth->period * t + truth->phase);
+        y = truth->clip > 0 ? fmin(y, truth->offset + truth->clip) : y;
+        y += truth->noise * random_normal();
+        s.t[i] = truth->t0 + t;
+        s.y[i] = random_uniform() < truth->dropouts ? 0 : y;
+    }
+    s.series = (struct series){.t = s.t, .y = s.y, .n = n, .quantity = QUANTITY_LENGTH};
+    return s;
+}
+
+static inline void synthetic_free(struct synthetic *s)
+{
+    free(s->t);
+    free(s->y);
+}
+
+static inline bool fit_named(const char *model, const struct series *series, struct fit *fit, struct error *error)
+{
+    struct arena arena = {0};
+    const struct fit_model *row = (const struct fit_model *)(const void *)catalog_find(&fit_catalog, text_of(model));
+    bool ok = row && row->fit(series, &arena, NULL, fit, error);
+    arena_reset(&arena);
+    return ok;
+}
+
+static inline bool close_to(double a, double b, double tolerance)
+{
+    return fabs(a - b) <= tolerance;
+}
+
+#endif

@@ -1,0 +1,200 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Runs tests/cli/NAME.hk: one file is one test. Each line is executed as if it stood in a script; comments beside it (or on lines of their own
+ * directly below) say what has to come of it:
+ *   # expect: TEXT    some line of its output contains TEXT
+ *   # error: TEXT     it fails, and the message contains TEXT
+ *   # warning: TEXT   a message that is no error contains TEXT
+ *   # never: TEXT     neither output nor messages contain TEXT
+ * A line without `# error:` has to succeed. Every line starts where the one before left the session. Files are written in a folder of their own.
+ */
+#include <hooke/command.h>
+
+#include <dirent.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+struct capture {
+    struct buffer out, err;
+};
+
+static bool take_out(void *context, struct text text)
+{
+    buffer_put(&((struct capture *)context)->out, text);
+    return true;
+}
+
+static bool take_err(void *context, struct text text)
+{
+    buffer_put(&((struct capture *)context)->err, text);
+    return true;
+}
+
+static bool contains(const struct buffer *buffer, struct text wanted)
+{
+    return buffer->data && wanted.len > 0 && memmem(buffer->data, buffer->len, wanted.at, wanted.len);
+}
+
+static bool mark(struct text *line, const char *name, struct text *value)
+{
+    char key[32];
+    snprintf(key, sizeof key, "# %s: ", name);
+    const char *at = line->len ? memmem(line->at, line->len, key, strlen(key)) : NULL;
+    if (!at)
+        return false;
+    *value = (struct text){at + strlen(key), line->len - (size_t)(at - line->at) - strlen(key)};
+    /* The next mark on the same line ends this one. */
+    const char *next = memmem(value->at, value->len, " # ", 3);
+    const struct text rest = next ? (struct text){next, value->len - (size_t)(next - value->at)} : (struct text){NULL, 0};
+    if (next)
+        value->len = (size_t)(next - value->at);
+    *value = text_trim(*value);
+    *line = rest;
+    return true;
+}
+
+struct scenario {
+    const char *file;
+    int number; /* of the line */
+    bool failed;
+    struct session *session;
+    struct reply reply;
+    struct capture capture;
+};
+
+static void complain(struct scenario *s, const char *what, struct text wanted)
+{
+    s->failed = true;
+    printf("# %s:%d: %s '%.*s'\n", s->file, s->number, what, (int)wanted.len, wanted.at);
+    struct text rest = buffer_text(&s->capture.out), line;
+    while (text_split(&rest, '\n', &line) && rest.at)
+        printf("#   out: %.*s\n", (int)line.len, line.at);
+    rest = buffer_text(&s->capture.err);
+    while (text_split(&rest, '\n', &line) && rest.at)
+        printf("#   err: %.*s\n", (int)line.len, line.at);
+}
+
+/* Checks all marks of one line against the output of the statement before them. Returns whether an error was announced. */
+static bool check_marks(struct scenario *s, struct text marks)
+{
+    struct text value, line;
+    bool error = false;
+    for (line = marks; mark(&line, "expect", &value);)
+        if (!contains(&s->capture.out, value))
+            complain(s, "no output with", value);
+    for (line = marks; mark(&line, "error", &value);) {
+        error = true;
+        if (!contains(&s->capture.err, value))
+            complain(s, "no error with", value);
+    }
+    for (line = marks; mark(&line, "warning", &value);)
+        if (!contains(&s->capture.err, value))
+            complain(s, "no warning with", value);
+    for (line = marks; mark(&line, "never", &value);)
+        if (contains(&s->capture.out, value) || contains(&s->capture.err, value))
+            complain(s, "unwanted", value);
+    return error;
+}
+
+static bool only_marks(struct text line)
+{
+    static const char *const names[] = {"# expect: ", "# error: ", "# warning: ", "# never: "};
+    for (size_t i = 0; i < COUNT_OF(names); i++)
+        if (text_starts(line, text_of(names[i])))
+            return true;
+    return false;
+}
+
+static void run_lines(struct scenario *s, struct text content)
+{
+    struct text rest = content, line;
+    while (rest.len > 0 && text_split(&rest, '\n', &line)) {
+        const struct source where = {s->file, ++s->number, NULL};
+        line = text_trim(line);
+        if (line.len == 0 || only_marks(line))
+            continue;
+        buffer_clear(&s->capture.out);
+        buffer_clear(&s->capture.err);
+        const bool ok = command_exec(s->session, line, &where, &s->reply);
+        bool expected = check_marks(s, line);
+        /* Marks on the lines below belong to the same statement. */
+        for (struct text after = rest, next; after.len > 0 && text_split(&after, '\n', &next) && only_marks(text_trim(next));)
+            expected |= check_marks(s, text_trim(next));
+        if (ok && expected)
+            complain(s, "succeeded:", line);
+        else if (!ok && !expected)
+            complain(s, "failed:", line);
+    }
+}
+
+static bool run_file(const char *folder, const char *name)
+{
+    struct buffer path = {0}, content = {0};
+    struct error error;
+    struct scenario s = {.file = name};
+    buffer_format(&path, "%s/%s", folder, name);
+    reply_init(&s.reply, (struct sink){take_out, take_err, &s.capture});
+    s.session = session_create(&(struct front){.width = 80, .height = 24});
+    if (!s.session || !file_read(path.data, 1 << 20, &content, &error))
+        s.failed = true;
+    else
+        run_lines(&s, buffer_text(&content));
+    session_destroy(s.session);
+    reply_free(&s.reply);
+    buffer_free(&s.capture.out);
+    buffer_free(&s.capture.err);
+    buffer_free(&path);
+    buffer_free(&content);
+    return !s.failed;
+}
+
+static int is_script(const struct dirent *entry)
+{
+    const size_t len = strlen(entry->d_name);
+    return len > 3 && strcmp(entry->d_name + len - 3, ".hk") == 0;
+}
+
+/* The scripts write files: into a fresh folder that is removed with all that is in it. */
+static void remove_folder(const char *path)
+{
+    DIR *folder = opendir(".");
+    for (struct dirent *entry; folder && (entry = readdir(folder));)
+        if (strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0)
+            unlink(entry->d_name);
+    if (folder)
+        closedir(folder);
+    if (chdir("/") == 0)
+        rmdir(path);
+}
+
+int main(void)
+{
+    char folder[4096], work[] = "/tmp/hooke-cli-XXXXXX";
+    const char *tests = getenv("TESTS");
+    struct buffer cli = {0};
+    struct dirent **entries;
+    int failures = 0;
+    buffer_format(&cli, "%s/cli", tests ? tests : "tests");
+    if (!realpath(cli.data, folder) || !mkdtemp(work) || chdir(work) != 0) {
+        printf("1..1\nnot ok 1 - the folder %s\n", cli.data);
+        buffer_free(&cli);
+        return 1;
+    }
+    const int count = scandir(folder, &entries, is_script, alphasort);
+    printf("1..%d\n", count < 0 ? 0 : count);
+    for (int i = 0; i < count; i++) {
+        const bool ok = run_file(folder, entries[i]->d_name);
+        printf("%s %d - cli/%s\n", ok ? "ok" : "not ok", i + 1, entries[i]->d_name);
+        failures += !ok;
+        free(entries[i]);
+    }
+    if (count >= 0)
+        free(entries);
+    remove_folder(work);
+    buffer_free(&cli);
+    return failures > 0 || count <= 0;
+}

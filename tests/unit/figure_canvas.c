@@ -1,0 +1,113 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Canvas: clipping, wide characters, what is printed. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <hooke/figure.h>
+
+static void expect(struct canvas *canvas, bool color, const char *text)
+{
+    struct buffer out = {0};
+    canvas_print(canvas, color, &out);
+    assert_false(out.failed);
+    assert_string_equal(out.data, text);
+    buffer_free(&out);
+    canvas_free(canvas);
+}
+
+static void test_text_is_clipped(void **state)
+{
+    struct canvas canvas;
+    (void)state;
+    assert_true(canvas_init(&canvas, 6, 2));
+    assert_int_equal(canvas_text(&canvas, 4, 0, TEXT("abc"), STYLE_PLAIN), 6);
+    assert_int_equal(canvas_text(&canvas, -2, 1, TEXT("xyz"), STYLE_PLAIN), 1);
+    canvas_text(&canvas, 0, 2, TEXT("below"), STYLE_PLAIN);
+    canvas_put(&canvas, 0, -1, 'q', STYLE_PLAIN);
+    expect(&canvas, false, "    ab\nz\n");
+}
+
+static void test_wide_characters(void **state)
+{
+    struct canvas canvas;
+    (void)state;
+    assert_true(canvas_init(&canvas, 7, 4));
+    assert_int_equal(canvas_text(&canvas, 0, 0, TEXT("日本x"), STYLE_PLAIN), 5);
+    canvas_text(&canvas, 6, 1, TEXT("日"), STYLE_PLAIN); /* half outside */
+    canvas_text(&canvas, 0, 2, TEXT("日本"), STYLE_PLAIN);
+    canvas_put(&canvas, 1, 2, 'a', STYLE_PLAIN);                 /* right half of the first */
+    canvas_put(&canvas, 2, 2, 'b', STYLE_PLAIN);                 /* left half of the second */
+    canvas_text(&canvas, 0, 3, TEXT("e\xCC\x81|"), STYLE_PLAIN); /* combining acute */
+    expect(&canvas, false, "日本x\n\n ab\ne|\n");
+}
+
+static void test_controls_never_printed(void **state)
+{
+    struct canvas canvas;
+    (void)state;
+    assert_true(canvas_init(&canvas, 12, 1));
+    canvas_text(&canvas, 0, 0,
+                TEXT("a\033[2Jb\177\xC2\x9B"
+                     "c\xFF"),
+                STYLE_PLAIN);
+    expect(&canvas, false, "a?[2Jb??c\xEF\xBF\xBD\n");
+}
+
+static void test_colors(void **state)
+{
+    struct canvas canvas;
+    (void)state;
+    assert_true(canvas_init(&canvas, 8, 3));
+    canvas_text(&canvas, 0, 0, TEXT("ab"), STYLE_CURVE_1);
+    canvas_text(&canvas, 3, 0, TEXT("c"), STYLE_CURVE_1); /* a blank between does not end the colour */
+    canvas_text(&canvas, 4, 0, TEXT("d"), STYLE_PLAIN);
+    canvas_text(&canvas, 0, 1, TEXT("e"), STYLE_DIM);
+    canvas_text(&canvas, 1, 1, TEXT("f"), STYLE_ALERT);
+    canvas_text(&canvas, 0, 2, TEXT("   "), STYLE_BOLD);
+    expect(&canvas, true, "\033[36mab c\033[0md\n\033[2me\033[0m\033[31mf\033[0m\n\n");
+}
+
+static void test_no_color_no_escape(void **state)
+{
+    struct canvas canvas;
+    (void)state;
+    assert_true(canvas_init(&canvas, 8, 1));
+    for (int style = STYLE_PLAIN; style <= STYLE_ALERT; style++)
+        canvas_put(&canvas, style, 0, 'x', (enum style)style);
+    expect(&canvas, false, "xxxxxxxx\n");
+}
+
+static void test_empty_canvas(void **state)
+{
+    struct canvas canvas;
+    (void)state;
+    assert_true(canvas_init(&canvas, 0, -3));
+    canvas_put(&canvas, 0, 0, 'x', STYLE_PLAIN);
+    assert_int_equal(canvas.width, 0);
+    assert_int_equal(canvas.height, 0);
+    canvas_free(&canvas);
+}
+
+static void test_charset_names(void **state)
+{
+    static const char *const names[] = {"ascii", "block", "braille"};
+    (void)state;
+    assert_int_equal(charset_catalog.count, 3);
+    for (size_t i = 0; i < 3; i++)
+        assert_string_equal(catalog_row(&charset_catalog, i)->name, names[i]);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_text_is_clipped),        cmocka_unit_test(test_wide_characters),
+        cmocka_unit_test(test_controls_never_printed), cmocka_unit_test(test_colors),
+        cmocka_unit_test(test_no_color_no_escape),     cmocka_unit_test(test_empty_canvas),
+        cmocka_unit_test(test_charset_names),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,192 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Ticks: nice steps, labels inside, distinct and exact, at any magnitude. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <hooke/figure.h>
+
+#include <locale.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static uint64_t random_state = 88172645463325252U;
+
+static double uniform(void) /* [0, 1) xorshift64, Marsaglia 2003 */
+{
+    random_state ^= random_state << 13;
+    random_state ^= random_state >> 7;
+    random_state ^= random_state << 17;
+    return (double)(random_state >> 11) / 9007199254740992.0;
+}
+
+static void labels(const struct ticks *ticks, bool log, char *out, size_t size)
+{
+    struct buffer buffer = {0};
+    for (int i = 0; i < ticks->count; i++) {
+        if (i)
+            buffer_char(&buffer, ' ');
+        tick_label(ticks, i, log, &buffer);
+    }
+    assert_false(buffer.failed);
+    snprintf(out, size, "%s", buffer.data ? buffer.data : "");
+    buffer_free(&buffer);
+}
+
+static bool nice(double step)
+{
+    static const double good[] = {1, 2, 2.5, 3, 4, 5, 10};
+    double mantissa = step / pow(10, floor(log10(step) + 1e-9));
+    for (size_t i = 0; i < COUNT_OF(good); i++)
+        if (fabs(mantissa / good[i] - 1) < 1e-9)
+            return true;
+    return false;
+}
+
+static void check_range(double from, double to, int want, int most)
+{
+    struct ticks ticks = ticks_linear(from, to, want, most);
+    char text[2][64] = {"", ""};
+    double previous = (double)NAN;
+
+    if (ticks.count < (most >= 4 ? 2 : 1) || ticks.count > most || !nice(ticks.step))
+        fail_msg("[%g, %g] want %d most %d: %d ticks, step %g", from, to, want, most, ticks.count, ticks.step);
+    for (int i = 0; i < ticks.count; i++) {
+        double value = ticks.first + i * ticks.step, rounding = 1e-6 * ticks.step;
+        struct buffer buffer = {0};
+        tick_label(&ticks, i, false, &buffer);
+        snprintf(text[i % 2], sizeof text[0], "%s", buffer.data);
+        buffer_free(&buffer);
+        double read = 0;
+        assert_int_equal(real_parse(text_of(text[i % 2]), &read), REAL_OK);
+        if (value < from - rounding || value > to + rounding)
+            fail_msg("[%g, %g]: tick %g outside", from, to, value);
+        if (fabs(read * pow(10, ticks.exponent) - value) > 1e-3 * ticks.step)
+            fail_msg("[%g, %g]: label %s for %g", from, to, text[i % 2], value);
+        if (i && read <= previous)
+            fail_msg("[%g, %g]: label %s after %s", from, to, text[i % 2], text[(i + 1) % 2]);
+        if (strncmp(text[i % 2], "-0", 2) == 0 && read == 0)
+            fail_msg("[%g, %g]: minus zero", from, to);
+        previous = read;
+    }
+}
+
+static void test_random_ranges(void **state)
+{
+    int rounds = getenv("LONG") && *getenv("LONG") ? 1000000 : 20000;
+    (void)state;
+    for (int i = 0; i < rounds; i++) {
+        double size = pow(10, 590 * uniform() - 290), from = size * (2 * uniform() - 1);
+        double span = size * pow(10, -6 * uniform());
+        int most = 1 + (int)(40 * uniform());
+        check_range(from, from + span, 1 + i % 12, most);
+    }
+}
+
+static void test_known_ranges(void **state)
+{
+    static const struct {
+        double from, to;
+        int want;
+        const char *labels;
+        int exponent;
+    } known[] = {
+        {0, 10, 6, "0 2 4 6 8 10", 0},
+        {-4.6, 4.6, 5, "-4 -2 0 2 4", 0},
+        {-5, 5, 5, "-5.0 -2.5 0.0 2.5 5.0", 0},
+        {-5, 5, 6, "-4 -2 0 2 4", 0},
+        {0, 1, 5, "0.00 0.25 0.50 0.75 1.00", 0},
+        {-1e300, 1e300, 3, "-1 0 1", 300},
+        {0, 2e-6, 3, "0 1 2", -6},
+        {0, 3e-7, 4, "0 100 200 300", -9},
+        {999.5, 1000.5, 3, "999.5 1000.0 1000.5", 0},
+        {0, 20000, 3, "0 10000 20000", 0},
+        {0, 200000, 3, "0 100 200", 3},
+        {0, 0.002, 3, "0.000 0.001 0.002", 0},
+    };
+    (void)state;
+    for (size_t i = 0; i < COUNT_OF(known); i++) {
+        struct ticks ticks = ticks_linear(known[i].from, known[i].to, known[i].want, 20);
+        char text[256];
+        labels(&ticks, false, text, sizeof text);
+        assert_string_equal(text, known[i].labels);
+        assert_int_equal(ticks.exponent, known[i].exponent);
+    }
+}
+
+static void test_no_range_no_ticks(void **state)
+{
+    (void)state;
+    assert_int_equal(ticks_linear(1, 1, 5, 10).count, 0);
+    assert_int_equal(ticks_linear(2, 1, 5, 10).count, 0);
+    assert_int_equal(ticks_linear((double)NAN, 1, 5, 10).count, 0);
+    assert_int_equal(ticks_linear(0, (double)INFINITY, 5, 10).count, 0);
+    assert_int_equal(ticks_linear(0, 1, 5, 0).count, 0);
+    assert_int_equal(ticks_linear(1, nextafter(1, 2), 5, 10).count, 0);
+    assert_int_equal(ticks_log(0, 1, 10).count, 0);
+    assert_int_equal(ticks_log(-1, 1, 10).count, 0);
+    assert_int_equal(ticks_log(1, (double)INFINITY, 10).count, 0);
+    assert_int_equal(ticks_log(2, 9, 10).count, 0);
+}
+
+static void test_decades(void **state)
+{
+    static const struct {
+        double from, to;
+        int most;
+        const char *labels;
+    } known[] = {
+        {1e-3, 1, 10, "0.001 0.01 0.1 1"},         {1, 1e4, 10, "1 10 100 1000 10000"},
+        {1e-12, 1e-3, 4, "1e-12 1e-9 1e-6 1e-3"},  {1e-300, 1e300, 4, "1e-200 1e0 1e200"},
+        {0.5, 2e5, 10, "1e0 1e1 1e2 1e3 1e4 1e5"},
+    };
+    (void)state;
+    for (size_t i = 0; i < COUNT_OF(known); i++) {
+        struct ticks ticks = ticks_log(known[i].from, known[i].to, known[i].most);
+        char text[256];
+        labels(&ticks, true, text, sizeof text);
+        assert_string_equal(text, known[i].labels);
+    }
+}
+
+static void test_random_decades(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 5000; i++) {
+        double low = 600 * uniform() - 300, high = low + 1 + (299 - low) * uniform();
+        int most = 2 + (int)(20 * uniform());
+        struct ticks ticks = ticks_log(pow(10, low), pow(10, high), most);
+        if (ticks.count < 1 || ticks.count > most || ticks.first < low - 1e-6 ||
+            ticks.first + (ticks.count - 1) * ticks.step > high + 1e-6)
+            fail_msg("[1e%g, 1e%g] most %d: %d from %g step %g", low, high, most, ticks.count, ticks.first, ticks.step);
+    }
+}
+
+static void test_locale_does_not_matter(void **state)
+{
+    char text[64];
+    (void)state;
+    if (!setlocale(LC_ALL, "de_DE.UTF-8") && !setlocale(LC_ALL, "pl_PL.UTF-8") && !setlocale(LC_ALL, "fr_FR.UTF-8")) {
+        print_message("no locale with a decimal comma is installed\n");
+        skip();
+    }
+    struct ticks ticks = ticks_linear(0, 1, 3, 4);
+    labels(&ticks, false, text, sizeof text);
+    setlocale(LC_ALL, "C");
+    assert_string_equal(text, "0.0 0.5 1.0");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_random_ranges),     cmocka_unit_test(test_known_ranges),
+        cmocka_unit_test(test_no_range_no_ticks), cmocka_unit_test(test_decades),
+        cmocka_unit_test(test_random_decades),    cmocka_unit_test(test_locale_does_not_matter),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

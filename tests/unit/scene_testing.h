@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the tests of the scene share: random numbers that are the same every time, and scenes from a few values. */
+#ifndef SCENE_TESTING_H
+#define SCENE_TESTING_H
+
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <hooke/scene.h>
+
+/* splitmix64 (Steele, Lea, Flood 2014), as a number in [0, 1). */
+static inline double random_unit(uint64_t *seed)
+{
+    uint64_t z = (*seed += 0x9E3779B97F4A7C15u);
+    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
+    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
+    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
+}
+
+static inline double random_between(uint64_t *seed, double a, double b)
+{
+    return a + (b - a) * random_unit(seed);
+}
+
+struct setting {
+    const char *param;
+    double value;
+};
+
+/* The default scene with these settings, bound; fails the test where it does not bind. */
+static inline struct system bound(const struct setting *settings, size_t count)
+{
+    struct scene scene;
+    struct system system;
+    struct error error = {0};
+    scene_init(&scene, NULL);
+    for (size_t i = 0; i < count; i++)
+        if (!scene_set(&scene, param_index(settings[i].param), (struct measured){settings[i].value, 0}, &error))
+            fail_msg("%s", error.text);
+    if (!scene_bind(&scene, &system, &error))
+        fail_msg("%s", error.text);
+    return system;
+}
+
+#define BOUND(...) bound((const struct setting[]){__VA_ARGS__}, COUNT_OF(((const struct setting[]){__VA_ARGS__})))
+
+#endif
