@@ -40,8 +40,8 @@ OPT_debug    := -O0 -g
 PKG := pkg-config
 GSL_CFLAGS  := $(shell $(PKG) --cflags gsl 2>/dev/null)
 GSL_LIBS    := $(shell $(PKG) --libs gsl 2>/dev/null || echo -lgsl -lgslcblas -lm)
-LINE_CFLAGS := $(shell $(PKG) --cflags readline 2>/dev/null)
-LINE_LIBS   := $(shell $(PKG) --libs readline 2>/dev/null || echo -lreadline)
+LINE_CFLAGS := $(shell $(PKG) --cflags readline ncursesw 2>/dev/null)
+LINE_LIBS   := $(shell $(PKG) --libs readline ncursesw 2>/dev/null || echo -lreadline -lncursesw -ltinfo)
 TEST_LIBS   := $(shell $(PKG) --libs cmocka 2>/dev/null || echo -lcmocka)
 
 CPPFLAGS += -D_GNU_SOURCE -DHOOKE_VERSION='"$(VERSION)"' -Iinclude -Ibuild

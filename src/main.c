@@ -45,13 +45,78 @@ static bool option_setting(struct session *session, const char *name, const char
     return true;
 }
 
+/* Before anything is said: who will listen? */
+static enum front_kind choose_front(const struct options *options)
+{
+    struct error error = {0};
+    const bool terminal = isatty(STDIN_FILENO) && isatty(STDOUT_FILENO);
+    if (options->batch || !terminal || (options->tasks > 0 && !options->interactive)) {
+        return FRONT_END;
+    }
+    if (options->plain) {
+        return FRONT_IS_PLAIN;
+    }
+    if (panes_possible(&error)) {
+        return FRONT_IS_PANES;
+    }
+    fprintf(stderr, "hooke: no panes: %s\n", error.text);
+    return FRONT_IS_PLAIN;
+}
+
+/* The session saves itself; told on standard error, where it can be read after panes, too. */
+static void save_at_end(struct autosave *autosave)
+{
+    struct error error;
+    if (!autosave_write(autosave, &error)) {
+        fprintf(stderr, "hooke: warning: %s\n", error.text);
+    }
+}
+
+static struct autosave *last_save;
+
+static void save_without_memory(void)
+{
+    struct error error;
+    autosave_write(last_save, &error);
+}
+
+/* The prompts, one after the other, as long as `plain` and `panes` ask for it. */
+static void talk(struct program *program, enum front_kind kind)
+{
+    struct autosave autosave;
+    autosave_begin(&autosave, program->session);
+    program->autosave = last_save = &autosave;
+    crash_last_act(save_without_memory);
+    for (program->next = kind; program->next != FRONT_END && !program->session->quit && !signals_ending();) {
+        if (program->next == FRONT_IS_PANES) {
+            panes_run(program);
+        } else {
+            prompt_run(program);
+        }
+    }
+    crash_last_act(NULL);
+    save_at_end(&autosave);
+    autosave_end(&autosave);
+}
+
+static bool begin_session(struct session **session, const struct options *options, struct reply *reply)
+{
+    struct error error = {0};
+    if (options->resume && !autosave_resume(session, options->resume_name, reply, &error)) {
+        fprintf(stderr, "hooke: error: %s%s%s; nothing was restored\n", error.text, *error.hint ? "; " : "", error.hint);
+        return false;
+    }
+    return option_setting(*session, "charset", options->charset) && option_setting(*session, "color", options->color) &&
+           option_setting(*session, "format", options->format);
+}
+
 static int run(const struct options *options)
 {
-    bool terminal = isatty(STDIN_FILENO) && isatty(STDOUT_FILENO);
-    bool prompt = !options->batch && terminal && (options->tasks == 0 || options->interactive);
+    const enum front_kind kind = choose_front(options);
     struct streams streams = {0};
     struct front front = {.cancel = &interrupt};
     front_probe(&front, options, STDOUT_FILENO);
+    screenshot_offer(&front);
     struct session *session = session_create(&front);
     if (!session) {
         fputs("hooke: error: out of memory\n", stderr);
@@ -64,16 +129,18 @@ static int run(const struct options *options)
     reply.quiet = options->quiet;
 
     int status = ERROR_USAGE;
-    if (option_setting(session, "charset", options->charset) && option_setting(session, "color", options->color) &&
-        option_setting(session, "format", options->format)) {
-        if (!options->norc && (prompt || options->rc)) {
+    if (begin_session(&session, options, &reply)) {
+        if (kind == FRONT_IS_PANES) {
+            reply.sink = panes_sink(session); /* what is said from now on stands in the log */
+        }
+        if (!options->norc && (kind != FRONT_END || options->rc)) {
             rc_run(session, &reply);
             session->status = 0; /* a mistake in the rc file has been told; it does not make this run a failure */
         }
-        batch_run(session, options, !prompt && options->tasks == 0, &reply, &streams);
+        batch_run(session, options, kind == FRONT_END && options->tasks == 0, &reply, &streams);
         status = session->status; /* what is typed at the prompt afterwards has been answered there */
-        if (prompt && !session->quit && !signals_ending()) {
-            prompt_run(session, options, &reply, &streams);
+        if (kind != FRONT_END && !session->quit && !signals_ending()) {
+            talk(&(struct program){.session = session, .options = options, .streams = &streams, .reply = &reply}, kind);
         }
     }
     bool written = streams_flush(&streams);
@@ -83,7 +150,7 @@ static int run(const struct options *options)
     }
     if (signals_ending()) {
         status = 128 + signals_ending();
-    } else if (!prompt && cancelled(&interrupt)) {
+    } else if (kind == FRONT_END && cancelled(&interrupt)) {
         status = ERROR_CANCELLED;
     }
     reply_free(&reply);
@@ -96,6 +163,7 @@ int main(int argc, char **argv)
 {
     choose_locale();
     signals_install();
+    crash_install();
     struct options options;
     int status = ERROR_USAGE;
     if (options_read(&options, argc, argv)) {

@@ -247,7 +247,7 @@ struct live {
     int mark_count;
     bool pausing;     /* asked to pause at the next look */
     bool changing;    /* private: the present command changes the current run */
-    struct buffer record; /* private: what `record` writes instead of, and after, the present statement */
+    struct buffer record, typed; /* private: what `record` writes instead of the present statement, and after it */
 };
 
 struct snapshot; /* private: undo, redo, checkpoints */
@@ -313,7 +313,7 @@ struct session {
     uint64_t changes; /* counts changes: autosave compares it */
     int commands;     /* statements executed */
     bool typed;       /* the statement being executed was typed by a person */
-    int nesting;      /* command_exec inside command_exec: sourced files, and lines typed while a run goes on */
+    int nesting;      /* command_exec inside command_exec */
     bool halted;      /* a run was paused: what stands after it on the line and in the file is not executed */
 
     struct view view;

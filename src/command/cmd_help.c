@@ -172,7 +172,8 @@ static const struct topic {
     {&command_catalog, help_command},   {&param_catalog, help_param},           {&derived_catalog, help_derived}, {&setting_catalog, help_setting},
     {&method_catalog, help_method},     {&observable_catalog, help_observable}, {&preset_catalog, help_preset},   {&unit_catalog, help_unit},
     {&quantity_catalog, help_plain},    {&function_catalog, help_plain},        {&plot_catalog, help_plain},      {&fit_catalog, help_plain},
-    {&format_catalog, help_plain},      {&drag_catalog, help_plain},
+    {&format_catalog, help_plain},      {&drag_catalog, help_plain},           {&layout_catalog, help_plain},   {&pane_catalog, help_plain},
+    {&snap_catalog, help_plain},
 };
 
 static void help_all(struct reply *reply)
@@ -344,15 +345,15 @@ HANDLER(list)
 
 COMMAND(help, .row = {"help", "", "explain a word, or list the commands", "", "h ?"}, .group = "SESSION",
         .text = "WORD is a command, parameter, setting, method, scene, observable, unit or function.",
-        .examples = "help run\nhelp symplectic-euler", .see = "apropos list", .flags = COMMAND_UNRECORDED,
+        .examples = "help run\nhelp symplectic-euler", .see = "apropos list", .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME,
         ARGUMENTS(PLACE("WORD", TYPE_REST)))
 
 COMMAND(apropos, .row = {"apropos", "", "search names and explanations", "", NULL}, .group = "SESSION",
         .text = "Finds the word in names, one-line explanations and sources.", .examples = "apropos energy\napropos Hairer", .see = "help list",
-        .flags = COMMAND_UNRECORDED, ARGUMENTS(PLACE("WORD", TYPE_REST, .flags = ARG_REQUIRED)))
+        .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME, ARGUMENTS(PLACE("WORD", TYPE_REST, .flags = ARG_REQUIRED)))
 
 COMMAND(list, .row = {"list", "", "list what there is of a kind", "", "ls"}, .group = "SESSION",
         .text = "commands, scenes, methods, parameters, derived, observables, settings, units, functions, formats, limits, measurements,\n"
                 "runs, recordings.",
-        .examples = "list methods\nlist measurements", .see = "help show", .flags = COMMAND_UNRECORDED,
+        .examples = "list methods\nlist measurements", .see = "help show", .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME,
         ARGUMENTS(PLACE("KIND", TYPE_CHOICE, .flags = ARG_REQUIRED, .choices = &list_catalog)))

@@ -23,22 +23,7 @@ struct measuring {
 
 static bool keep(struct measuring *m, const char *name, struct measured value, enum quantity unit, double periods)
 {
-    struct session *session = m->session;
-    if ((session->measurements & (session->measurements - 1)) == 0) { /* full at every power of two */
-        const size_t room = session->measurements ? 2 * (size_t)session->measurements : 1;
-        struct measurement *larger = realloc(session->measurement, room * sizeof *larger);
-        if (!larger)
-            return error_memory(m->error);
-        session->measurement = larger;
-    }
-    struct measurement *row = &session->measurement[session->measurements++];
-    *row = (struct measurement){.value = value, .unit = unit, .periods = periods};
-    snprintf(row->quantity, sizeof row->quantity, "%s", name);
-    snprintf(row->of, sizeof row->of, "%s", m->subject.name);
-    char result[LIMIT_NAME + 1];
-    snprintf(result, sizeof result, "measured_%s", name);
-    session_set_result(session, result, value, unit);
-    return true;
+    return session_keep_measurement(m->session, name, m->subject.name, value, unit, periods, m->error);
 }
 
 /* Opens the record; the caller adds fields of its own and ends it. */
@@ -73,25 +58,9 @@ static void put_theory(struct buffer *text, double value, double theory, enum qu
     buffer_format(text, " (%+.2f %%)", fabs(percent) < 0.005 ? 0.0 : percent);
 }
 
-/* Of a run its own scene; of a recording the present one, if somebody has said what the spring is. */
-static const struct scene *scene_of(const struct measuring *m)
-{
-    const struct scene *scene = &m->session->setup.scene;
-    if (m->subject.run)
-        return &m->subject.run->scene;
-    return scene->given[param_index("k")] || scene->given[param_index("m")] ? scene : NULL;
-}
-
-static double derived(const struct scene *scene, const char *name)
-{
-    const struct row *row = catalog_find(&derived_catalog, text_of(name));
-    return scene && row ? ((const struct derived_row *)(const void *)row)->value(scene).value : (double)NAN;
-}
-
 static double theory_period(const struct measuring *m)
 {
-    const double damped = derived(scene_of(m), "T_d");
-    return isfinite(damped) ? damped : derived(scene_of(m), "T0");
+    return scene_period(subject_scene(m->session, m->subject.run));
 }
 
 static bool say(struct measuring *m, struct buffer *text)
@@ -205,7 +174,7 @@ static bool measure_decay(struct measuring *m)
     put(&text, "gamma", d.gamma, QUANTITY_RATE);
     buffer_format(&text, " (%s; %d readings)", m->subject.energy ? "energy falls as exp(-gamma t)" : "amplitude falls as exp(-gamma t/2)",
                   d.readings);
-    const struct scene *scene = scene_of(m);
+    const struct scene *scene = subject_scene(m->session, m->subject.run);
     const double gamma = scene ? scene->value[param_index("gamma")] : 0;
     if (gamma != 0)
         put_theory(&text, d.gamma.value, gamma, QUANTITY_RATE);
@@ -310,8 +279,9 @@ static bool largest_speed(struct measuring *m, struct measured *speed)
 {
     const struct series *s = &m->subject.series;
     if (!m->subject.run && !m->subject.recording) {
-        const struct scene *scene = &m->session->setup.scene;
-        *speed = (struct measured){derived(scene, "amplitude") * derived(scene, "omega0"), 0};
+        struct named_value amplitude, omega0; /* without a run these are the derived quantities of the scene */
+        if (names_value(m->session, TEXT("amplitude"), &amplitude) && names_value(m->session, TEXT("omega0"), &omega0))
+            *speed = (struct measured){amplitude.value * omega0.value, 0};
         return isfinite(speed->value) || error_set(m->error, ERROR_COMMAND, "the scene does not oscillate (k > 0 is needed)");
     }
     if (m->subject.run) {
@@ -336,7 +306,7 @@ static bool largest_speed(struct measuring *m, struct measured *speed)
 
 static bool measure_reynolds(struct measuring *m)
 {
-    struct measured speed;
+    struct measured speed = {(double)NAN, 0};
     if (!largest_speed(m, &speed))
         return false;
     const struct scene *scene = m->subject.run ? &m->subject.run->scene : &m->session->setup.scene;
@@ -410,7 +380,7 @@ HANDLER(measure)
 COMMAND(measure, .row = {"measure", "", "measure a quantity of a run or a recording", "", NULL}, .group = "MEASURE",
         .text = "Acts on the most recent run or recording unless told. The period comes from line fits at the up-crossings and is given\n"
                 "with its standard uncertainty. at= or windows= choose where the amplitude is read.",
-        .examples = "run; measure period\nmeasure amplitude at=1,4,8 of run 1", .see = "fit list plot",
+        .examples = "run; measure period\nmeasure amplitude at=1,4,8 of run 1", .see = "fit list plot", .flags = COMMAND_ANYTIME,
         ARGUMENTS(PLACE("QUANTITY", TYPE_CHOICE, .flags = ARG_REQUIRED, .choices = &quantity_catalog),
                   WORD("run", TYPE_RUN, .lead = "of", .group = 1), WORD("data", TYPE_RECORDING, .lead = "of", .group = 1),
                   WORD("energy", TYPE_NONE, .lead = "of"), KEY("window", TYPE_RANGE, .quantity = QUANTITY_TIME),

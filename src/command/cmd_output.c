@@ -107,7 +107,7 @@ COMMAND(export, .row = {"export", "", "write columns of runs, a recording or mea
         .text = "Of the current run t, y, v and energy in SI units, unless told; any observable can be a column. Several runs stand below\n"
                 "each other with a column run. every= takes every N-th row or one row each so much time. The form follows the end of the\n"
                 "name: .csv .tsv .json. 'table' has one row for each run.",
-        .examples = "run; export run1.csv t,y,v\nexport all.csv run all every=100ms", .see = "print save plot list",
+        .examples = "run; export run1.csv t,y,v\nexport all.csv run all every=100ms", .see = "print save plot list", .flags = COMMAND_ANYTIME,
         ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED), WORD("run", TYPE_RUN, .flags = ARG_MANY | ARG_ALL, .group = 1),
                   WORD("data", TYPE_NONE, .group = 1), WORD("measurements", TYPE_NONE, .group = 1),
                   WORD("table", TYPE_NONE, .group = 1),
@@ -117,8 +117,8 @@ COMMAND(export, .row = {"export", "", "write columns of runs, a recording or mea
 
 COMMAND(print, .row = {"print", "", "show the value of an expression, or a text", "", NULL}, .group = "OUTPUT",
         .text = "Names are SI numbers: parameters, the state and the observables of the current run, results of measurements and fits.",
-        .examples = "print T0\nprint 2*pi*sqrt(m/k)", .see = "show echo let",
+        .examples = "print T0\nprint 2*pi*sqrt(m/k)", .see = "show echo let", .flags = COMMAND_ANYTIME,
         ARGUMENTS(PLACE("EXPR", TYPE_EXPR, .flags = ARG_REQUIRED)))
 
 COMMAND(echo, .row = {"echo", "", "show a text", "", NULL}, .group = "OUTPUT", .text = "Quotes are only needed around ; and #.",
-        .examples = "echo first session\necho 'one; two'", .see = "print note", ARGUMENTS(PLACE("TEXT", TYPE_REST)))
+        .examples = "echo first session\necho 'one; two'", .see = "print note", .flags = COMMAND_ANYTIME, ARGUMENTS(PLACE("TEXT", TYPE_REST)))

@@ -88,7 +88,7 @@ HANDLER(plot)
     if (file->count)
         return write_figure(session, given, &figure, width, height, reply, error);
     const bool color = session->setup.settings.color == COLOR_ALWAYS ||
-                       (session->setup.settings.color == COLOR_AUTO && session->front.color);
+                       (session->setup.settings.color == COLOR_AUTO && session->front.color && !session->front.watched);
     struct buffer text = {0};
     const bool ok = figure_print(&figure, width, height, request.charset, color && reply->format == FORMAT_TEXT, &text);
     if (ok)
@@ -102,7 +102,7 @@ COMMAND(plot, .row = {"plot", "", "draw position, velocity, phase, energy, error
         .text = "Of the current run and of the recording where they overlap in time, unless told. Without a window at least 8 columns a\n"
                 "period are kept (5 with dots) and the phase plot shows the last 2 periods; the frame says so. A run that grows out of\n"
                 "bounds leaves the frame and does not flatten the others.",
-        .examples = "run; plot position\ncompare euler symplectic-euler; plot energy run all", .see = "set export measure",
+        .examples = "run; plot position\ncompare euler symplectic-euler; plot energy run all", .see = "set export measure", .flags = COMMAND_ANYTIME,
         ARGUMENTS(PLACE("KIND", TYPE_CHOICE, .flags = ARG_REQUIRED, .choices = &plot_catalog),
                   WORD("run", TYPE_RUN, .flags = ARG_MANY | ARG_ALL), WORD("data", TYPE_RECORDING),
                   KEY("window", TYPE_RANGE, .quantity = QUANTITY_TIME), OPTION("log", TYPE_NONE),

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* run, continue, step, back, reset */
 #ifndef COMMAND_ROWS
-#include "internal.h"
+#include "journal.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -9,7 +9,7 @@
 
 #define SECONDS_ASKED 60    /* predicted run times above it need --force or a yes */
 #define UNTIL_DURATIONS 1000 /* `run until` gives up after so many durations */
-#define FAR 1e300            /* [s] no run gets there; finite, so that what is left of the way is a number */
+#define STEPS_MOST 1000000000
 #define SLICE_NS 10000000   /* 10 ms between looks at the front end */
 
 /* ---- what is said about a run ------------------------------------------------------------------------------------------ */
@@ -111,7 +111,8 @@ static void warn_coarse(const struct session *session, const struct run *run, st
 static bool allow_long(struct session *session, const struct plan *plan, bool force, struct error *error)
 {
     char question[200];
-    if (!(plan->seconds > SECONDS_ASKED) || force)
+    /* Who watches it can pause it. */
+    if (!(plan->seconds > SECONDS_ASKED) || force || (session->typed && session->front.watched))
         return true;
     snprintf(question, sizeof question, "this run takes about %.0f s (%.3g steps)", plan->seconds, plan->steps);
     if (session->typed && session->front.confirm)
@@ -120,26 +121,83 @@ static bool allow_long(struct session *session, const struct plan *plan, bool fo
     return error_hint(error, "--force runs it all the same");
 }
 
-/* Advances in slices, says how it went; false if it did not get where it should. */
-static bool advance(struct session *session, struct run *run, const struct run_target *target, struct reply *reply,
-                    struct error *error)
+/* The current run goes on along what was asked for last, at most `steps` steps of it (< 0: no limit). */
+struct journey {
+    struct held_run *held;
+    struct leg leg; /* as it was: the list may grow on the way */
+    struct run_target target;
+    int legs;            /* journal and run as they were before */
+    int64_t steps;
+    double t;
+};
+
+static bool set_out(struct session *session, const struct arguments *given, int64_t steps, struct journey *journey, struct error *error)
+{
+    struct held_run *held = session->run[session->current_run];
+    const struct leg *leg = journal_pending(held);
+    const struct run *run = held->run;
+    const int64_t left = leg->end == INT64_MAX ? -1 : leg->end - run->steps;
+    *journey = (struct journey){.held = held, .leg = *leg, .legs = held->legs, .steps = run->steps, .t = run->t};
+    journey->target = (struct run_target){.t = leg->t, .steps = steps >= 0 && (left < 0 || steps < left) ? steps : left, .scope = given->scope};
+    if (leg->condition) {
+        struct condition *condition = arena_alloc(given->arena, sizeof *condition);
+        size_t used;
+        if (!condition)
+            return error_memory(error);
+        if (!condition_compile(text_of(leg->condition), given->scope, given->arena, condition, &used, error)) {
+            error->where = (struct text){NULL, 0};
+            return false;
+        }
+        journey->target.condition = condition;
+    }
+    return true;
+}
+
+static void travel(struct session *session, struct run *run, const struct run_target *target, bool clocked, struct reply *reply)
 {
     const struct front *front = &session->front;
     const double from = run->t;
+    if (front->watched && front->slice) {
+        if (clocked && session->typed)
+            reply_line(reply, "running... (pause: Ctrl-C or F5; you can keep typing commands)");
+        live_advance(session, run, target, clocked && session->typed);
+        return;
+    }
     while (run_advance(run, target, SLICE_NS, front->cancel))
         if (front->progress)
-            front->progress(front->context, run, isfinite(target->t) ? (run->t - from) / (target->t - from) : -1);
+            front->progress(front->context, run, fabs(target->t) < FAR ? (run->t - from) / (target->t - from) : -1);
     if (front->progress)
         front->progress(front->context, run, 2);
+}
+
+/* What `record` has to write where the statement alone does not tell what happened. */
+static void tell(struct session *session, const struct journey *journey)
+{
+    const bool paused = journey->held->run->stop == STOP_CANCELLED, changed = journey->held->legs > journey->legs;
+    const bool whole = journey->legs == 1 && journey->steps == 0;
+    if (session->record_fd >= 0 && (paused || changed))
+        journal_write(session, journey->held, whole ? 0 : journey->legs, whole ? -1 : journey->steps, 0, &session->live.record);
+}
+
+/* Says how it went; false if it did not get where it should. */
+static bool arrive(struct session *session, const struct journey *journey, struct reply *reply, struct error *error)
+{
+    struct run *run = journey->held->run;
     session->data_is_latest = false;
     session_changed(session);
+    if (run->stop == STOP_CONDITION)
+        journal_pending(journey->held)->met = run->steps;
+    tell(session, journey);
     if (run->stop == STOP_CANCELLED)
-        reply_line(reply, "stopped at t = %.6g s; 'continue' goes on", run->t);
+        reply_line(reply, "%s at t = %.6g s; 'continue' goes on", session->front.watched ? "paused" : "stopped", run->t);
     reply_run(session, run, reply);
     warn_growth(run, reply);
-    if (run->stop == STOP_CANCELLED)
-        return error_set(error, ERROR_CANCELLED, "run %d was interrupted and is kept up to t = %.6g s", run->number, run->t);
-    if (run->stop == STOP_END && target->condition)
+    if (run->stop == STOP_CANCELLED) {
+        session->halted = session->front.watched;
+        return session->front.watched ||
+               error_set(error, ERROR_CANCELLED, "run %d was interrupted and is kept up to t = %.6g s", run->number, run->t);
+    }
+    if (run->stop == STOP_END && journey->target.condition)
         return error_set(error, ERROR_COMMAND, "the condition did not become true up to t = %.6g s", run->t);
     if (run->stop == STOP_DIVERGED || run->stop == STOP_NO_SOLUTION || run->stop == STOP_STALLED || run->stop == STOP_FULL) {
         struct buffer why = {0};
@@ -152,44 +210,90 @@ static bool advance(struct session *session, struct run *run, const struct run_t
     return true;
 }
 
-static struct run *new_run(struct session *session, double span, bool force, struct error *error)
+/*
+ * On along the last leg. `steps` ends it early on purpose: the run is then as good as paused, what is left of the leg can be done by `continue`.
+ */
+static bool advance(struct session *session, const struct arguments *given, int64_t steps, bool clocked, struct reply *reply,
+                    struct error *error)
+{
+    struct journey journey;
+    if (!set_out(session, given, steps, &journey, error))
+        return false;
+    struct run *run = journey.held->run;
+    travel(session, run, &journey.target, clocked, reply);
+    const bool early = run->stop == STOP_END && run->t != journey.leg.t && steps >= 0 && run->steps < journey.leg.end;
+    if (!early)
+        return arrive(session, &journey, reply, error);
+    journey.target.condition = NULL; /* it was not waited for */
+    const bool ok = arrive(session, &journey, reply, error);
+    run->stop = STOP_CANCELLED;
+    return ok;
+}
+
+static struct run *new_run(struct session *session, double span, int64_t steps, bool force, struct error *error)
 {
     const struct run_settings settings = session_run_settings(session);
     struct run *run = run_create(&session->setup.scene, session->setup.method, &settings, span, error);
     if (!run)
         return NULL;
-    if (!allow_long(session, &run->plan, force, error)) {
+    struct plan plan = run->plan;
+    if (steps >= 0 && plan.steps > (double)steps)
+        plan.seconds *= (double)steps / plan.steps;
+    if (!allow_long(session, &plan, force, error)) {
         run_destroy(run);
         return NULL;
     }
     return session_add_run(session, run, error) ? run : NULL;
 }
 
+/* A leg from where the current run is. */
+static bool new_leg(struct session *session, double t, int64_t end, const struct given *until, struct error *error)
+{
+    struct held_run *held = session->run[session->current_run];
+    const struct leg leg = {.kind = LEG_GO, .from = held->run->steps, .from_t = held->run->t, .t = t, .end = end};
+    struct leg *last = held->legs > 0 ? &held->leg[held->legs - 1] : NULL;
+    /* Step by step is one leg, not many. */
+    if (end != INT64_MAX && last && last->kind == LEG_GO && last->t == t && last->end == leg.from) {
+        last->end = end;
+        return true;
+    }
+    return journal_add(held, leg, until->count ? until->item->text : TEXT(""), error);
+}
+
+static int64_t steps_given(const struct arguments *given)
+{
+    const struct given *steps = given_for(given, "steps");
+    return steps->count ? (int64_t)steps->item->value.value : -1;
+}
+
 HANDLER(run)
 {
-    const struct given *duration = given_for(given, "DURATION"), *to = given_for(given, "to"), *until = given_for(given, "until");
+    const struct given *duration = given_for(given, "DURATION"), *to = given_for(given, "to"), *until = given_for(given, "until"),
+                       *number = given_for(given, "number");
     const double t0 = session->setup.scene.value[param_index("t0")];
     double span = session->setup.settings.duration;
-    struct run_target target = {.steps = -1, .scope = given->scope};
     if (duration->count)
         span = duration->item->value.value;
     else if (to->count)
         span = to->item->value.value - t0;
-    target.t = to->count ? to->item->value.value : t0 + span;
+    double t = to->count ? to->item->value.value : t0 + span;
     if (until->count) {
-        target.condition = until->item->condition;
-        target.t = t0 + UNTIL_DURATIONS * span;
+        t = t0 + UNTIL_DURATIONS * span;
         span = HUGE_VAL;
     }
-    if (span == 0 || target.t == t0) {
-        error_at(error, duration->count ? duration->where : to->where, "there is nothing to run: the time asked for is the start t0");
-        return false;
-    }
-    struct run *run = new_run(session, span, is_given(given, "force"), error);
+    if (span == 0 || t == t0)
+        return error_at(error, duration->count ? duration->where : to->where, "there is nothing to run: the time asked for is the start t0");
+    if (number->count && (number->item->value.value < session->next_run || number->item->value.value > 1e9))
+        return error_at(error, number->item->text, "the next run has the number %d or a larger one", session->next_run);
+    struct run *run = new_run(session, span, steps_given(given), is_given(given, "force"), error);
     if (!run)
         return false;
+    if (number->count) {
+        run->number = (int)number->item->value.value;
+        session->next_run = run->number + 1;
+    }
     warn_coarse(session, run, reply);
-    return advance(session, run, &target, reply, error);
+    return new_leg(session, t, INT64_MAX, until, error) && advance(session, given, steps_given(given), true, reply, error);
 }
 
 /* ---- the current run -------------------------------------------------------------------------------------------------------- */
@@ -216,8 +320,10 @@ static bool can_go_on(const struct run *run, struct error *error)
 static void warn_other_scene(const struct session *session, const struct run *run, struct reply *reply)
 {
     const struct scene *now = &session->setup.scene;
-    if (memcmp(now->value, run->scene.value, sizeof now->value) != 0 || run->method != session->setup.method)
-        reply_warning(reply, "run %d goes on with the parameters and the method it was started with; 'run' starts one with the present ones",
+    struct scene in_force;
+    journal_scene(session->run[session->current_run], &in_force);
+    if (memcmp(now->value, in_force.value, sizeof now->value) != 0 || run->method != session->setup.method)
+        reply_warning(reply, "run %d goes on with the parameters and the method it has; 'change' gives it others, 'run' starts one with the present ones",
                       run->number);
 }
 
@@ -226,46 +332,82 @@ static double direction(const struct run *run)
     return run->t < run->system.t0 ? -1 : 1;
 }
 
+/* Whether something is left of what was asked for before a pause. */
+static bool is_paused(const struct session *session, const struct run *run)
+{
+    return run->stop == STOP_CANCELLED && journal_pending(session->run[session->current_run]);
+}
+
 HANDLER(continue)
 {
-    const struct given *duration = given_for(given, "DURATION");
-    const double span = duration->count ? duration->item->value.value : session->setup.settings.duration;
+    const struct given *duration = given_for(given, "DURATION"), *to = given_for(given, "to"), *until = given_for(given, "until");
+    const bool told = duration->count || to->count || until->count;
     struct run *run = current(session, error);
     struct plan plan;
-    if (!run || !can_go_on(run, error) ||
-        !plan_make(&run->system, run->method, &run->settings, direction(run) * span, &plan, error) ||
-        !allow_long(session, &plan, is_given(given, "force"), error))
+    if (!run || !can_go_on(run, error))
+        return false;
+    double span = direction(run) * (duration->count ? duration->item->value.value : session->setup.settings.duration);
+    if (to->count)
+        span = to->item->value.value - run->t;
+    else if (until->count)
+        span *= UNTIL_DURATIONS;
+    else if (!told && is_paused(session, run))
+        span = journal_pending(session->run[session->current_run])->t - run->t;
+    const bool open = until->count || fabs(span) >= FAR || (!told && is_paused(session, run));
+    if (to->count && (span == 0 || (run->steps > 0 && span * direction(run) < 0)))
+        return error_at(error, to->where, "run %d has been there: it is at t = %.6g s", run->number, run->t);
+    if (!plan_make(&run->system, run->method, &run->settings, open ? copysign(HUGE_VAL, span) : span, &plan, error))
+        return false;
+    if (steps_given(given) >= 0 && plan.steps > (double)steps_given(given))
+        plan.seconds *= (double)steps_given(given) / plan.steps;
+    if (!allow_long(session, &plan, is_given(given, "force"), error))
         return false;
     warn_other_scene(session, run, reply);
-    return advance(session, run, &(struct run_target){.t = run->t + direction(run) * span, .steps = -1}, reply, error);
+    if ((told || !is_paused(session, run)) && !new_leg(session, to->count ? to->item->value.value : run->t + span, INT64_MAX, until, error))
+        return false;
+    return advance(session, given, steps_given(given), true, reply, error);
 }
 
 HANDLER(step)
 {
-    const struct given *count = given_for(given, "N");
+    const struct given *count = given_for(given, "N"), none = {.count = 0};
     const int64_t steps = count->count ? (int64_t)count->item->value.value : 1;
     struct run *run = session_run(session);
-    if (run ? !can_go_on(run, error) : !(run = new_run(session, (double)steps * session->setup.settings.dt, true, error)))
+    if (steps > STEPS_MOST)
+        return error_at(error, count->where, "more than 1e9 steps: use continue DURATION");
+    if (run ? !can_go_on(run, error) : !(run = new_run(session, (double)steps * session->setup.settings.dt, -1, true, error)))
         return false;
-    if (count->count == 0 || steps <= 1000000000)
-        return advance(session, run, &(struct run_target){.t = direction(run) * FAR, .steps = steps}, reply, error);
-    return error_at(error, count->where, "more than 1e9 steps: use continue DURATION");
+    if (is_paused(session, run))
+        return advance(session, given, steps, false, reply, error);
+    return new_leg(session, direction(run) * FAR, run->steps + steps, &none, error) && advance(session, given, -1, false, reply, error);
+}
+
+/* Back by so many recorded states; what is left of a paused leg is still to be done. */
+static bool go_back(struct session *session, struct run *run, int64_t rows, struct reply *reply, struct error *error)
+{
+    struct held_run *held = session->run[session->current_run];
+    const bool paused = is_paused(session, run);
+    const int64_t steps = run->steps;
+    const double t = run->t;
+    if (!run_back(run, rows) && rows < INT64_MAX)
+        reply_warning(reply, "run %d has fewer recorded states than that: it is at its start now", run->number);
+    const bool ok = journal_back(held, steps, t, rows, error);
+    if (paused && rows < INT64_MAX)
+        run->stop = STOP_CANCELLED;
+    session_changed(session);
+    reply_run(session, run, reply);
+    return ok;
 }
 
 HANDLER(back)
 {
     const struct given *count = given_for(given, "N");
-    const int64_t rows = count->count ? (int64_t)count->item->value.value : 1;
     struct run *run = current(session, error);
     if (!run)
         return false;
     if (run->steps == 0)
         return error_set(error, ERROR_COMMAND, "run %d is at its start", run->number);
-    if (!run_back(run, rows))
-        reply_warning(reply, "run %d has fewer recorded states than that: it is at its start now", run->number);
-    session_changed(session);
-    reply_run(session, run, reply);
-    return true;
+    return go_back(session, run, count->count ? (int64_t)count->item->value.value : 1, reply, error);
 }
 
 HANDLER(reset)
@@ -274,10 +416,8 @@ HANDLER(reset)
     struct run *run = current(session, error);
     if (!run)
         return false;
-    if (run->steps > 0) {
-        run_back(run, INT64_MAX);
-        session_changed(session);
-    }
+    if (run->steps > 0)
+        return go_back(session, run, INT64_MAX, reply, error);
     reply_run(session, run, reply);
     return true;
 }
@@ -286,17 +426,23 @@ HANDLER(reset)
 COMMAND(run, .row = {"run", "", "start a new run at t0", "", "r"}, .group = "RUN",
         .text = "Runs for DURATION (else the setting 'duration'), to the time T, or until a condition becomes true. T before t0 and a\n"
                 "negative DURATION go backwards. A condition that stays false ends the run after 1000 durations, with an error. Says the\n"
-                "largest error of the energy balance and, with a recording, the rms distance from it.",
+                "largest error of the energy balance and, with a recording, the rms distance from it. --steps N pauses after N steps. In the\n"
+                "panes the run follows the clock (see speed) while commands can be typed; 'pause' or Ctrl-C pauses it. --number is for saved\n"
+                "sessions: the number of the new run.",
         .examples = "run 10 s\nrun until y < 0", .see = "continue step back plan runs compare", .flags = COMMAND_CHANGES,
         ARGUMENTS(PLACE("DURATION", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_TIME, .group = 1),
                   WORD("to", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_TIME, .group = 1),
-                  WORD("until", TYPE_CONDITION, .group = 1), OPTION("force", TYPE_NONE)))
+                  WORD("until", TYPE_CONDITION, .group = 1), OPTION("steps", TYPE_INTEGER), OPTION("number", TYPE_INTEGER),
+                  OPTION("force", TYPE_NONE)))
 
 COMMAND(continue, .row = {"continue", "", "let the current run go on", "", NULL}, .group = "RUN",
-        .text = "For DURATION (else the setting 'duration'), with the parameters and the method that the run was started with. The result\n"
-                "is the same, bit for bit, as if the run had been longer from the start.",
-        .examples = "continue 5 s\nrun; continue", .see = "run step back", .flags = COMMAND_CHANGES,
-        ARGUMENTS(PLACE("DURATION", TYPE_VALUE, .quantity = QUANTITY_TIME), OPTION("force", TYPE_NONE)))
+        .text = "A paused run goes on to where it was to end. Otherwise for DURATION (else the setting 'duration'), to the time T, or until a\n"
+                "condition becomes true, with the parameters and the method of the run. The result is the same, bit for bit, as if the run\n"
+                "had been longer from the start. --steps N pauses after N steps.",
+        .examples = "run; continue 5 s\nrun 3 s; continue to 10 s", .see = "run step back change", .flags = COMMAND_CHANGES,
+        ARGUMENTS(PLACE("DURATION", TYPE_VALUE, .quantity = QUANTITY_TIME, .group = 1),
+                  WORD("to", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_TIME, .group = 1), WORD("until", TYPE_CONDITION, .group = 1),
+                  OPTION("steps", TYPE_INTEGER), OPTION("force", TYPE_NONE)))
 
 COMMAND(step, .row = {"step", "", "N steps more of the current run", "", "s"}, .group = "RUN",
         .text = "Starts a run where there is none.", .examples = "step\nstep 100", .see = "back continue run", .flags = COMMAND_CHANGES,

@@ -87,13 +87,16 @@ HANDLER(rename)
 
 HANDLER(drop)
 {
-    UNUSED(error);
     const struct given *which = given_for(given, "N");
     bool gone[LIMIT_RUNS] = {false};
     int count = 0;
     for (int i = 0; i < which->count; i++)
         for (int r = 0; r < session->runs; r++)
             gone[r] |= which->item[i].index < 0 || which->item[i].index == r;
+    if (session->live.state == LIVE_RUNNING && gone[session->current_run]) {
+        error_at(error, which->where, "run %d goes on: it cannot be dropped now", session->run[session->current_run]->run->number);
+        return error_hint(error, "'pause' or Ctrl-C pauses it");
+    }
     for (int r = session->runs - 1; r >= 0; r--)
         if (gone[r]) {
             session_drop_run(session, r);
@@ -123,7 +126,7 @@ HANDLER(note)
 #endif
 
 COMMAND(runs, .row = {"runs", "", "list the runs", "", NULL}, .group = "RUNS", .text = "The current one has a star.",
-        .examples = "runs\ncompare euler verlet; runs", .see = "use drop rename note")
+        .examples = "runs\ncompare euler verlet; runs", .see = "use drop rename note", .flags = COMMAND_ANYTIME)
 
 COMMAND(use, .row = {"use", "", "make a run the current one", "", NULL}, .group = "RUNS",
         .text = "measure, plot, continue and names in expressions act on the current run.", .examples = "compare euler verlet; use 1\nuse 1; measure period",
@@ -131,13 +134,13 @@ COMMAND(use, .row = {"use", "", "make a run the current one", "", NULL}, .group 
 
 COMMAND(rename, .row = {"rename", "", "give a run a name", "", NULL}, .group = "RUNS",
         .text = "The name can stand wherever the number can, and stands in the legend of plots.",
-        .examples = "run; rename 1 reference\nuse reference", .see = "runs note", .flags = COMMAND_CHANGES,
+        .examples = "run; rename 1 reference\nuse reference", .see = "runs note", .flags = COMMAND_CHANGES | COMMAND_ANYTIME,
         ARGUMENTS(PLACE("N", TYPE_RUN, .flags = ARG_REQUIRED), PLACE("NAME", TYPE_TEXT, .flags = ARG_REQUIRED)))
 
 COMMAND(drop, .row = {"drop", "", "forget runs", "", NULL}, .group = "RUNS", .text = "undo brings them back.",
-        .examples = "run; drop 1\ndrop all", .see = "runs undo", .flags = COMMAND_CHANGES,
+        .examples = "run; drop 1\ndrop all", .see = "runs undo", .flags = COMMAND_CHANGES | COMMAND_ANYTIME,
         ARGUMENTS(PLACE("N", TYPE_RUN, .flags = ARG_REQUIRED | ARG_MANY | ARG_ALL)))
 
 COMMAND(note, .row = {"note", "", "write a note for the current run", "", NULL}, .group = "RUNS",
-        .text = "It stands in the list of runs and in exports.", .examples = "run; note with the large disk\nruns", .see = "runs export",
+        .text = "It stands in the list of runs and in exports.", .examples = "run; note with the large disk\nruns", .see = "runs export", .flags = COMMAND_ANYTIME,
         ARGUMENTS(PLACE("TEXT", TYPE_REST, .flags = ARG_REQUIRED)))

@@ -83,14 +83,26 @@ static bool unknown_name(const struct session *session, struct text name, struct
                                         : "'show all' lists the parameters; 'let NAME = value' makes a variable");
 }
 
+/* The scene as it was, where the run that goes on cannot follow. */
+static bool bind_param(struct session *session, int param, const struct scene *before, double *since, struct error *error)
+{
+    if (live_bind(session, param, since, error))
+        return true;
+    session->setup.scene = *before;
+    return false;
+}
+
 static bool set_param(struct session *session, int param, const struct item *item, struct reply *reply, struct error *error)
 {
-    if (!scene_set(&session->setup.scene, param, item->value, error)) {
+    const struct scene before = session->setup.scene;
+    double since;
+    if (!scene_set(&session->setup.scene, param, item->value, error) || !bind_param(session, param, &before, &since, error)) {
         error->where = item->text;
         return false;
     }
     struct buffer text = {0};
     put_param(session, param, &text);
+    buffer_since(&text, since);
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
     return true;
@@ -111,7 +123,10 @@ static bool set_derived(struct session *session, const struct derived_row *deriv
     if (!isfinite(value))
         return error_at(error, item->text, "%s cannot have this value here", derived->row.name);
     const int target = param_index(derived->target);
-    if (!scene_set(scene, target, (struct measured){value, u > 0 ? fabs(slope) * u : 0}, error)) {
+    const struct scene before = *scene;
+    double since;
+    if (!scene_set(scene, target, (struct measured){value, u > 0 ? fabs(slope) * u : 0}, error) ||
+        !bind_param(session, target, &before, &since, error)) {
         error->where = item->text;
         return false;
     }
@@ -121,6 +136,7 @@ static bool set_derived(struct session *session, const struct derived_row *deriv
     buffer_put(&text, TEXT(" ("));
     put_param(session, target, &text);
     buffer_char(&text, ')');
+    buffer_since(&text, since);
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
     return true;
@@ -221,8 +237,13 @@ HANDLER(unset)
     struct buffer text = {0};
     if (row) {
         const int param = catalog_place(&param_catalog, row);
+        const struct scene before = session->setup.scene;
+        double since;
         scene_unset(&session->setup.scene, param);
+        if (!bind_param(session, param, &before, &since, error))
+            return false;
         put_param(session, param, &text);
+        buffer_since(&text, since);
     } else if ((row = catalog_find(&setting_catalog, name))) {
         const struct setting *setting = (const struct setting *)(const void *)row;
         struct settings defaults;
@@ -294,19 +315,19 @@ COMMAND(scene, .row = {"scene", "", "choose a scene, or show the present one", "
 COMMAND(set, .row = {"set", "", "set a parameter or a setting", "", NULL}, .group = "SCENE",
         .text = "The same as NAME = value. A value may carry a unit and an uncertainty; a bare number is in the SI unit. Setting omega0,\n"
                 "T0 or f0 sets k. 'show all' lists the names.",
-        .examples = "set m 199.9 +- 0.1 g\nT0 = 0.73 s", .see = "unset show let", .flags = COMMAND_CHANGES,
+        .examples = "set m 199.9 +- 0.1 g\nT0 = 0.73 s", .see = "unset show let", .flags = COMMAND_CHANGES | COMMAND_ANYTIME,
         ARGUMENTS(PLACE("NAME", TYPE_NAME, .flags = ARG_REQUIRED), PLACE("VALUE", TYPE_REST, .flags = ARG_REQUIRED)))
 
 COMMAND(unset, .row = {"unset", "", "give a parameter or a setting its default again", "", NULL}, .group = "SCENE",
         .text = "Parameters get the value of the scene, settings that of a new session; a variable made by let is removed.",
-        .examples = "unset gamma\nunset dt", .see = "set scene", .flags = COMMAND_CHANGES,
+        .examples = "unset gamma\nunset dt", .see = "set scene", .flags = COMMAND_CHANGES | COMMAND_ANYTIME,
         ARGUMENTS(PLACE("NAME", TYPE_NAME, .flags = ARG_REQUIRED)))
 
 COMMAND(let, .row = {"let", "", "make a variable", "", NULL}, .group = "SCENE",
         .text = "The value is computed at once. Variables can be used wherever a number can.",
-        .examples = "let A = 4.2 cm\nlet n = 10; run n*T0", .see = "set print", .flags = COMMAND_CHANGES,
+        .examples = "let A = 4.2 cm\nlet n = 10; run n*T0", .see = "set print", .flags = COMMAND_CHANGES | COMMAND_ANYTIME,
         ARGUMENTS(PLACE("NAME", TYPE_NAME, .flags = ARG_REQUIRED), PLACE("VALUE", TYPE_REST, .flags = ARG_REQUIRED)))
 
 COMMAND(plan, .row = {"plan", "", "what will be computed for this scene and method, and what is left out", "", NULL},
         .group = "SCENE", .text = "Nothing is run. Shows the forces that act, steps, memory, and the predicted growth a step.",
-        .examples = "plan\nmethod verlet; plan", .see = "scene method run")
+        .examples = "plan\nmethod verlet; plan", .see = "scene method run", .flags = COMMAND_ANYTIME)

@@ -194,5 +194,5 @@ HANDLER(show)
 #endif
 
 COMMAND(show, .row = {"show", "", "show values: of a name, a group, or a summary", "", NULL}, .group = "SCENE",
-        .text = "Groups are all, scene, run, data, plot and files.", .examples = "show k\nshow all", .see = "set print list help",
+        .text = "Groups are all, scene, run, data, plot and files.", .examples = "show k\nshow all", .see = "set print list help", .flags = COMMAND_ANYTIME,
         ARGUMENTS(PLACE("NAME", TYPE_NAME)))

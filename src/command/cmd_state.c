@@ -102,5 +102,5 @@ COMMAND(restore, .row = {"restore", "", "go back to a checkpoint", "", NULL}, .g
 
 COMMAND(save, .row = {"save", "", "write the commands that recreate the set-up", "", NULL}, .group = "STATE",
         .text = "Scene, method, settings, variables and recordings, with numbers that read back to the same doubles; not the runs.",
-        .examples = "save lab1.hk\nsave lab1.hk --force", .see = "source checkpoint export",
+        .examples = "save lab1.hk\nsave lab1.hk --force", .see = "source checkpoint export", .flags = COMMAND_ANYTIME,
         ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED), OPTION("force", TYPE_NONE)))

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* layout, focus, range, zoom, pan, window, trail, scroll, screenshot, panes, plain, redraw */
+/* layout, focus, range, zoom, pan, window, trail, scroll, screenshot */
 #ifndef COMMAND_ROWS
 #include "choices.h"
 
@@ -108,7 +108,7 @@ HANDLER(range)
     } else if (value->count) {
         struct parser parser = {session, given->scope, given->arena, value->item->text};
         struct item item = {0};
-        if (!parse_range(&parser, "range", axis_quantity(session, x), &item, error) || !refuse_rest(&parser, true, error))
+        if (!parse_range(&parser, "range", axis_quantity(session, x), &item, error) || !refuse_rest(&parser, &item, error))
             return false;
         if (isnan(item.range[0]) || isnan(item.range[1]))
             return error_at(error, value->item->text, "both ends of the range are needed, or auto");
@@ -245,7 +245,7 @@ HANDLER(scroll)
     return true;
 }
 
-/* ---- the front end ------------------------------------------------------------------------------------------------------------- */
+/* ---- screenshot ---------------------------------------------------------------------------------------------------------------- */
 
 HANDLER(screenshot)
 {
@@ -277,34 +277,6 @@ HANDLER(screenshot)
         reply_text(reply, buffer_text(&text));
     buffer_free(&text);
     return ok;
-}
-
-static bool change_front(const struct session *session, enum front_change change, struct error *error)
-{
-    if (session->front.change)
-        return session->front.change(session->front.context, change, error);
-    return change == FRONT_REDRAW || error_set(error, ERROR_COMMAND, "there is no terminal to show panes or a prompt on");
-}
-
-HANDLER(panes)
-{
-    UNUSED(given);
-    UNUSED(reply);
-    return change_front(session, FRONT_PANES, error);
-}
-
-HANDLER(plain)
-{
-    UNUSED(given);
-    UNUSED(reply);
-    return change_front(session, FRONT_PLAIN, error);
-}
-
-HANDLER(redraw)
-{
-    UNUSED(given);
-    UNUSED(reply);
-    return change_front(session, FRONT_REDRAW, error);
 }
 #endif
 
@@ -353,12 +325,3 @@ COMMAND(scroll, .row = {"scroll", "", "scroll the log", "", NULL}, .group = "PLO
 COMMAND(screenshot, .row = {"screenshot", "", "write the screen as text", "", NULL}, .group = "PLOT",
         .text = "As the panes show it, or would show it at --size. Without a file it is printed.", .examples = "run; screenshot\nscreenshot screen.txt --force",
         .see = "plot layout", .flags = COMMAND_ANYTIME, ARGUMENTS(PLACE("FILE", TYPE_FILE), OPTION("force", TYPE_NONE)))
-
-COMMAND(panes, .row = {"panes", "", "show the panes", "", NULL}, .group = "SESSION", .text = "Where the terminal can.", .examples = "panes\nplain; panes",
-        .see = "plain layout", .flags = COMMAND_ANYTIME | COMMAND_UNRECORDED)
-
-COMMAND(plain, .row = {"plain", "", "a prompt without panes", "", NULL}, .group = "SESSION", .text = "Results as text; plots are drawn as figures.",
-        .examples = "plain\nplain; plot position", .see = "panes", .flags = COMMAND_UNRECORDED)
-
-COMMAND(redraw, .row = {"redraw", "", "paint the screen again", "", NULL}, .group = "SESSION", .text = "After another program wrote over it.",
-        .examples = "redraw\nclear; redraw", .see = "clear", .flags = COMMAND_ANYTIME | COMMAND_UNRECORDED)

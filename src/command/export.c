@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "export.h"
+#include "journal.h"
 
 #include <math.h>
 #include <string.h>
 
-#define KEYS_MOST (PARAM_MAX + 16 + LIMIT_RUNS)
+#define KEYS_MOST (PARAM_MAX + 16 + 2 * LIMIT_RUNS)
 
 /* ---- keys: what the numbers were made with --------------------------------------------------------------------------------- */
 
@@ -58,6 +59,25 @@ static void add_scene_keys(struct keys *keys, const struct scene *scene)
     }
 }
 
+/* "gamma 0.1 1/s at t = 3.2 s; k 16 N/m at t = 4 s" */
+static void add_changes(struct keys *keys, const char *name, const struct held_run *held)
+{
+    struct buffer value = {0};
+    for (int i = 0; i < held->legs; i++) {
+        const struct leg *leg = &held->leg[i];
+        if (leg->kind != LEG_SET)
+            continue;
+        const struct param_row *param = (const struct param_row *)(const void *)catalog_row(&param_catalog, (size_t)leg->param);
+        buffer_format(&value, "%s%s ", value.len ? "; " : "", param->row.name);
+        buffer_exact(&value, leg->value, param->quantity);
+        buffer_put(&value, TEXT(" at t = "));
+        buffer_real(&value, leg->from_t);
+        buffer_put(&value, TEXT(" s"));
+    }
+    if (value.len > 0 || value.failed)
+        add_key(keys, name, &value);
+}
+
 static void add_run_keys(struct keys *keys, const struct session *session, const int *place, int count)
 {
     const struct run *one = session->run[place[0]]->run;
@@ -73,6 +93,11 @@ static void add_run_keys(struct keys *keys, const struct session *session, const
         if (count > 1 && held->run->name[0])
             buffer_format(&value, " (%s)", held->run->name);
         add_key(keys, buffer_view(&name), &value);
+        buffer_clear(&name);
+        if (count > 1)
+            buffer_format(&name, "run %d ", held->run->number);
+        buffer_put(&name, TEXT("changed"));
+        add_changes(keys, buffer_view(&name), held);
         buffer_free(&name);
     }
     if (count == 1 && one->name[0])

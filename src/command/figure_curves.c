@@ -6,6 +6,8 @@
 #include <string.h>
 
 #define ROWS_ALL 4096        /* so many rows are taken as they are */
+#define VISITS_A_PERIOD 256  /* a screen looks at no more of them */
+#define VISITS_MOST (1 << 17)
 #define SPECTRUM_SAMPLES 4096
 #define SAMPLES_A_PERIOD 16  /* of a spectrum */
 
@@ -29,22 +31,31 @@ static size_t row_after(const struct run *run, double t)
 
 #define EXTREMES 6
 
+/* Not at the same place of each stride: an oscillation could be in step with it. */
+static size_t visited(size_t i, size_t stride)
+{
+    return i + (stride > 1 ? (i / stride * 0x9E3779B97F4A7C15u >> 40) % stride : 0);
+}
+
 /*
  * Of a share of the rows the first, the last, and those where y, v and y v are least and largest: there position, velocity and the error of
  * the energy have their extremes (the modified energy of a symplectic method differs by terms in y v, y^2, v^2; Hairer, Lubich, Wanner IX.8).
  */
-static size_t choose_of_share(const struct run *run, size_t from, size_t to, size_t *out)
+static size_t choose_of_share(const struct run *run, size_t from, size_t to, size_t stride, size_t *out)
 {
     const int second = run->system.order == 2 ? run->system.n / 2 : 0;
     size_t at[EXTREMES + 2] = {from, from, from, from, from, from, from, to - 1};
     double best[EXTREMES];
-    for (size_t i = from; i < to; i++) {
-        const double *y = trace_state(run->trace, i);
+    for (int e = 0; e < EXTREMES; e++)
+        best[e] = -HUGE_VAL;
+    for (size_t i = from; i < to; i += stride) {
+        const size_t row = visited(i, stride);
+        const double *y = trace_state(run->trace, row < to ? row : to - 1);
         const double value[EXTREMES] = {y[0], -y[0], y[second], -y[second], y[0] * y[second], -(y[0] * y[second])};
         for (int e = 0; e < EXTREMES; e++) {
-            if (i == from || value[e] > best[e]) {
+            if (value[e] > best[e]) {
                 best[e] = value[e];
-                at[e] = i;
+                at[e] = row < to ? row : to - 1;
             }
         }
     }
@@ -62,30 +73,59 @@ static size_t choose_of_share(const struct run *run, size_t from, size_t to, siz
     return n;
 }
 
-bool choose_rows(const struct run *run, double from, double to, bool around, int columns, struct arena *arena, struct chosen_rows *rows,
-                 struct error *error)
+static size_t power_of_two(double least)
+{
+    size_t power = 1;
+    while ((double)power < least)
+        power *= 2;
+    return power;
+}
+
+/* Which rows lie in the window. */
+static void find_rows(const struct run *run, const struct row_request *request, size_t *first, size_t *end)
 {
     const size_t count = trace_count(run->trace);
     const bool backwards = trace_time(run->trace, count - 1) < trace_time(run->trace, 0);
-    size_t first = row_after(run, backwards ? to : from), end = row_after(run, backwards ? from : to);
-    while (end < count && trace_time(run->trace, end) == (backwards ? from : to))
-        end++;
-    if (around) {
-        first -= first > 0;
-        end += end < count;
+    const double last = backwards ? request->from : request->to;
+    *first = row_after(run, backwards ? request->to : request->from);
+    *end = row_after(run, last);
+    while (*end < count && trace_time(run->trace, *end) == last)
+        ++*end;
+    if (request->screen) {
+        *first -= *first > 0;
+        *end += *end < count;
     }
-    const size_t n = end > first ? end - first : 0, shares = 4 * (size_t)(columns > 0 ? columns : 1);
-    const bool all = n <= ROWS_ALL || n <= (EXTREMES + 2) * shares;
-    *rows = (struct chosen_rows){arena_array(arena, (all ? n : (EXTREMES + 2) * shares) + 1, sizeof *rows->row), 0};
+    if (*end < *first)
+        *end = *first;
+}
+
+/*
+ * Strides and shares are powers of two and begin at multiples of themselves: while a run grows the rows that were chosen stay chosen.
+ */
+bool choose_rows(const struct run *run, const struct row_request *request, struct arena *arena, struct chosen_rows *rows,
+                 struct error *error)
+{
+    size_t first, end;
+    find_rows(run, request, &first, &end);
+    const double n = (double)(end - first), shares = 4.0 * (request->columns > 0 ? request->columns : 1);
+    const double a_period = n * request->period / (request->to - request->from) / VISITS_A_PERIOD;
+    const size_t stride = !request->screen ? 1 : power_of_two(fmax(a_period > 2 ? fmin(a_period / 2, n) : 1, n / VISITS_MOST));
+    const bool all = !request->screen || n / (double)stride <= ROWS_ALL;
+    const size_t share = all ? stride : power_of_two(fmax(n / shares, (double)stride));
+    *rows = (struct chosen_rows){arena_array(arena, (end - first) / share * (all ? 1 : EXTREMES + 2) + 3 * (EXTREMES + 2), sizeof *rows->row),
+                                 0};
     if (!rows->row)
         return error_memory(error);
-    if (all)
-        while (rows->n < n) {
-            rows->row[rows->n] = first + rows->n;
-            rows->n++;
-        }
-    for (size_t share = 0; !all && share < shares; share++)
-        rows->n += choose_of_share(run, first + n * share / shares, first + n * (share + 1) / shares, rows->row + rows->n);
+    for (size_t from = first, to; from < end; from = to) {
+        to = from - from % share + share;
+        to = to < end ? to : end;
+        if (all)
+            rows->row[rows->n++] = from;
+        else
+            rows->n += choose_of_share(run, from, to, stride, rows->row + rows->n);
+    }
+    if (rows->n > 0 && rows->row[rows->n - 1] < end - 1)
+        rows->row[rows->n++] = end - 1;
     return true;
 }
 
@@ -175,7 +215,7 @@ bool run_spectrum(const struct run *run, double from, double to, double period, 
     for (size_t i = 0; i < n; i++) {
         t[series.n] = to - (double)(n - i) * step;
         y[series.n] = run_position(run, t[series.n]);
-        series.n += isfinite(y[series.n]);
+        series.n += isfinite(y[series.n]) ? 1 : 0;
     }
     return data_spectrum(&series, arena, curve, error);
 }

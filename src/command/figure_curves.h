@@ -5,14 +5,20 @@
 
 #include "internal.h"
 
-/* Rows of a run that show it from time to time as well as all of them would on so many columns. */
+/* The rows of a run from time to time: all of them; or for a screen, which is drawn often, those that look the same on so many columns. */
+struct row_request {
+    double from, to; /* [s] */
+    int columns;
+    double period;   /* [s] NAN: not known */
+    bool screen;     /* then with the neighbours on both sides, so that a line reaches the ends */
+};
+
 struct chosen_rows {
     size_t *row; /* ascending */
     size_t n;
 };
 
-/* `around`: with the neighbours on both sides, so that a line reaches the ends. */
-bool choose_rows(const struct run *run, double from, double to, bool around, int columns, struct arena *arena, struct chosen_rows *rows,
+bool choose_rows(const struct run *run, const struct row_request *request, struct arena *arena, struct chosen_rows *rows,
                  struct error *error);
 /* The observable at these rows; one that sums up over the run, and a run whose parameters were changed, are walked through as a whole. */
 bool values_at_rows(const struct run *run, const struct observable *observable, const struct chosen_rows *rows, struct arena *arena,

@@ -217,6 +217,8 @@ void reply_run(const struct session *session, const struct run *run, struct repl
 /* [m] rms distance of the run from the recording where they overlap in time; NAN: they do not, or it is no length. */
 double run_data_rms(const struct run *run, const struct recording *recording);
 
+#define FAR 1e300 /* [s] no run gets there; finite, so that what is left of the way is a number */
+
 /* ---- live runs (live.c) ------------------------------------------------------------------------------------------------------------------------ */
 
 /*
@@ -233,6 +235,8 @@ void live_refresh(struct session *session);
 bool live_bind(struct session *session, int param, double *from, struct error *error);
 /* " from t = 3.2 s on", nothing where `from` is NAN. */
 void buffer_since(struct buffer *text, double from);
+
+extern const struct catalog cursor_action_catalog, axis_catalog;
 
 bool command_set(HANDLER_PARAMETERS);
 

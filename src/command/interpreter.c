@@ -40,7 +40,8 @@ static bool run_handler(struct session *session, const struct arguments *argumen
 {
     const struct command *command = arguments->command;
     struct snapshot *before = NULL;
-    if (command->flags & COMMAND_CHANGES) {
+    /* What changes while a run goes on is undone with the run. */
+    if ((command->flags & COMMAND_CHANGES) && session->live.state != LIVE_RUNNING) {
         before = snapshot_take(session, command->row.name);
         if (!before)
             return error_memory(error);
@@ -52,6 +53,28 @@ static bool run_handler(struct session *session, const struct arguments *argumen
         undo_push(session, before);
     else
         snapshot_free(before);
+    return ok;
+}
+
+/*
+ * `record` has to tell the story in an order that can be read again: a run that was paused or changed on the way is written as what really happened, and
+ * what was typed while it went on stands after it.
+ */
+static bool record_statement(struct session *session, struct text statement, bool nested, struct error *error)
+{
+    struct buffer *later = &session->live.typed, *instead = &session->live.record;
+    bool ok = true;
+    if (session->record_fd >= 0 && nested) {
+        buffer_put(later, statement);
+        buffer_char(later, '\n');
+    } else if (session->record_fd >= 0) {
+        ok = history_record(session, instead->len ? text_trim(buffer_text(instead)) : statement, error) &&
+             (later->len == 0 || history_record(session, text_trim(buffer_text(later)), error));
+    }
+    if (!nested) {
+        buffer_free(instead);
+        buffer_free(later);
+    }
     return ok;
 }
 
@@ -71,6 +94,11 @@ static bool exec_statement(struct session *session, struct text statement, const
     arguments->where = where;
     if (!find_command(session, &parser, &arguments->command, error))
         return false;
+    const struct run *running = session->live.state == LIVE_RUNNING ? session_run(session) : NULL;
+    if (running && !(arguments->command->flags & COMMAND_ANYTIME)) {
+        error_set(error, ERROR_COMMAND, "%s has to wait: run %d goes on", arguments->command->row.name, running->number);
+        return error_hint(error, "'pause' or Ctrl-C pauses it");
+    }
     /* Only a condition looks into a run that is about to start. */
     const bool starts = strcmp(arguments->command->row.name, "run") == 0;
     names.expects_run = starts;
@@ -79,10 +107,15 @@ static bool exec_statement(struct session *session, struct text statement, const
         return false;
     const bool ok = run_handler(session, arguments, reply, error);
     reply_command_end(reply, arguments->command->row.name);
+    if (!ok && !running) {
+        buffer_free(&session->live.record);
+        buffer_free(&session->live.typed);
+    }
     if (!ok)
         return false;
     session->commands++;
-    if (!(arguments->command->flags & COMMAND_UNRECORDED) && !(where && where->parent) && !history_record(session, statement, error))
+    if (!(arguments->command->flags & COMMAND_UNRECORDED) && !(where && where->parent) &&
+        !record_statement(session, statement, running != NULL, error))
         return false;
     if (reply->failed) {
         error_set(error, ERROR_IO, "the results could not be written: the output is closed or its device is full");
@@ -99,6 +132,16 @@ static void note_failure(struct session *session, const struct error *error)
         session->status = (int)error->code;
 }
 
+static void note_left_out(struct text rest, struct reply *reply)
+{
+    struct text statement = rest;
+    struct error ignored;
+    next_statement(&rest, &statement, &ignored);
+    if (statement.len > 0)
+        reply_note(reply, "not executed, because the run was paused: %.*s%s", (int)(statement.len < 80 ? statement.len : 80), statement.at,
+                   rest.len > 0 ? "; ..." : "");
+}
+
 static bool exec_line(struct session *session, struct text line, const struct source *where, struct reply *reply)
 {
     struct error error = {0};
@@ -108,7 +151,7 @@ static bool exec_line(struct session *session, struct text line, const struct so
         ok = error_set(&error, ERROR_COMMAND, "a line of more than %u bytes", LIMIT_LINE);
     else if (memchr(line.at, 0, line.len))
         ok = error_at(&error, (struct text){memchr(line.at, 0, line.len), 1}, "a NUL byte in a command");
-    while (ok && rest.len > 0 && !session->quit) {
+    while (ok && rest.len > 0 && !session->quit && !session->halted) {
         struct arena arena = {0};
         ok = next_statement(&rest, &statement, &error) &&
              (statement.len == 0 || exec_statement(session, statement, where, reply, &arena, &error));
@@ -119,10 +162,12 @@ static bool exec_line(struct session *session, struct text line, const struct so
             note_failure(session, &error);
         }
         arena_reset(&arena);
-        if (!ok)
+        if (!ok && !session->halted)
             return false;
     }
-    if (!ok) {
+    if (session->halted && !session->quit) {
+        note_left_out(rest, reply);
+    } else if (!ok) {
         reply_error(reply, &error, where, error.where.at ? line : (struct text){NULL, 0});
         note_failure(session, &error);
     }
@@ -133,11 +178,25 @@ bool command_exec(struct session *session, struct text line, const struct source
 {
     if (line.len == 0)
         return true;
+    /* Typed while a run goes on: that command is still making its reply, so this one makes its own. */
+    const bool inside = session->live.state == LIVE_RUNNING;
+    struct reply own;
+    reply_init(&own, reply->sink);
+    own.quiet = reply->quiet;
     const bool typed = session->typed;
     session->typed = session->front.interactive && !(where && where->name);
+    if (session->nesting++ == 0)
+        session->halted = false;
     if (!(where && where->parent))
         history_add(session, line);
-    const bool ok = exec_line(session, line, where, reply);
+    const bool ok = exec_line(session, line, where, inside ? &own : reply);
+    reply->failed |= own.failed;
+    reply_free(&own);
+    session->nesting--;
     session->typed = typed;
+    if (!inside) {
+        live_refresh(session);
+        cursors_refresh(session);
+    }
     return ok;
 }

@@ -176,12 +176,6 @@ static bool portable(const struct session *session, const struct run *run, const
     return ok;
 }
 
-static void put_time(struct buffer *text, double t)
-{
-    buffer_real(text, t);
-    buffer_put(text, TEXT(" s"));
-}
-
 struct composer {
     const struct session *session;
     const struct run *run;
@@ -219,9 +213,9 @@ static bool put_go(struct composer *c, const struct leg *leg, int64_t from, int6
         buffer_format(c->text, "until %s", leg->condition);
     } else {
         /* Without a target any time that is far enough does. */
-        const double far = run->plan.adaptive ? 1e300 : 2 * (double)(to + 1) * run->settings.dt;
+        const double far = copysign(2 * (double)(to + 1) * run->settings.dt, leg->t);
         buffer_put(c->text, TEXT("to "));
-        buffer_real(c->text, isfinite(leg->t) ? leg->t : run->t + copysign(far, leg->t));
+        buffer_real(c->text, run->plan.adaptive || fabs(leg->t) < FAR ? leg->t : run->t + far);
         buffer_put(c->text, TEXT(" s"));
         if (t != leg->t)
             buffer_format(c->text, " --steps %lld", (long long)(to - from));
@@ -244,13 +238,13 @@ bool journal_write(const struct session *session, const struct held_run *held, i
 {
     const struct run *run = held->run;
     const size_t before = text->len;
-    struct composer c = {session, run, number, since > 0, text};
+    struct composer c = {session, run, number, since >= 0, text};
     const struct leg *going = NULL;
-    int64_t at = since;
+    int64_t at = since < 0 ? 0 : since;
     for (int i = 0; i <= held->legs; i++) {
         const struct leg *next = i < held->legs ? &held->leg[i] : NULL;
         const int64_t to = next ? next->from : run->steps;
-        if (i > first && going && to > at) {
+        if (i >= first && going && to > at) {
             if (!put_go(&c, going, at, to, next ? next->from_t : run->t)) {
                 text->len = before;
                 return false;

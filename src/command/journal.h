@@ -18,7 +18,7 @@ struct leg {
     enum leg_kind kind;
     int64_t from;    /* step of the run at which it was asked for */
     double from_t;   /* [s] */
-    double t;        /* LEG_GO: the target [s], HUGE_VAL either way: none */
+    double t;        /* LEG_GO: the target [s], FAR either way: none */
     int64_t end;     /* LEG_GO: step at which it ends, INT64_MAX: none; LEG_BACK: step it led to */
     char *condition; /* LEG_GO: as typed, NULL: none */
     int64_t met;     /* step at which the condition became true, 0: it did not */
@@ -43,7 +43,7 @@ void journal_scene(const struct held_run *held, struct scene *scene);
  */
 bool journal_restore(struct session *session, struct held_run *held, const struct leg *leg, int legs, int64_t steps, double t);
 /*
- * Appends the commands that do what was done since leg `first` and step `since` (0, 0: all): run, continue, change, back. number: of the run, 0: the
+ * Appends the commands that do what was done since leg `first` and step `since` (0, -1: all): run, continue, change, back. number: of the run, 0: the
  * next. False: a condition needs names that no saved session knows; then nothing is appended.
  */
 bool journal_write(const struct session *session, const struct held_run *held, int first, int64_t since, int number, struct buffer *text);

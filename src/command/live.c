@@ -73,7 +73,7 @@ static double fraction_done(const struct run *run, const struct run_target *targ
 {
     if (target->steps > 0)
         return (double)(run->steps - first) / (double)target->steps;
-    return isfinite(target->t) ? (run->t - from) / (target->t - from) : -1;
+    return fabs(target->t) < FAR ? (run->t - from) / (target->t - from) : -1;
 }
 
 void live_advance(struct session *session, struct run *run, const struct run_target *target, bool clocked)
@@ -151,6 +151,8 @@ bool live_bind(struct session *session, int param, double *from, struct error *e
         return false;
     }
     const enum live_state state = live->state;
+    if (state != LIVE_RUNNING && !live->changing && session->record_fd >= 0)
+        journal_write(session, held, held->legs - 1, run->steps, 0, &session->live.record); /* in a file `set` alone would not do it */
     live_refresh(session);
     session->live.state = state;
     *from = run->t;

@@ -1,12 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The set-up as commands: only what differs from a new session, numbers that read back to the same doubles. */
-#include "internal.h"
+#include "journal.h"
 
+#include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
-static void save_scene(const struct scene *scene, struct buffer *text)
+#define SECONDS_MOST 2.0 /* [s] of computing: what takes longer is not done again when a session is resumed */
+
+static void save_scene(const struct scene *scene, bool always, struct buffer *text)
 {
-    if (scene->preset != (const struct preset *)(const void *)catalog_row(&preset_catalog, 0))
+    if (always || scene->preset != (const struct preset *)(const void *)catalog_row(&preset_catalog, 0))
         buffer_format(text, "scene %s\n", scene->preset->row.name);
     for (size_t i = 0; i < param_catalog.count; i++) {
         const struct param_row *param = (const struct param_row *)(const void *)catalog_row(&param_catalog, i);
@@ -18,9 +22,9 @@ static void save_scene(const struct scene *scene, struct buffer *text)
     }
 }
 
-static void save_method(const struct setup *setup, struct buffer *text)
+static void save_method(const struct setup *setup, bool always, struct buffer *text)
 {
-    if (strcmp(setup->method->row.name, "euler") == 0 && !setup->fixed && setup->drag == DRAG_DEFAULT)
+    if (!always && strcmp(setup->method->row.name, "euler") == 0 && !setup->fixed && setup->drag == DRAG_DEFAULT)
         return;
     buffer_format(text, "method %s", setup->method->row.name);
     if (setup->fixed) {
@@ -32,7 +36,7 @@ static void save_method(const struct setup *setup, struct buffer *text)
     buffer_char(text, '\n');
 }
 
-static void save_settings(const struct settings *settings, struct buffer *text)
+static void save_settings(const struct settings *settings, bool always, struct buffer *text)
 {
     struct settings defaults;
     session_default_settings(&defaults);
@@ -41,7 +45,7 @@ static void save_settings(const struct settings *settings, struct buffer *text)
         struct buffer now = {0}, before = {0};
         setting_exact(setting, settings, &now);
         setting_exact(setting, &defaults, &before);
-        if (!setting->display && !text_equal(buffer_text(&now), buffer_text(&before)))
+        if (!setting->display && (always || !text_equal(buffer_text(&now), buffer_text(&before))))
             buffer_format(text, "set %s %s\n", setting->row.name, buffer_view(&now));
         text->failed |= now.failed || before.failed;
         buffer_free(&now);
@@ -59,11 +63,13 @@ static void save_let(const struct setup *setup, struct buffer *text)
     }
 }
 
-static void save_recording(const struct held_recording *held, struct buffer *text)
+static void save_recording(const struct held_recording *held, bool absolute, struct buffer *text)
 {
     const struct recording *recording = held->recording;
+    char *path = absolute ? realpath(recording->path, NULL) : NULL;
     buffer_put(text, TEXT("load "));
-    buffer_word(text, text_of(recording->path));
+    buffer_word(text, text_of(path ? path : recording->path));
+    free(path);
     buffer_put(text, text_of(held->options));
     buffer_char(text, '\n');
     if (recording->window[0] != recording->t[0] || recording->window[1] != recording->t[recording->rows - 1]) {
@@ -80,15 +86,126 @@ static void save_recording(const struct held_recording *held, struct buffer *tex
     }
 }
 
+/* How the screen looks, where it differs from a new session. Cursors are not kept: they belong to runs. */
+static void save_view(const struct view *view, struct buffer *text)
+{
+    const struct {
+        const char *axis;
+        const double *range;
+    } ranges[] = {{"x", view->x}, {"y", view->y}};
+    if (view->layout != LAYOUT_TRIO)
+        buffer_format(text, "layout %s\n", catalog_row(&layout_catalog, (size_t)view->layout)->name);
+    if (view->window > 0) {
+        buffer_put(text, TEXT("window "));
+        buffer_exact(text, (struct measured){view->window, 0}, QUANTITY_TIME);
+        buffer_char(text, '\n');
+    }
+    if (view->trail != 2) {
+        buffer_put(text, TEXT("trail "));
+        buffer_put(text, isinf(view->trail) ? TEXT("all") : TEXT(""));
+        if (isfinite(view->trail))
+            buffer_real(text, view->trail);
+        buffer_char(text, '\n');
+    }
+    if (view->focus != PANE_POSITION || view->full)
+        buffer_format(text, "focus %s%s\n", catalog_row(&pane_catalog, (size_t)view->focus)->name, view->full ? " full" : "");
+    for (size_t i = 0; i < COUNT_OF(ranges); i++) {
+        if (isnan(ranges[i].range[0]))
+            continue;
+        buffer_format(text, "range %s ", ranges[i].axis);
+        buffer_real(text, ranges[i].range[0]);
+        buffer_char(text, ':');
+        buffer_real(text, ranges[i].range[1]);
+        buffer_char(text, '\n');
+    }
+}
+
+static void save_recordings(const struct session *session, bool absolute, struct buffer *text)
+{
+    for (int i = 0; i < session->recordings; i++)
+        save_recording(session->recording[i], absolute, text);
+}
+
+static void save_current_recording(const struct session *session, bool always, struct buffer *text)
+{
+    if (session->current_recording >= 0 && (always || session->current_recording != session->recordings - 1))
+        buffer_format(text, "data use %s\n", session_recording(session)->name);
+}
+
 void session_save(const struct session *session, struct buffer *text)
 {
     buffer_put(text, TEXT("# set-up saved by hooke " HOOKE_VERSION "\n"));
-    save_scene(&session->setup.scene, text);
-    save_method(&session->setup, text);
-    save_settings(&session->setup.settings, text);
+    save_scene(&session->setup.scene, false, text);
+    save_method(&session->setup, false, text);
+    save_settings(&session->setup.settings, false, text);
     save_let(&session->setup, text);
-    for (int i = 0; i < session->recordings; i++)
-        save_recording(session->recording[i], text);
-    if (session->current_recording >= 0 && session->current_recording != session->recordings - 1)
-        buffer_format(text, "data use %s\n", session_recording(session)->name);
+    save_recordings(session, false, text);
+    save_current_recording(session, false, text);
+    if (session->view.focus == PANE_POSITION) /* other panes show runs, which are not saved */
+        save_view(&session->view, text);
+}
+
+/* ---- with the runs -------------------------------------------------------------------------------------------------------------- */
+
+/* The run as commands; a comment where it is left out. True if it is there. */
+static bool save_run(const struct session *session, const struct held_run *held, struct buffer *text)
+{
+    const struct run *run = held->run;
+    const struct setup setup = {.method = run->method, .drag = run->settings.drag};
+    const size_t before = text->len;
+    save_scene(&run->scene, true, text);
+    buffer_format(text, "method %s dt=", setup.method->row.name);
+    buffer_exact(text, (struct measured){run->settings.dt, 0}, QUANTITY_TIME);
+    if (run->plan.adaptive) {
+        buffer_put(text, TEXT(" tol="));
+        buffer_real(text, run->settings.tol);
+    }
+    if (setup.drag != DRAG_DEFAULT)
+        buffer_format(text, " drag=%s", catalog_row(&drag_catalog, (size_t)setup.drag - 1)->name);
+    struct settings settings;
+    session_default_settings(&settings);
+    settings.record = run->settings.record;
+    const struct setting *record = (const struct setting *)(const void *)catalog_find(&setting_catalog, TEXT("record"));
+    buffer_put(text, TEXT("\nset record "));
+    setting_exact(record, &settings, text);
+    buffer_char(text, '\n');
+    const char *why = NULL;
+    if (run->seconds >= SECONDS_MOST)
+        why = "it took too long to compute";
+    else if (!journal_write(session, held, 0, -1, run->number, text))
+        why = "it stopped at a condition on a variable or a result";
+    if (why) {
+        text->len = before;
+        buffer_format(text, "# run %d (%s, to t = %.6g s) is left out: %s\n", run->number, run->method->row.name, run->t, why);
+        return false;
+    }
+    if (run->name[0])
+        buffer_format(text, "rename %d %s\n", run->number, run->name);
+    if (held->note)
+        buffer_format(text, "note %s\n", held->note);
+    return true;
+}
+
+void session_autosave(const struct session *session, struct buffer *text)
+{
+    bool kept = false, current = false;
+    buffer_put(text, TEXT("# session saved by hooke " HOOKE_VERSION "\n"));
+    save_recordings(session, true, text);
+    save_let(&session->setup, text);
+    for (int i = 0; i < session->runs; i++) {
+        const bool there = save_run(session, session->run[i], text);
+        kept |= there;
+        current |= there && i == session->current_run;
+    }
+    save_scene(&session->setup.scene, kept, text);
+    save_method(&session->setup, kept, text);
+    save_settings(&session->setup.settings, kept, text);
+    if (!session->data_is_latest)
+        save_current_recording(session, true, text);
+    if (current)
+        buffer_format(text, "use %d\n", session->run[session->current_run]->run->number);
+    if (session->data_is_latest)
+        save_current_recording(session, true, text);
+    if (current || session->view.focus == PANE_POSITION)
+        save_view(&session->view, text);
 }

@@ -15,10 +15,10 @@ static void execute(struct script *script, struct session *session, struct text 
 {
     struct source where = script->where;
     where.line = number;
-    if (command_exec(session, line, &where, reply))
+    if (command_exec(session, line, &where, reply) && !session->halted)
         return;
     script->ok = false;
-    script->stopped = !session->keep_going || session->status == ERROR_CANCELLED || reply->failed;
+    script->stopped = !session->keep_going || session->status == ERROR_CANCELLED || reply->failed || session->halted;
 }
 
 bool script_feed(struct script *script, struct session *session, struct text line, struct reply *reply)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The session: its runs, recordings and results. */
-#include "internal.h"
+#include "journal.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -20,6 +20,9 @@ struct session *session_create(const struct front *front)
     session->current_run = session->current_recording = -1;
     session->next_run = 1;
     session->record_fd = -1;
+    session->live.speed = 1;
+    session->view = (struct view){.x = {(double)NAN, (double)NAN}, .y = {(double)NAN, (double)NAN}, .trail = 2, .paging = true,
+                                  .cursors = {.periods = (double)NAN}};
     return session;
 }
 
@@ -38,6 +41,9 @@ void session_destroy(struct session *session)
         free(session->history[i]);
     free(session->history);
     free(session->measurement);
+    log_clear(&session->log);
+    buffer_free(&session->live.record);
+    buffer_free(&session->live.typed);
     free(session->record_path);
     if (session->record_fd >= 0)
         close(session->record_fd);
@@ -47,6 +53,7 @@ void session_destroy(struct session *session)
 void session_changed(struct session *session)
 {
     session->changes++;
+    session->view.paging = session->setup.settings.view == VIEW_PAGE;
 }
 
 /* ---- runs and recordings ------------------------------------------------------------------------------------------------- */
@@ -56,6 +63,7 @@ void held_run_release(struct held_run *held)
     if (--held->references > 0)
         return;
     run_destroy(held->run);
+    journal_free(held->leg, held->legs);
     free(held->note);
     free(held);
 }
@@ -77,13 +85,20 @@ bool session_add_run(struct session *session, struct run *run, struct error *err
         error_hint(error, "drop some: drop N.. or drop all");
     } else if (!(held = calloc(1, sizeof *held))) {
         error_memory(error);
+    } else {
+        *held = (struct held_run){.run = run, .references = 1};
+        /* A run that comes from a study has been somewhere already. */
+        const double t0 = run->system.t0, t = run->stop == STOP_END ? run->t : copysign(FAR, run->t - t0);
+        if (run->steps > 0 && !journal_add(held, (struct leg){.kind = LEG_GO, .from_t = t0, .t = t, .end = INT64_MAX}, TEXT(""), error)) {
+            free(held);
+            held = NULL;
+        }
     }
     if (!held) {
         run_destroy(run);
         return false;
     }
     run->number = session->next_run++;
-    *held = (struct held_run){.run = run, .references = 1};
     session->run[session->runs] = held;
     session->current_run = session->runs++;
     session->data_is_latest = false;

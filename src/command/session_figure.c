@@ -192,7 +192,8 @@ static bool add_run(struct drawing *d, const struct run *run)
     const double end = trace_time(run->trace, trace_count(run->trace) - 1);
     const double late = phase && isnan(d->request->window[0]) && end < d->window[1] ? d->window[1] - end : 0;
     struct chosen_rows rows;
-    if (!choose_rows(run, d->window[0] - late, d->window[1], d->request->follow, d->request->width, d->arena, &rows, d->error))
+    const struct row_request part = {d->window[0] - late, d->window[1], d->request->width, d->period, d->request->follow};
+    if (!choose_rows(run, &part, d->arena, &rows, d->error))
         return false;
     double *x = arena_array(d->arena, rows.n + 1, sizeof *x), *y = arena_array(d->arena, rows.n + 1, sizeof *y);
     if (!x || !y)

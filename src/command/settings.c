@@ -27,6 +27,19 @@ static const struct row color_rows[] = {
 };
 const struct catalog color_choice_catalog = CATALOG("color", color_rows);
 
+static const struct row sync_rows[] = {
+    [SYNC_AUTO] = {"auto", "", "on where the terminal answers", "", NULL},
+    [SYNC_ON] = {"on", "", "the next frame waits until the terminal has shown the last one", "", NULL},
+    [SYNC_OFF] = {"off", "", "frames do not wait", "", NULL},
+};
+const struct catalog sync_choice_catalog = CATALOG("way to keep in step", sync_rows);
+
+static const struct row view_rows[] = {
+    [VIEW_PAGE] = {"page", "", "the live view sweeps, then pages: few bytes", "", NULL},
+    [VIEW_SCROLL] = {"scroll", "", "it scrolls by whole cells", "", NULL},
+};
+const struct catalog view_choice_catalog = CATALOG("kind of view", view_rows);
+
 static const struct row phase_rows[] = {
     [PHASE_SCALED] = {"scaled", "", "v/omega0 in the unit of y: what conserves draws a circle", "", NULL},
     [PHASE_RAW] = {"raw", "", "v", "", NULL},
@@ -118,6 +131,20 @@ static void show_digits(const struct settings *settings, struct buffer *text)
     buffer_format(text, "%d", settings->digits);
 }
 
+static bool parse_fps(struct settings *settings, struct text value, struct error *error)
+{
+    double fps;
+    if (real_parse(value, &fps) != REAL_OK || !(fps >= 0.1 && fps <= 60))
+        return error_at(error, value, "fps is a number from 0.1 to 60 frames a second");
+    settings->fps = fps;
+    return true;
+}
+
+static void show_fps(const struct settings *settings, struct buffer *text)
+{
+    buffer_real(text, settings->fps);
+}
+
 #define FIELD(name) offsetof(struct settings, name)
 #define BRIEF(name, unit, brief) {name, unit, brief, "", NULL}
 
@@ -134,6 +161,10 @@ static const struct setting settings_rows[] = {
      .show = show_size},
     {.row = BRIEF("charset", "", "characters of plots"), .offset = FIELD(charset), .display = true, .choices = &charset_choice_catalog},
     {.row = BRIEF("color", "", "colour in plots"), .offset = FIELD(color), .display = true, .choices = &color_choice_catalog},
+    {.row = BRIEF("fps", "", "frames a second of the live view"), .display = true, .parse = parse_fps, .show = show_fps},
+    {.row = BRIEF("sync", "", "whether frames wait for the terminal"), .offset = FIELD(sync), .display = true,
+     .choices = &sync_choice_catalog},
+    {.row = BRIEF("view", "", "how the live view moves"), .offset = FIELD(view), .display = true, .choices = &view_choice_catalog},
     {.row = BRIEF("phase-axes", "", "vertical axis of the phase plot"), .offset = FIELD(phase_axes),
      .choices = &phase_axes_catalog},
     {.row = BRIEF("timing", "", "how carefully compare times its runs"), .offset = FIELD(timing), .choices = &timing_catalog},
@@ -143,7 +174,7 @@ const struct catalog setting_catalog = CATALOG("setting", settings_rows);
 void session_default_settings(struct settings *settings)
 {
     *settings = (struct settings){.dt = 0.01, .tol = 1e-6, .duration = 10, .record = {RECORD_AUTO, 1}, .digits = 6,
-                                  .timing = TIMING_QUICK};
+                                  .timing = TIMING_QUICK, .fps = 10};
 }
 
 bool setting_read(const struct setting *setting, struct parser *parser, struct settings *settings, struct error *error)

@@ -4,6 +4,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 bool run_series(const struct run *run, bool energy, struct arena *arena, struct series *series, struct error *error)
 {
@@ -139,4 +140,46 @@ double run_data_rms(const struct run *run, const struct recording *recording)
     }
     arena_reset(&arena);
     return count >= 2 ? sqrt(sum / (double)count) : (double)NAN;
+}
+
+/* ---- what it is measured against, and what is left of it ----------------------------------------------------------------------- */
+
+const struct scene *subject_scene(const struct session *session, const struct run *run)
+{
+    const struct scene *scene = &session->setup.scene;
+    if (run)
+        return &run->scene;
+    return scene->given[param_index("k")] || scene->given[param_index("m")] ? scene : NULL;
+}
+
+static double derived_value(const struct scene *scene, const char *name)
+{
+    const struct row *row = catalog_find(&derived_catalog, text_of(name));
+    return scene && row ? ((const struct derived_row *)(const void *)row)->value(scene).value : (double)NAN;
+}
+
+double scene_period(const struct scene *scene)
+{
+    const double damped = derived_value(scene, "T_d");
+    return isfinite(damped) ? damped : derived_value(scene, "T0");
+}
+
+bool session_keep_measurement(struct session *session, const char *name, const char *of, struct measured value, enum quantity unit,
+                              double periods, struct error *error)
+{
+    if ((session->measurements & (session->measurements - 1)) == 0) { /* full at every power of two */
+        const size_t room = session->measurements ? 2 * (size_t)session->measurements : 1;
+        struct measurement *larger = realloc(session->measurement, room * sizeof *larger);
+        if (!larger)
+            return error_memory(error);
+        session->measurement = larger;
+    }
+    struct measurement *row = &session->measurement[session->measurements++];
+    *row = (struct measurement){.value = value, .unit = unit, .periods = periods};
+    snprintf(row->quantity, sizeof row->quantity, "%s", name);
+    snprintf(row->of, sizeof row->of, "%s", of);
+    char result[LIMIT_NAME + 1];
+    snprintf(result, sizeof result, "measured_%s", name);
+    session_set_result(session, result, value, unit);
+    return true;
 }

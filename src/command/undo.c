@@ -3,6 +3,7 @@
  * Undo, redo and checkpoints: copies of the set-up, and the lists of runs and recordings as they were. A run that has gone on since is taken back to
  * its step by dropping rows; one that was taken back is advanced again, which gives the same bits.
  */
+#include "journal.h"
 #include "undo.h"
 
 #include <math.h>
@@ -10,7 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define FAR 1e300 /* [s] no run gets there */
 
 struct run_mark {
     struct held_run *held;
@@ -19,6 +19,8 @@ struct run_mark {
     enum stop stop;
     struct controller controller; /* of an adaptive method: what the next step would be */
     char name[LIMIT_NAME + 1];
+    struct leg *leg; /* [legs] of its journal then */
+    int legs;
 };
 
 struct recording_mark {
@@ -60,6 +62,11 @@ struct snapshot *snapshot_take(const struct session *session, const char *label)
                                  .controller = run->controller};
         memcpy(mark->name, run->name, sizeof mark->name);
         mark->held->references++;
+        if (!journal_copy(mark->held->leg, mark->held->legs, &mark->leg)) {
+            snapshot_free(snapshot);
+            return NULL;
+        }
+        mark->legs = mark->held->legs;
     }
     for (int i = 0; i < session->recordings; i++) {
         const struct recording *recording = session->recording[i]->recording;
@@ -74,8 +81,10 @@ void snapshot_free(struct snapshot *snapshot)
 {
     if (!snapshot)
         return;
-    for (int i = 0; i < snapshot->runs; i++)
+    for (int i = 0; i < snapshot->runs; i++) {
         held_run_release(snapshot->run[i].held);
+        journal_free(snapshot->run[i].leg, snapshot->run[i].legs);
+    }
     for (int i = 0; i < snapshot->recordings; i++)
         held_recording_release(snapshot->recording[i].held);
     free(snapshot->run);
@@ -88,33 +97,14 @@ const char *snapshot_label(const struct snapshot *snapshot)
     return snapshot->label;
 }
 
-/* Back to the last recorded state that is not after `steps`. */
-static void back_to(struct run *run, int64_t steps)
+/* Without memory for its journal a run stays where it is. */
+static void return_run(struct session *session, const struct run_mark *mark)
 {
-    const size_t rows = trace_count(run->trace);
-    size_t back = 0;
-    while (back + 1 < rows && trace_step(run->trace, rows - 1 - back) > steps)
-        back++;
-    if (back > 0)
-        run_back(run, (int64_t)back);
-}
-
-static void return_run(struct run *run, const struct run_mark *mark)
-{
-    /* The way on was either by steps or to a time: of an adaptive run the last step tells which. */
-    const double sign = mark->t < run->t ? -1 : 1, targets[] = {sign * FAR, mark->t};
-    const int64_t from = run->steps;
-    const struct controller controller = run->controller;
-    back_to(run, mark->steps);
-    for (size_t i = run->plan.adaptive ? 0 : 1; i < COUNT_OF(targets) && run->steps <= mark->steps && run->t != mark->t; i++) {
-        if (run->steps > from) {
-            back_to(run, from);
-            run->controller = controller;
-        }
-        run_advance(run, &(struct run_target){.t = targets[i], .steps = mark->steps - run->steps}, 0, NULL);
+    struct run *run = mark->held->run;
+    if (journal_restore(session, mark->held, mark->leg, mark->legs, mark->steps, mark->t)) {
+        run->stop = mark->stop;
+        run->controller = mark->controller;
     }
-    run->stop = mark->stop;
-    run->controller = mark->controller;
     memcpy(run->name, mark->name, sizeof run->name);
 }
 
@@ -131,7 +121,6 @@ static void go_to(struct session *session, const struct snapshot *snapshot)
         session_drop_recording(session, session->recordings - 1);
     for (int i = 0; i < snapshot->runs; i++) {
         session->run[i] = snapshot->run[i].held;
-        return_run(session->run[i]->run, &snapshot->run[i]);
     }
     for (int i = 0; i < snapshot->recordings; i++) {
         const struct recording_mark *mark = &snapshot->recording[i];
@@ -153,6 +142,11 @@ static void go_to(struct session *session, const struct snapshot *snapshot)
     session->setup.settings.color = now.color;
     session->setup.settings.width = now.width;
     session->setup.settings.height = now.height;
+    session->setup.settings.fps = now.fps;
+    session->setup.settings.sync = now.sync;
+    session->setup.settings.view = now.view;
+    for (int i = 0; i < snapshot->runs; i++)
+        return_run(session, &snapshot->run[i]);
     session_changed(session);
 }
 

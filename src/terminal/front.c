@@ -60,6 +60,11 @@ char *user_path(const char *variable, const char *fallback, const char *name, bo
     return path.data;
 }
 
+char *state_path(const char *name, bool create)
+{
+    return user_path("XDG_STATE_HOME", ".local/state", name, create);
+}
+
 void rc_run(struct session *session, struct reply *reply)
 {
     if (access("rc.hk", F_OK) == 0) {

@@ -4,7 +4,6 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
@@ -56,7 +55,7 @@ void history_load(void)
 {
     using_history();
     stifle_history(HISTORY_LINES);
-    char *path = user_path("XDG_STATE_HOME", ".local/state", "history", true);
+    char *path = state_path("history", true);
     int fd = path ? open_locked(path) : -1;
     struct buffer content = {0};
     struct error error;
@@ -88,25 +87,24 @@ void history_load(void)
     free(path);
 }
 
-void history_append(const char *line)
+bool history_append(const char *line, struct error *error)
 {
     add_history(line);
-    char *path = user_path("XDG_STATE_HOME", ".local/state", "history", true);
+    char *path = state_path("history", true);
     int fd = path ? open_locked(path) : -1;
-    bool told = fd >= 0;
+    bool kept = fd >= 0;
     if (fd >= 0) {
         struct buffer text = {0};
         buffer_put(&text, text_of(line));
         buffer_char(&text, '\n');
-        told = !text.failed && write(fd, text.data, text.len) == (ssize_t)text.len; /* one write: whole lines only */
-        told = close(fd) == 0 && told;
+        kept = !text.failed && write(fd, text.data, text.len) == (ssize_t)text.len; /* one write: whole lines only */
+        kept = close(fd) == 0 && kept;
         buffer_free(&text);
     }
-    static bool warned;
-    if (!told && !warned) {
-        warned = true;
-        fprintf(stderr, "warning: the history cannot be kept%s%s: %s\n", path ? " in " : "", path ? path : "",
-                path ? strerror(errno) : "HOME is not set");
+    if (!kept) {
+        error_set(error, ERROR_IO, "the history cannot be kept%s%s: %s", path ? " in " : "", path ? path : "",
+                  path ? strerror(errno) : "HOME is not set");
     }
     free(path);
+    return kept;
 }

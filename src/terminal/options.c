@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum value { VALUE_NONE, VALUE_FILE, VALUE_TEXT, VALUE_SIZE, VALUE_WORD };
+enum value { VALUE_NONE, VALUE_FILE, VALUE_TEXT, VALUE_SIZE, VALUE_WORD, VALUE_RESUME };
 
 static const struct option_row {
     char letter; /* 0: none */
@@ -22,6 +22,7 @@ static const struct option_row {
     FLAG('i', "interactive", interactive, "go to the prompt after -f, -c, FILE"),
     FLAG('b', "batch", batch, "never a prompt (default when stdin or stdout is not a terminal)"),
     FLAG(0, "plain", plain, "prompt with readline, no panes"),
+    {0, "resume", VALUE_RESUME, " [NAME]", 0, "continue the last autosaved session, or session-NAME"},
     FLAG('k', "keep-going", keep_going, "do not stop a script at the first error (exit status still 1)"),
     FLAG('n', "norc", norc, "do not read the rc file"),
     FLAG(0, "rc", rc, "read the rc file in batch, too"),
@@ -80,7 +81,16 @@ static bool take_size(struct options *options, const char *value)
     return complain("--size wants WIDTHxHEIGHT in characters (1 to 1000), such as 80x24, not", value);
 }
 
-/* value NULL: the option takes none. */
+/* Does a value follow? That of --resume may be left out; the names of saved sessions are told from files by their beginning. */
+static bool wants_next(const struct option_row *row, const char *next)
+{
+    if (row->value == VALUE_RESUME) {
+        return next && strncmp(next, AUTOSAVE_PREFIX, strlen(AUTOSAVE_PREFIX)) == 0;
+    }
+    return row->value != VALUE_NONE;
+}
+
+/* value NULL: none was given. */
 static bool take(struct options *options, const struct option_row *row, const char *value)
 {
     char *field = (char *)options + row->offset;
@@ -93,6 +103,10 @@ static bool take(struct options *options, const struct option_row *row, const ch
         return true;
     case VALUE_SIZE:
         return take_size(options, value);
+    case VALUE_RESUME:
+        options->resume = true;
+        options->resume_name = value;
+        return true;
     case VALUE_FILE:
     case VALUE_TEXT:
         options->task[options->tasks++] = (struct task){row->value == VALUE_FILE ? TASK_FILE : TASK_COMMAND, value};
@@ -145,10 +159,11 @@ bool options_read(struct options *options, int argc, char **argv)
             if (row->value == VALUE_NONE && equals) {
                 return complain("no value goes with option", word);
             }
-            if (row->value != VALUE_NONE && !equals && i + 1 >= argc) {
+            const bool next = !equals && wants_next(row, argv[i + 1]);
+            if (next && i + 1 >= argc) {
                 return complain("a value is missing after option", word);
             }
-            if (!take(options, row, row->value == VALUE_NONE ? NULL : equals ? equals + 1 : argv[++i])) {
+            if (!take(options, row, equals ? equals + 1 : next ? argv[++i] : NULL)) {
                 return false;
             }
         } else {

@@ -1,39 +1,138 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Signals only set flags; the loops look at them. */
+/* Signals only set flags and wake the loop through a pipe; the loops look at them. */
 #include "terminal.h"
 
+#include <errno.h>
+#include <fcntl.h>
 #include <signal.h>
+#include <unistd.h>
+
+#define OVERDUE_SECONDS 10 /* after SIGHUP or SIGTERM everything should be saved by then */
 
 struct cancel interrupt;
 static volatile sig_atomic_t ending;
+static volatile sig_atomic_t happened[HAPPENED_COUNT];
+static int ends[2] = {-1, -1};
+
+static const int number_of[HAPPENED_COUNT] = {
+    [HAPPENED_RESIZE] = SIGWINCH, [HAPPENED_SUSPEND] = SIGTSTP, [HAPPENED_CONTINUE] = SIGCONT, [HAPPENED_ALARM] = SIGALRM};
+
+static void wake(void)
+{
+    int before = errno;
+    if (ends[1] >= 0) {
+        ssize_t ignored = write(ends[1], "", 1); /* a full pipe wakes as well */
+        (void)ignored;
+    }
+    errno = before;
+}
 
 static void on_interrupt(int number)
 {
     (void)number;
     atomic_store_explicit(&interrupt.requested, 1, memory_order_relaxed);
+    wake();
+}
+
+static void handle(int number, void (*handler)(int));
+
+/* The program hangs, perhaps in a write to a terminal that takes nothing. */
+static void on_overdue(int number)
+{
+    (void)number;
+    crash_restore();
+    _exit(128 + ending);
 }
 
 static void on_ending(int number)
 {
+    if (!ending) {
+        handle(SIGALRM, on_overdue);
+        alarm(OVERDUE_SECONDS);
+    }
     ending = number;
     atomic_store_explicit(&interrupt.requested, 1, memory_order_relaxed);
+    wake();
+}
+
+static void on_happening(int number)
+{
+    for (int i = 0; i < HAPPENED_COUNT; i++) {
+        if (number_of[i] == number) {
+            happened[i] = 1;
+        }
+    }
+    wake();
+}
+
+static void handle(int number, void (*handler)(int))
+{
+    struct sigaction action = {0};
+    sigemptyset(&action.sa_mask);
+    action.sa_handler = handler; /* no SA_RESTART: a blocking read returns */
+    sigaction(number, &action, NULL);
 }
 
 void signals_install(void)
 {
-    struct sigaction action = {0};
-    sigemptyset(&action.sa_mask);
-    action.sa_handler = on_interrupt; /* no SA_RESTART: a blocking read returns */
-    sigaction(SIGINT, &action, NULL);
-    action.sa_handler = on_ending;
-    sigaction(SIGHUP, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
-    action.sa_handler = SIG_IGN; /* closed output and file size limits are reported by write() */
-    sigaction(SIGPIPE, &action, NULL);
-    sigaction(SIGXFSZ, &action, NULL);
+    handle(SIGINT, on_interrupt);
+    handle(SIGHUP, on_ending);
+    handle(SIGTERM, on_ending);
+    handle(SIGPIPE, SIG_IGN); /* closed output and file size limits are reported by write() */
+    handle(SIGXFSZ, SIG_IGN);
+}
+
+void signals_hang_up(void)
+{
+    if (!ending) {
+        on_ending(SIGHUP);
+    }
 }
 
 int signals_ending(void)
 {
     return ending;
+}
+
+void signals_watch(unsigned set)
+{
+    for (int i = 0; i < HAPPENED_COUNT; i++) {
+        if (number_of[i] != SIGALRM || !ending) {
+            handle(number_of[i], set & 1u << i ? on_happening : SIG_DFL);
+        }
+    }
+}
+
+bool signals_happened(enum happening what)
+{
+    bool it = happened[what];
+    happened[what] = 0;
+    return it;
+}
+
+int signals_pipe(void)
+{
+    if (ends[0] < 0 && pipe2(ends, O_CLOEXEC | O_NONBLOCK) != 0) {
+        ends[0] = ends[1] = -1;
+    }
+    return ends[0];
+}
+
+void signals_drain(void)
+{
+    char bytes[64];
+    while (read(ends[0], bytes, sizeof bytes) > 0) {
+    }
+}
+
+void signals_stop(void)
+{
+    sigset_t stop, before;
+    sigemptyset(&stop);
+    sigaddset(&stop, SIGTSTP);
+    handle(SIGTSTP, SIG_DFL);
+    sigprocmask(SIG_UNBLOCK, &stop, &before);
+    raise(SIGTSTP);
+    sigprocmask(SIG_SETMASK, &before, NULL);
+    handle(SIGTSTP, on_happening);
 }

@@ -7,7 +7,7 @@
 
 #define GATHER ((size_t)1 << 16)
 
-static bool write_all(int fd, struct text text, int *failure)
+bool write_all(int fd, struct text text, int *failure)
 {
     while (text.len > 0) {
         ssize_t done = write(fd, text.at, text.len);

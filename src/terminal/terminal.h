@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Private to the terminal layer: the only place that knows streams, signals, locales and readline. */
+/* Private to the terminal layer: the only place that knows streams, signals, locales, readline and curses. */
 #ifndef HOOKE_TERMINAL_H
 #define HOOKE_TERMINAL_H
 
-#include <hooke/command.h>
+#include <hooke/view.h>
 
 /* ---- what the command line of the program asks for -------------------------------------------------------------------- */
 
@@ -18,8 +18,10 @@ struct options {
     struct task *task;
     int tasks;
     bool interactive, batch, plain, keep_going, norc, rc, safe, quiet, verbose, help, version;
+    bool resume;
     int width, height; /* 0: not given */
     const char *charset, *color, *format; /* NULL: not given */
+    const char *resume_name;              /* NULL: the newest */
 };
 
 /* False: a message has been written to standard error; exit status 2. */
@@ -39,6 +41,7 @@ struct streams {
 struct sink streams_sink(struct streams *streams);
 bool streams_flush(struct streams *streams);
 void streams_free(struct streams *streams);
+bool write_all(int fd, struct text text, int *failure); /* goes on after signals; failure: errno */
 
 /* ---- signals ------------------------------------------------------------------------------------------------------------- */
 
@@ -46,25 +49,110 @@ extern struct cancel interrupt; /* set by Ctrl-C */
 
 void signals_install(void);
 int signals_ending(void); /* SIGHUP or SIGTERM has arrived: its number; 0: none */
+void signals_hang_up(void); /* the terminal is gone, without a signal: as if it had come */
+
+/* What else can happen; each is noticed once. */
+enum happening { HAPPENED_RESIZE, HAPPENED_SUSPEND, HAPPENED_CONTINUE, HAPPENED_ALARM, HAPPENED_COUNT };
+
+/* Installs the handlers of those in the set (bits 1 << enum happening), gives the others back to the system. */
+void signals_watch(unsigned set);
+bool signals_happened(enum happening what); /* and forgets it */
+/* A descriptor that becomes readable with every signal; -1: no pipe could be made. Reading it empty is signals_drain(). */
+int signals_pipe(void);
+void signals_drain(void);
+/* Stops the program the way the terminal's own Ctrl-Z does; returns when it is continued. */
+void signals_stop(void);
+
+/* ---- giving the terminal back, whatever happens (crash.c) ----------------------------------------------------------------- */
+
+/* Notes the modes that the terminal has now, to be restored. */
+void crash_modes(void);
+/* From now on an abnormal end writes `text` (escape sequences) and restores those modes. */
+void crash_arm(struct text text);
+void crash_disarm(void);
+void crash_restore(void); /* only write() and tcsetattr(): may be called from a signal handler */
+void crash_install(void); /* fatal signals: restore, then end as they would have */
+/* What is done when readline finds no memory, before the program ends with status 1. NULL: nothing. */
+void crash_last_act(void (*act)(void));
 
 /* ---- front ends ----------------------------------------------------------------------------------------------------------- */
+
+enum front_kind { FRONT_END, FRONT_IS_PLAIN, FRONT_IS_PANES };
+
+struct autosave;
+
+/* What all front ends of one program share. */
+struct program {
+    struct session *session;
+    const struct options *options;
+    struct streams *streams;
+    struct reply *reply;
+    struct autosave *autosave;
+    enum front_kind next; /* set by `plain` and `panes`: who takes over */
+};
 
 /* What this output can show: charset from the locale, colour, size. `fd`: where figures go. */
 void front_probe(struct front *front, const struct options *options, int fd);
 /* Runs the tasks, then standard input where `input`. Returns when done, asked to quit, or stopped. */
 void batch_run(struct session *session, const struct options *options, bool input, struct reply *reply, struct streams *streams);
-void prompt_run(struct session *session, const struct options *options, struct reply *reply, struct streams *streams);
+/* Both return when the person leaves, the program is to end, or program->next says who takes over. */
+void prompt_run(struct program *program);
+void panes_run(struct program *program);
+/* Can panes be shown here? If not, why. */
+bool panes_possible(struct error *error);
+/* What is said before the panes are there, and in them. */
+struct sink panes_sink(struct session *session);
 /* $XDG_CONFIG_HOME/hooke/rc.hk, if it is the user's own and nobody else can write it. */
 void rc_run(struct session *session, struct reply *reply);
+/* A typed or pasted text: several lines are a small script named "paste" that stops at its first error. */
+void typed_run(struct session *session, struct text typed, struct reply *reply);
+/* The screen as text lines, and the same in a file. */
+bool screenshot_text(const struct session *session, const struct prompt_line *prompt, int width, int height, struct buffer *text,
+                     struct error *error);
+bool screenshot_file(const struct session *session, const struct prompt_line *prompt, int width, int height, const char *path,
+                     struct write_policy policy, struct error *error);
+/* The callbacks of front ends without a screen. */
+void screenshot_offer(struct front *front);
+
+/* ---- readline, common to both prompts (line.c) ------------------------------------------------------------------------------ */
+
+/* Settings and completion; once, before anything else of readline. */
+void line_begin(struct session *session);
 
 /* ---- files of the user ------------------------------------------------------------------------------------------------------ */
 
 /* "$VARIABLE/hooke/NAME" or "$HOME/FALLBACK/hooke/NAME"; creates the folder where `create`. NULL: no place. Caller frees. */
 char *user_path(const char *variable, const char *fallback, const char *name, bool create);
+char *state_path(const char *name, bool create); /* in $XDG_STATE_HOME, else ~/.local/state */
 
 #define HISTORY_LINES 5000
 
-void history_load(void);                /* readline's history from the file, the last HISTORY_LINES lines */
-void history_append(const char *line);  /* to readline and, under a lock, to the file */
+void history_load(void); /* readline's history from the file, the last HISTORY_LINES lines */
+/* To readline and, under a lock, to the file. False: it cannot be kept there. */
+bool history_append(const char *line, struct error *error);
+
+/* ---- autosave: session-DATE-TIME-PID.hk ------------------------------------------------------------------------------------- */
+
+#define AUTOSAVE_PREFIX "session-"
+#define AUTOSAVE_SECONDS 30
+#define AUTOSAVE_KEPT 5
+
+struct autosave {
+    const struct session *session;
+    char *path;     /* NULL: no place for it */
+    uint64_t saved; /* session->changes then */
+    int64_t due;    /* [clock_ns] 0: nothing to save */
+    bool warned;    /* that it cannot be written: said once */
+};
+
+/* Chooses the name and clears away what dead sessions left: temporaries, and all but the last AUTOSAVE_KEPT files. */
+void autosave_begin(struct autosave *autosave, const struct session *session);
+void autosave_end(struct autosave *autosave);
+/* When autosave_write is wanted [clock_ns]; INT64_MAX: nothing has changed. */
+int64_t autosave_due(struct autosave *autosave);
+/* Writes now if anything changed. False, once a session: it cannot be written, and why. */
+bool autosave_write(struct autosave *autosave, struct error *error);
+/* Replaces the session by a saved one; unchanged unless all of it could be restored. name NULL: the newest. */
+bool autosave_resume(struct session **session, const char *name, struct reply *reply, struct error *error);
 
 #endif

@@ -6,6 +6,12 @@
 
 #define TABLE_ROWS 6
 
+/* A piece of the frame without writing, where a letter can stand. */
+static bool is_bare_frame(const struct screen *screen, const struct canvas *canvas, int x, int y)
+{
+    return canvas->cell[(size_t)y * (size_t)canvas->width + (size_t)x].codepoint == (screen->charset == CHARSET_ASCII ? '-' : 0x2500);
+}
+
 void cursors_draw(const struct screen *screen, const struct figure_layout *layout, struct canvas *canvas, struct rectangle at, bool letters)
 {
     const struct cursors *cursors = &screen->session->view.cursors;
@@ -22,7 +28,7 @@ void cursors_draw(const struct screen *screen, const struct figure_layout *layou
                 canvas_put(canvas, x, y + row, line, i == cursors->active ? STYLE_BOLD : STYLE_DIM);
         }
         if (letters)
-            canvas_put(canvas, x, layout->frame ? at.y : y, (uint32_t)"AB"[i], STYLE_BOLD);
+            canvas_put(canvas, x, is_bare_frame(screen, canvas, x, at.y) ? at.y : y, (uint32_t)"AB"[i], STYLE_BOLD);
     }
 }
 
@@ -139,8 +145,8 @@ void cursors_table(const struct screen *screen, struct rectangle at)
     put_cursor(&line[1], session, 1);
     put_interval(&line[2], session);
     put_theory(&line[3], session);
-    buffer_put(&line[4], TEXT(" </> move  n/N next/prev crossing  +/- periods  Tab A<->B  s snap  l lock  z zoom"));
-    buffer_put(&line[5], TEXT(" Enter keep as measurement   e export   q leave   ? help"));
+    buffer_put(&line[4], TEXT(" </> move  n/N next/prev crossing  +/- periods  Tab A<->B  s snap  l lock"));
+    buffer_put(&line[5], TEXT(" Enter keep as measurement  z zoom  e export  q leave  ? help"));
     for (int i = 0; i < smaller(at.height, TABLE_ROWS); i++)
         shown[order[i]] = true;
     for (int i = 0, y = at.y; i < TABLE_ROWS; i++) {

@@ -33,7 +33,7 @@ struct arrangement {
     bool numbered;
     int first;      /* share of the first pane of the left column, the others have 1 */
     int lefts, rights;
-    enum pane left[4], right[2];
+    enum pane left[3], right[2];
 };
 
 static const struct arrangement arrangements[] = {
@@ -41,11 +41,10 @@ static const struct arrangement arrangements[] = {
     [LAYOUT_DUO] = {60, 0, LAYOUT_SINGLE, .first = 1, .lefts = 1, .left = {PANE_POSITION}, .rights = 1, .right = {PANE_PHASE}},
     [LAYOUT_TRIO] = {60, 0, LAYOUT_SINGLE, .shared = true, .first = 2, .lefts = 2, .left = {PANE_POSITION, PANE_ENERGY}, .rights = 1,
                      .right = {PANE_PHASE}},
-    [LAYOUT_STACK] = {.shared = true, .first = 1, .lefts = 4, .left = {PANE_POSITION, PANE_VELOCITY, PANE_ENERGY, PANE_ERROR}},
+    [LAYOUT_STACK] = {.shared = true, .first = 1, .lefts = 3, .left = {PANE_POSITION, PANE_VELOCITY, PANE_ENERGY}},
     [LAYOUT_QUAD] = {110, 24, LAYOUT_TRIO, .numbered = true, .first = 1, .lefts = 2, .left = {PANE_POSITION, PANE_VELOCITY}, .rights = 2,
                      .right = {PANE_PHASE, PANE_ENERGY}},
-    [LAYOUT_PLOT] = {60, 0, LAYOUT_SINGLE, .shared = true, .first = 2, .lefts = 2, .left = {PANE_POSITION, PANE_ENERGY}, .rights = 1,
-                     .right = {PANE_PHASE}},
+    [LAYOUT_PLOT] = {.first = 1, .lefts = 1, .left = {PANE_POSITION}},
     [LAYOUT_LOG] = {.first = 1},
 };
 
@@ -118,7 +117,7 @@ int screen_places(const struct session *session, struct rectangle area, struct p
         layout = arrangements[layout].smaller;
     const struct arrangement *a = &arrangements[layout];
 
-    enum pane left[4], right[2];
+    enum pane left[3], right[2];
     int lefts = choose_panes(session, a->left, a->lefts, left), rights = choose_panes(session, a->right, a->rights, right);
     if (!lefts && !rights)
         left[lefts++] = PANE_POSITION;

@@ -13,10 +13,11 @@ static double present(const struct run *run, const char *name)
     return run_observable(run, (const struct observable *)(const void *)row);
 }
 
-/* "1.741 mJ": always four digits. */
-static void put_energy(struct buffer *out, double energy)
+/* "1.741 mJ": four digits, in the unit of the start as long as that is near. */
+static void put_energy(struct buffer *out, const struct run *run, double energy)
 {
-    const struct unit *unit = unit_display(QUANTITY_ENERGY, energy);
+    double start = system_kinetic(&run->system, run->system.start) + system_potential(&run->system, run->system.start);
+    const struct unit *unit = unit_display(QUANTITY_ENERGY, fabs(energy) < 100 * fabs(start) && fabs(start) < 100 * fabs(energy) ? start : energy);
     buffer_format(out, "E=%#.4g %s", energy / (unit ? unit->factor : 1), unit ? unit->row.name : "J");
 }
 
@@ -52,7 +53,7 @@ static int put_numbers(const struct screen *screen, int x, int y)
     double energy = present(run, "energy"), error = present(run, "energy-error");
     struct buffer full = {0}, brief = {0}, runs = {0};
     if (isfinite(energy)) {
-        put_energy(&full, energy);
+        put_energy(&full, run, energy);
         if (isfinite(error)) {
             put_error(&brief, run, error);
             buffer_format(&full, "  %s", brief.data ? brief.data : "");

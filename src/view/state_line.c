@@ -132,13 +132,26 @@ static void mark_word(const struct screen *screen, int y, struct text line, cons
         canvas_text(screen->canvas, (int)(at - line.at), y, text_of(word), style);
 }
 
+/* Two blanks become one. */
+static void tighten(struct buffer *text)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < text->len; i++)
+        if (i == 0 || text->data[i] != ' ' || text->data[i - 1] != ' ')
+            text->data[n++] = text->data[i];
+    text->len = n;
+}
+
 void state_line_draw(const struct screen *screen, int y)
 {
     struct buffer text = {0};
+    int width = screen->canvas->width;
     for (size_t i = 0; i < COUNT_OF(forms); i++) {
         buffer_clear(&text);
         put_form(&text, screen->session, &forms[i]);
-        if (text_width(buffer_text(&text)) <= screen->canvas->width)
+        if (text_width(buffer_text(&text)) > width)
+            tighten(&text);
+        if (text_width(buffer_text(&text)) <= width)
             break;
     }
     struct text line = buffer_text(&text);

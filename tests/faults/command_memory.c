@@ -32,7 +32,7 @@ static const char *const lines[] = {
     "save s.hk --force; source s.hk",
     "record r.hk; echo 'one'; record off; history",
     "help; help run; help verlet; apropos Hairer; list methods; list commands",
-    "set format json; run 1 s; fit; measure period; data; show all; set format csv; run 1 s; runs; set format text",
+    "set format json; run 3 s; fit; measure period; data; show all; set format csv; run 1 s; runs; set format text",
     "data drop x; drop all; undo; unset k; unset A",
 };
 
@@ -64,7 +64,7 @@ static void assert_alive(struct bench *b)
     buffer_free(&b->out);
     buffer_free(&b->err);
     type_ok(b, "set format text");
-    type_ok(b, "m = 200 g; k = 15; method rk4; run 1 s; print t");
+    type_ok(b, "m = 200 g; k = 15; t0 = 0; method rk4; run 1 s; print t");
     assert_says(&b->out, "1 s");
     while (b->session->undos > 0)
         type_ok(b, "undo");

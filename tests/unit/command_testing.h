@@ -33,7 +33,7 @@ static bool bench_err(void *context, struct text text)
     return true;
 }
 
-static void bench_open(struct bench *bench, bool interactive)
+static inline void bench_open(struct bench *bench, bool interactive)
 {
     *bench = (struct bench){.full = false};
     bench->session = session_create(&(struct front){.interactive = interactive});
@@ -41,7 +41,7 @@ static void bench_open(struct bench *bench, bool interactive)
     assert_non_null(bench->session);
 }
 
-static void bench_close(struct bench *bench)
+static inline void bench_close(struct bench *bench)
 {
     session_destroy(bench->session);
     reply_free(&bench->reply);

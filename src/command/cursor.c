@@ -1,0 +1,376 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "cursor.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define PI 3.14159265358979323846
+#define PEAK_WIDTH 0.1     /* [periods] on each side of the highest sample that the parabola is fitted to */
+#define DECREMENT_LEAST 1e-9 /* below it is rounding, and Q means nothing */
+
+/* ---- what they stand on --------------------------------------------------------------------------------------------------- */
+
+static bool find_crossings(struct ground *g, struct error *error)
+{
+    const struct overview *o = &g->overview;
+    size_t room = o->oscillates ? 2 * (size_t)o->periods + 16 : 64;
+    for (;;) {
+        g->crossing = arena_array(g->arena, room, sizeof *g->crossing);
+        if (!g->crossing)
+            return error_memory(error);
+        g->crossings = series_crossings(&g->series, o, o->mean, g->crossing, room);
+        if (g->crossings <= room)
+            return true;
+        room = g->crossings;
+    }
+}
+
+bool ground_open(struct session *session, struct arena *arena, struct ground *ground, struct error *error)
+{
+    struct cursors *cursors = &session->view.cursors;
+    const struct run *run = session_run(session);
+    struct recording *recording = session_recording(session);
+    *ground = (struct ground){.arena = arena};
+    if (!run && !recording) {
+        error_set(error, ERROR_COMMAND, "there is neither a run nor a recording for the cursors");
+        return error_hint(error, "type: run, or: load FILE");
+    }
+    cursors->on_data = recording && (cursors->on_data || !run);
+    if (cursors->on_data) {
+        snprintf(ground->name, sizeof ground->name, "data %s", recording->name);
+        if (!recording_series(recording, arena, 2, &ground->series, error))
+            return false;
+    } else {
+        snprintf(ground->name, sizeof ground->name, "run %d", run->number);
+        if (!run_series(run, false, arena, &ground->series, error))
+            return false;
+        if (ground->series.n < 2)
+            return error_set(error, ERROR_COMMAND, "run %d is at its start: there is nothing to measure yet", run->number);
+    }
+    series_overview(&ground->series, arena, &ground->overview);
+    return find_crossings(ground, error);
+}
+
+double ground_spacing(const struct ground *g)
+{
+    return (g->series.t[g->series.n - 1] - g->series.t[0]) / (double)(g->series.n - 1);
+}
+
+/* Last sample at or before t, one that has another after it. */
+static size_t sample_before(const struct series *s, double t)
+{
+    size_t low = 0, high = s->n - 1;
+    while (high - low > 1) {
+        const size_t middle = low + (high - low) / 2;
+        if (s->t[middle] <= t)
+            low = middle;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+/* ---- places to snap to ------------------------------------------------------------------------------------------------------- */
+
+struct place {
+    double t, uncertainty, y;
+    int crossing; /* number, 0: none */
+};
+
+/* The vertex of the parabola through the samples around the highest one between two crossings (least squares). */
+static bool peak_between(const struct ground *g, double from, double to, struct place *place)
+{
+    const struct series *s = &g->series;
+    size_t top = s->n;
+    for (size_t i = sample_before(s, from); i < s->n && s->t[i] <= to; i++)
+        if (s->t[i] >= from && (top == s->n || s->y[i] > s->y[top]))
+            top = i;
+    if (top == s->n || top == 0 || top + 1 == s->n)
+        return false;
+    const double width = g->overview.oscillates ? PEAK_WIDTH * g->overview.period : 0;
+    size_t a = top - 1, b = top + 1;
+    while (a > 0 && s->t[top] - s->t[a - 1] <= width)
+        a--;
+    while (b + 1 < s->n && s->t[b + 1] - s->t[top] <= width)
+        b++;
+    /* y = p + q x + r x^2 with x counted from the mean, so that q is nearly independent of the others. */
+    double n = 0, sx = 0;
+    for (size_t i = a; i <= b; i++) {
+        n++;
+        sx += s->t[i] - s->t[top];
+    }
+    const double mean = sx / n, scale = s->t[b] - s->t[a];
+    double x2 = 0, x3 = 0, x4 = 0, y0 = 0, y1 = 0, y2 = 0;
+    for (size_t i = a; i <= b; i++) {
+        const double x = (s->t[i] - s->t[top] - mean) / scale, y = s->y[i] - s->y[top];
+        x2 += x * x;
+        x3 += x * x * x;
+        x4 += x * x * x * x;
+        y0 += y;
+        y1 += x * y;
+        y2 += x * x * y;
+    }
+    /* Normal equations [n 0 x2; 0 x2 x3; x2 x3 x4]. */
+    const double det = n * (x2 * x4 - x3 * x3) - x2 * x2 * x2;
+    const double q = (n * (y1 * x4 - y2 * x3) - x2 * x2 * y1 + x2 * x3 * y0) / det;
+    const double r = (n * (x2 * y2 - x3 * y1) - x2 * x2 * y0) / det;
+    const double p = (y0 - x2 * r) / n, x = -q / (2 * r);
+    if (!(r < 0) || !(fabs(x) <= 0.5))
+        return false;
+    *place = (struct place){.t = s->t[top] + mean + x * scale,
+                            .uncertainty = g->overview.noise * scale / (2 * fabs(r) * sqrt(x2)),
+                            .y = s->y[top] + p + q * x + r * x * x};
+    return true;
+}
+
+/* Calls for each place of this kind in order until it says stop. Samples are no places: there are too many. */
+static void each_place(const struct ground *g, enum snap snap, bool (*visit)(void *context, const struct place *place), void *context)
+{
+    int number = 0;
+    struct place place;
+    for (size_t i = 0; i < g->crossings; i++) {
+        const struct crossing *c = &g->crossing[i];
+        number += c->up;
+        if (snap == SNAP_PEAK ? c->up && i + 1 < g->crossings && peak_between(g, c->t, g->crossing[i + 1].t, &place) : c->up) {
+            if (snap != SNAP_PEAK)
+                place = (struct place){c->t, c->uncertainty, g->overview.mean, number};
+            if (!visit(context, &place))
+                return;
+        }
+    }
+}
+
+struct search {
+    double t;
+    struct place best;
+    bool found, forward;
+    int number;
+};
+
+static bool keep_nearest(void *context, const struct place *place)
+{
+    struct search *search = context;
+    if (!search->found || fabs(place->t - search->t) < fabs(search->best.t - search->t))
+        search->best = *place;
+    search->found = true;
+    return true;
+}
+
+static struct place nearest_sample(const struct ground *g, double t)
+{
+    const struct series *s = &g->series;
+    size_t i = sample_before(s, t);
+    if (fabs(s->t[i + 1] - t) < fabs(t - s->t[i]))
+        i++;
+    return (struct place){.t = s->t[i], .uncertainty = ground_spacing(g) / sqrt(12), .y = s->y[i]};
+}
+
+static struct place no_snap(const struct ground *g, double t)
+{
+    const struct series *s = &g->series;
+    const size_t i = sample_before(s, t);
+    const double x = (t - s->t[i]) / (s->t[i + 1] - s->t[i]);
+    return (struct place){.t = t, .uncertainty = (double)NAN, .y = s->y[i] + x * (s->y[i + 1] - s->y[i])};
+}
+
+static void put_place(struct cursors *cursors, int which, const struct place *place)
+{
+    cursors->at[which].set = true;
+    cursors->at[which].t = place->t;
+    cursors->at[which].t_uncertainty = place->uncertainty;
+    cursors->at[which].y = place->y;
+    cursors->at[which].crossing = place->crossing;
+    cursors->at[which].amplitude = (double)NAN;
+}
+
+void cursor_put(struct cursors *cursors, const struct ground *g, int which, double t, double reach)
+{
+    const struct series *s = &g->series;
+    t = fmin(fmax(t, s->t[0]), s->t[s->n - 1]);
+    struct search search = {.t = t};
+    if (cursors->snap == SNAP_CROSSING || cursors->snap == SNAP_PEAK)
+        each_place(g, cursors->snap, keep_nearest, &search);
+    const struct place place = search.found && fabs(search.best.t - t) <= reach ? search.best
+                               : cursors->snap == SNAP_SAMPLE                   ? nearest_sample(g, t)
+                                                                                : no_snap(g, t);
+    put_place(cursors, which, &place);
+}
+
+/* ---- moves ---------------------------------------------------------------------------------------------------------------------- */
+
+static bool keep_next(void *context, const struct place *place)
+{
+    struct search *search = context;
+    const bool beyond = search->forward ? place->t > search->t : place->t < search->t;
+    if (beyond)
+        search->best = *place;
+    search->found |= beyond;
+    return !(beyond && search->forward) && (beyond || search->forward);
+}
+
+bool cursor_jump(struct cursors *cursors, const struct ground *g, bool forward, struct error *error)
+{
+    const double t = cursors->at[cursors->active].t, near = 1e-6 * ground_spacing(g);
+    const bool peak = cursors->snap == SNAP_PEAK;
+    struct search search = {.t = t + (forward ? near : -near), .forward = forward};
+    each_place(g, peak ? SNAP_PEAK : SNAP_CROSSING, keep_next, &search);
+    if (!search.found)
+        return error_set(error, ERROR_COMMAND, "there is no %s %s t = %.6g s in %s", peak ? "peak" : "up-crossing", forward ? "after" : "before", t,
+                         g->name);
+    put_place(cursors, cursors->active, &search.best);
+    return true;
+}
+
+static bool keep_number(void *context, const struct place *place)
+{
+    struct search *search = context;
+    search->best = *place;
+    search->found = place->crossing == search->number;
+    return !search->found;
+}
+
+bool cursor_span(struct cursors *cursors, const struct ground *g, double n, struct error *error)
+{
+    const struct series *s = &g->series;
+    if (cursors->at[0].crossing > 0) {
+        struct search search = {.number = cursors->at[0].crossing + (int)fmin(n, 1e9)};
+        each_place(g, SNAP_CROSSING, keep_number, &search);
+        if (!search.found)
+            return error_set(error, ERROR_COMMAND, "%s has up-crossings up to #%d: from #%d that is %d period%s", g->name,
+                             search.best.crossing, cursors->at[0].crossing, search.best.crossing - cursors->at[0].crossing,
+                             search.best.crossing - cursors->at[0].crossing == 1 ? "" : "s");
+        put_place(cursors, 1, &search.best);
+        return true;
+    }
+    if (!g->overview.oscillates)
+        return error_set(error, ERROR_COMMAND, "%s has no period to count: %s", g->name, g->overview.reason);
+    const double t = cursors->at[0].t + n * g->overview.period;
+    if (t > s->t[s->n - 1])
+        return error_set(error, ERROR_COMMAND, "%s ends at t = %.6g s, before %g periods from A have passed", g->name, s->t[s->n - 1], n);
+    cursor_put(cursors, g, 1, t, 0.25 * g->overview.period);
+    return true;
+}
+
+void cursor_spread(struct cursors *cursors, const struct ground *g)
+{
+    const struct series *s = &g->series;
+    cursor_put(cursors, g, 0, s->t[0], HUGE_VAL);
+    cursor_put(cursors, g, 1, s->t[s->n - 1], HUGE_VAL);
+    if (cursors->at[0].t < cursors->at[1].t)
+        return;
+    const struct place first = no_snap(g, s->t[0]), last = no_snap(g, s->t[s->n - 1]);
+    put_place(cursors, 0, &first);
+    put_place(cursors, 1, &last);
+}
+
+void cursor_settle(struct cursors *cursors, const struct ground *g)
+{
+    const double dt = fabs(cursors->at[1].t - cursors->at[0].t);
+    const int a = cursors->at[0].crossing, b = cursors->at[1].crossing;
+    struct error ignored;
+    snprintf(cursors->of, sizeof cursors->of, "%s", g->name);
+    cursors->samples = g->series.n;
+    cursors->quantity = g->series.quantity;
+    double periods = a > 0 && b > 0 ? abs(b - a) : g->overview.oscillates ? nearbyint(dt / g->overview.period) : 0;
+    cursors->periods = periods >= 1 ? periods : (double)NAN;
+    for (int i = 0; i < 2; i++) {
+        struct reading reading;
+        const bool known = g->overview.oscillates &&
+                           series_amplitudes(&g->series, g->arena, &cursors->at[i].t, 1, 0, &reading, &ignored);
+        cursors->at[i].amplitude = known ? reading.amplitude.value : (double)NAN;
+    }
+}
+
+void cursors_refresh(struct session *session)
+{
+    struct cursors *cursors = &session->view.cursors;
+    struct arena arena = {0};
+    struct ground ground;
+    struct error ignored;
+    if (!cursors->shown)
+        return;
+    /* Cheap where nothing has changed: the same run, as long as before. */
+    const struct run *run = session_run(session);
+    char name[LIMIT_NAME + 16] = "";
+    if (run && !cursors->on_data)
+        snprintf(name, sizeof name, "run %d", run->number);
+    if (name[0] && strcmp(name, cursors->of) == 0 && trace_count(run->trace) == cursors->samples)
+        return;
+    if (ground_open(session, &arena, &ground, &ignored)) {
+        if (strcmp(ground.name, cursors->of) != 0 || ground.series.n != cursors->samples) {
+            for (int i = 0; i < 2; i++)
+                cursor_put(cursors, &ground, i, cursors->at[i].t, cursors->at[i].crossing > 0 ? HUGE_VAL : 0);
+            cursor_settle(cursors, &ground);
+        }
+    } else {
+        cursors->shown = false;
+    }
+    arena_reset(&arena);
+}
+
+/* ---- what they say -------------------------------------------------------------------------------------------------------------- */
+
+bool session_cursor_reading(const struct session *session, struct cursor_reading *reading)
+{
+    const struct cursors *c = &session->view.cursors;
+    if (!c->shown || !c->at[0].set || !c->at[1].set)
+        return false;
+    const struct scene *scene = subject_scene(session, c->on_data ? NULL : session_run(session));
+    const double dt = c->at[1].t - c->at[0].t, n = c->periods;
+    const double period = fabs(dt) / n, spread = hypot(c->at[0].t_uncertainty, c->at[1].t_uncertainty) / n;
+    const double decrement = copysign(1, dt) * log(c->at[0].amplitude / c->at[1].amplitude) / n;
+    *reading = (struct cursor_reading){.dt = dt,
+                                       .periods = n,
+                                       .period = {period, spread},
+                                       .frequency = {1 / period, spread / (period * period)},
+                                       .theory = scene_period(scene),
+                                       .damped = scene && scene->value[param_index("gamma")] != 0,
+                                       .decrement = decrement,
+                                       .quality = decrement > DECREMENT_LEAST ? PI / decrement : (double)NAN};
+    reading->deviation = (period - reading->theory) / reading->theory;
+    return true;
+}
+
+static void put_value(struct buffer *text, const char *name, struct measured value, enum quantity quantity)
+{
+    buffer_format(text, "%s = ", name);
+    if (isfinite(value.value))
+        buffer_measured(text, value, quantity, 5);
+    else
+        buffer_char(text, '-');
+}
+
+static void put_line(const struct cursors *c, int which, const char *tail, struct buffer *text)
+{
+    buffer_format(text, "%s%c  ", which == c->active ? ">" : " ", 'A' + which);
+    put_value(text, "t", (struct measured){c->at[which].t, c->at[which].t_uncertainty}, QUANTITY_TIME);
+    put_value(text, "   y", (struct measured){c->at[which].y, 0}, c->quantity);
+    if (c->at[which].crossing > 0)
+        buffer_format(text, "   up-crossing #%d", c->at[which].crossing);
+    buffer_format(text, "   %s\n", tail);
+}
+
+void session_cursor_lines(const struct session *session, struct buffer *text)
+{
+    const struct cursors *c = &session->view.cursors;
+    struct cursor_reading r;
+    char tail[LIMIT_NAME + 64];
+    if (!session_cursor_reading(session, &r))
+        return;
+    snprintf(tail, sizeof tail, "snap: %s%s", catalog_row(&snap_catalog, (size_t)c->snap)->name, c->locked ? ", locked" : "");
+    put_line(c, 0, tail, text);
+    snprintf(tail, sizeof tail, "on: %s", c->of);
+    put_line(c, 1, tail, text);
+    put_value(text, " B-A", (struct measured){r.dt, 0}, QUANTITY_TIME);
+    if (isfinite(r.periods))
+        buffer_format(text, " / %g period%s", r.periods, r.periods == 1 ? "" : "s");
+    put_value(text, "   T", r.period, QUANTITY_TIME);
+    put_value(text, "   f", r.frequency, QUANTITY_FREQUENCY);
+    put_value(text, r.damped ? "\n theory T_d" : "\n theory T0", (struct measured){r.theory, 0}, QUANTITY_TIME);
+    if (isfinite(r.deviation))
+        buffer_format(text, "   deviation %+.2g %%", 100 * r.deviation);
+    put_value(text, "   log decrement", (struct measured){r.decrement, 0}, QUANTITY_NUMBER);
+    put_value(text, "   Q", (struct measured){r.quality, 0}, QUANTITY_NUMBER);
+}

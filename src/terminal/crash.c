@@ -1,0 +1,107 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The terminal is given back usable at every end: fatal signals, and readline without memory. */
+#include "terminal.h"
+
+#include <errno.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <termios.h>
+#include <unistd.h>
+
+/* All of it is static: a handler may neither allocate nor trust the stack or the heap. */
+static struct {
+    volatile sig_atomic_t known, armed; /* the modes; the text too */
+    struct termios modes;
+    char text[512];
+    size_t len;
+    void (*last_act)(void);
+    char stack[1 << 16];
+} rescue;
+
+void crash_modes(void)
+{
+    struct termios modes;
+    if (tcgetattr(STDIN_FILENO, &modes) == 0) {
+        rescue.modes = modes;
+        rescue.known = 1;
+    }
+}
+
+void crash_arm(struct text text)
+{
+    rescue.armed = 0;
+    rescue.len = text.len < sizeof rescue.text ? text.len : 0;
+    memcpy(rescue.text, text.at, rescue.len);
+    rescue.armed = rescue.known;
+}
+
+void crash_disarm(void)
+{
+    rescue.armed = 0;
+}
+
+void crash_restore(void)
+{
+    if (rescue.armed) {
+        ssize_t ignored = write(STDOUT_FILENO, rescue.text, rescue.len);
+        (void)ignored;
+        tcsetattr(STDIN_FILENO, TCSANOW, &rescue.modes);
+    }
+}
+
+static void on_fatal(int number)
+{
+    crash_restore();
+    raise(number); /* SA_RESETHAND: now it ends the program, with a core where those are wanted */
+}
+
+void crash_install(void)
+{
+    static const int fatal[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGQUIT, SIGSYS};
+    stack_t stack = {.ss_sp = rescue.stack, .ss_size = sizeof rescue.stack};
+    sigaltstack(&stack, NULL); /* an endless recursion leaves no other */
+    struct sigaction action = {.sa_flags = (int)(SA_ONSTACK | SA_RESETHAND | SA_NODEFER)};
+    sigemptyset(&action.sa_mask);
+    action.sa_handler = on_fatal;
+    for (size_t i = 0; i < COUNT_OF(fatal); i++) {
+        sigaction(fatal[i], &action, NULL);
+    }
+}
+
+/* ---- memory for readline: it calls these two and would end the program on its own ------------------------------------------ */
+
+void *xmalloc(size_t size);
+void *xrealloc(void *old, size_t size);
+
+void crash_last_act(void (*act)(void))
+{
+    rescue.last_act = act;
+}
+
+static void *checked(void *memory)
+{
+    if (memory) {
+        return memory;
+    }
+    void (*act)(void) = rescue.last_act;
+    rescue.last_act = NULL; /* it may end up here again */
+    if (act) {
+        act();
+    }
+    crash_restore();
+    static const char message[] = "hooke: error: out of memory\n";
+    ssize_t ignored = write(STDERR_FILENO, message, sizeof message - 1);
+    (void)ignored;
+    _exit(1);
+}
+
+void *xmalloc(size_t size)
+{
+    return checked(malloc(size ? size : 1));
+}
+
+void *xrealloc(void *old, size_t size)
+{
+    return checked(realloc(old, size ? size : 1));
+}

@@ -1,0 +1,327 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Keys: a row each, and each a command line. Readline's keymaps find them, so that the inputrc can bind them otherwise. */
+#include "panes.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include <readline/readline.h>
+
+#define CX "\030" /* C-x */
+
+/* Appends the command line; none: the key has done what it does by itself. count: the prefix argument, 1 without one. */
+typedef void make(const struct session *session, int count, struct buffer *line);
+
+static void say_help(const struct session *session, int count, struct buffer *line)
+{
+    (void)session;
+    (void)count;
+    int from = rl_point, to = rl_point;
+    while (from > 0 && !strchr(" \t=;,", rl_line_buffer[from - 1])) {
+        from--;
+    }
+    while (to < rl_end && !strchr(" \t=;,", rl_line_buffer[to])) {
+        to++;
+    }
+    buffer_format(line, "help%s%.*s", to > from ? " " : "", to - from, rl_line_buffer + from);
+}
+
+static void say_run(const struct session *session, int count, struct buffer *line)
+{
+    (void)count;
+    const enum live_state state = session->live.state;
+    buffer_put(line, state == LIVE_RUNNING ? TEXT("pause") : state == LIVE_PAUSED ? TEXT("continue") : TEXT("run"));
+}
+
+static void say_step(const struct session *session, int count, struct buffer *line)
+{
+    (void)session;
+    buffer_format(line, count < 0 ? "back %d" : "step %d", count < 0 ? -count : count);
+}
+
+static void say_charset(const struct session *session, int count, struct buffer *line)
+{
+    (void)count;
+    static const char *const after[] = {[CHARSET_BRAILLE] = "block", [CHARSET_BLOCK] = "ascii", [CHARSET_ASCII] = "braille"};
+    buffer_format(line, "set charset %s", after[session_charset(session)]);
+}
+
+static double column_time(const struct session *session)
+{
+    return screen_column_time(session, session->front.width, session->front.height);
+}
+
+/* A quarter of what a wide plot shows. */
+static void pan(const struct session *session, double columns, struct buffer *line)
+{
+    const double time = columns * column_time(session);
+    if (time != 0) {
+        buffer_put(line, TEXT("pan "));
+        buffer_short(line, time, 6);
+    }
+}
+
+static void say_later(const struct session *session, int count, struct buffer *line)
+{
+    pan(session, count * session->front.width / 8.0, line);
+}
+
+static void say_earlier(const struct session *session, int count, struct buffer *line)
+{
+    pan(session, -count * session->front.width / 8.0, line);
+}
+
+static void page(const struct session *session, int pages, struct buffer *line)
+{
+    const int rows = screen_log_rows(session, session->front.width, session->front.height);
+    buffer_format(line, "scroll %d", pages * (rows > 1 ? rows - 1 : 1));
+}
+
+static void say_page_up(const struct session *session, int count, struct buffer *line)
+{
+    page(session, count, line);
+}
+
+static void say_page_down(const struct session *session, int count, struct buffer *line)
+{
+    page(session, -count, line);
+}
+
+/* The pane alone; once more: all of them. */
+static void fill(const struct session *session, enum pane pane, struct buffer *line)
+{
+    const bool full = session->view.full && session->view.focus == pane;
+    buffer_format(line, "focus %s %s", catalog_row(&pane_catalog, (size_t)pane)->name, full ? "shared" : "full");
+}
+
+static void say_first(const struct session *session, int count, struct buffer *line)
+{
+    (void)count;
+    fill(session, PANE_POSITION, line);
+}
+
+static void say_second(const struct session *session, int count, struct buffer *line)
+{
+    (void)count;
+    fill(session, PANE_PHASE, line);
+}
+
+static void say_third(const struct session *session, int count, struct buffer *line)
+{
+    (void)count;
+    fill(session, PANE_VELOCITY, line);
+}
+
+static void say_fourth(const struct session *session, int count, struct buffer *line)
+{
+    (void)count;
+    fill(session, PANE_ENERGY, line);
+}
+
+/* ---- on the plot ------------------------------------------------------------------------------------------------------------- */
+
+static void move_cursor(const struct session *session, const char *where, int count, struct buffer *line)
+{
+    const double time = count * column_time(session);
+    buffer_format(line, "cursor %s", where);
+    if (time > 0) {
+        buffer_char(line, ' ');
+        buffer_short(line, time, 6);
+    }
+}
+
+static void say_left(const struct session *session, int count, struct buffer *line)
+{
+    move_cursor(session, "left", count, line);
+}
+
+static void say_right(const struct session *session, int count, struct buffer *line)
+{
+    move_cursor(session, "right", count, line);
+}
+
+static void say_snap(const struct session *session, int count, struct buffer *line)
+{
+    (void)count;
+    const size_t next = ((size_t)session->view.cursors.snap + 1) % snap_catalog.count;
+    buffer_format(line, "cursor snap %s", catalog_row(&snap_catalog, next)->name);
+}
+
+/* The rest is typed: the prompt has the keys until the line is finished. */
+static void type(const char *text)
+{
+    rl_set_keymap_from_edit_mode();
+    rl_insert_text(text);
+}
+
+static void type_time(const struct session *session, int count, struct buffer *line)
+{
+    (void)session;
+    (void)count;
+    (void)line;
+    type("cursor go ");
+}
+
+static void type_export(const struct session *session, int count, struct buffer *line)
+{
+    (void)session;
+    (void)count;
+    (void)line;
+    type("export measurements.csv measurements");
+}
+
+static void type_command(const struct session *session, int count, struct buffer *line)
+{
+    (void)session;
+    (void)count;
+    (void)line;
+    type("");
+}
+
+/* ---- the table ------------------------------------------------------------------------------------------------------------------ */
+
+static const struct key {
+    const char *keys[4];    /* what the terminal sends */
+    const char *capability; /* or what terminfo says; NULL: nothing more */
+    const char *command;    /* NULL: made by `make` */
+    make *make;
+    bool silent;            /* looks at the screen only: neither shown in the log nor remembered */
+} keys[] = {
+    {{CX "h"}, "kf1", NULL, say_help, false},
+    {{CX "r"}, "kf5", NULL, say_run, false},
+    {{CX "l"}, "kf6", "layout next", NULL, false},
+    {{CX "c"}, "kf7", "cursor", NULL, false},
+    {{CX "s"}, "kf8", NULL, say_step, false},
+    {{CX "1"}, NULL, NULL, say_first, false},
+    {{CX "2"}, NULL, NULL, say_second, false},
+    {{CX "3"}, NULL, NULL, say_third, false},
+    {{CX "4"}, NULL, NULL, say_fourth, false},
+    {{"\033[5~"}, "kpp", NULL, say_page_up, true},
+    {{"\033[6~"}, "knp", NULL, say_page_down, true},
+    {{CX "\033[H", CX "\033OH", CX "\033[1~"}, NULL, "scroll home", NULL, true},
+    {{CX "\033[F", CX "\033OF", CX "\033[4~"}, NULL, "scroll end", NULL, true},
+    {{CX "+"}, NULL, "zoom 2", NULL, false},
+    {{CX "-"}, NULL, "zoom 0.5", NULL, false},
+    {{CX ">"}, NULL, NULL, say_later, false},
+    {{CX "<"}, NULL, NULL, say_earlier, false},
+    {{CX "a"}, NULL, NULL, say_charset, false},
+    {{"\014"}, NULL, "redraw", NULL, true},
+};
+
+static const struct key cursor_keys[] = {
+    {{"\033[D", "\033OD", "<"}, "kcub1", NULL, say_left, true},
+    {{"\033[C", "\033OC", ">"}, "kcuf1", NULL, say_right, true},
+    {{","}, NULL, "cursor left", NULL, true},
+    {{"."}, NULL, "cursor right", NULL, true},
+    {{"\033[A", "\033OA", "\033[B", "\033OB"}, NULL, "cursor series", NULL, true},
+    {{"n"}, NULL, "cursor next", NULL, true},
+    {{"N"}, NULL, "cursor previous", NULL, true},
+    {{"+"}, NULL, "cursor more", NULL, true},
+    {{"-"}, NULL, "cursor less", NULL, true},
+    {{"\t"}, NULL, "cursor other", NULL, true},
+    {{"s"}, NULL, NULL, say_snap, true},
+    {{"l"}, NULL, "cursor lock", NULL, true},
+    {{"z"}, NULL, "zoom 2", NULL, true},
+    {{"Z"}, NULL, "zoom 0.5", NULL, true},
+    {{"g"}, NULL, NULL, type_time, true},
+    {{"e"}, NULL, NULL, type_export, true},
+    {{":"}, NULL, NULL, type_command, true},
+    {{"?"}, NULL, "help cursor", NULL, false},
+    {{"\r", "\n"}, NULL, "cursor keep", NULL, false},
+    {{"q", "\004"}, NULL, "cursor off", NULL, false},
+};
+
+/* ---- from a key to its row: readline only says what was typed ---------------------------------------------------------------------- */
+
+static Keymap on_plot; /* while the cursors have the keys */
+
+bool keys_on_plot(void)
+{
+    return on_plot && rl_get_keymap() == on_plot;
+}
+
+static const char *sequence(const struct key *key, size_t i)
+{
+    if (i < COUNT_OF(key->keys)) {
+        return key->keys[i];
+    }
+    const char *typed = key->capability ? screen_capability(key->capability) : "";
+    return *typed ? typed : NULL;
+}
+
+static bool is_key(const struct key *key)
+{
+    for (size_t i = 0; i <= COUNT_OF(key->keys); i++) {
+        const char *typed = sequence(key, i);
+        if (typed && strcmp(typed, rl_executing_keyseq) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static const struct key *find_key(const struct key *rows, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        if (is_key(&rows[i])) {
+            return &rows[i];
+        }
+    }
+    return NULL;
+}
+
+static int on_key(int count, int last)
+{
+    if (!panes_active) {
+        return last == '\f' ? rl_clear_screen(1, last) : rl_ding();
+    }
+    struct buffer line = {0};
+    const struct key *key = keys_on_plot() ? find_key(cursor_keys, COUNT_OF(cursor_keys)) : NULL;
+    if (!key && !(key = find_key(keys, COUNT_OF(keys)))) {
+        return rl_ding();
+    }
+    if (key->command) {
+        buffer_put(&line, text_of(key->command));
+    } else {
+        key->make(panes_active->program->session, count, &line);
+    }
+    if (line.len > 0) {
+        panes_enqueue(panes_active, buffer_text(&line), key->silent ? LINE_SILENT : LINE_KEY);
+    }
+    buffer_free(&line);
+    return 0;
+}
+
+static void bind(const struct key *rows, size_t count, Keymap map)
+{
+    for (size_t r = 0; r < count; r++) {
+        for (size_t i = 0; i <= COUNT_OF(rows[r].keys); i++) {
+            const char *typed = sequence(&rows[r], i);
+            if (typed) {
+                rl_bind_keyseq_in_map(typed, on_key, map);
+            }
+        }
+    }
+}
+
+void keys_bind(void)
+{
+    Keymap const maps[] = {emacs_standard_keymap, vi_insertion_keymap, vi_movement_keymap};
+    for (size_t i = 0; i < COUNT_OF(maps); i++) {
+        bind(keys, COUNT_OF(keys), maps[i]);
+    }
+    on_plot = rl_make_bare_keymap();
+    if (on_plot) {
+        bind(keys, COUNT_OF(keys), on_plot);
+        bind(cursor_keys, COUNT_OF(cursor_keys), on_plot);
+    }
+}
+
+void keys_choose(const struct session *session)
+{
+    if (session->view.cursors.shown && on_plot && rl_end == 0) {
+        rl_set_keymap(on_plot);
+    } else if (keys_on_plot()) {
+        rl_set_keymap_from_edit_mode();
+    }
+}

@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "panes.h"
+
+#include <unistd.h>
+
+#define QUESTION "\033[5n"
+#define PATIENCE_NS 2000000000 /* an answer that has not come by then counts as missing */
+#define MISSING_MOST 2         /* then the terminal is one that does not answer */
+#define BLIND_FRAMES 2         /* frames a second without answers */
+
+static bool is_asking(const struct pacing *pacing, const struct session *session)
+{
+    const int sync = session->setup.settings.sync;
+    return sync == SYNC_ON || (sync == SYNC_AUTO && pacing->missing < MISSING_MOST);
+}
+
+int64_t pacing_due(const struct pacing *pacing, const struct session *session)
+{
+    const bool waits = pacing->asked != 0 && is_asking(pacing, session);
+    const int64_t patience = pacing->asked + PATIENCE_NS;
+    return waits && patience > pacing->next ? patience : pacing->next;
+}
+
+void pacing_drawn(struct pacing *pacing, const struct session *session, int64_t now, bool sent)
+{
+    const struct settings *settings = &session->setup.settings;
+    const bool blind = settings->sync == SYNC_AUTO && pacing->missing >= MISSING_MOST;
+    const double frames = blind && settings->fps > BLIND_FRAMES ? BLIND_FRAMES : settings->fps;
+    pacing->next = now + (int64_t)(1e9 / frames);
+    if (pacing->asked != 0) {
+        pacing->missing++;
+    }
+    pacing->asked = 0;
+    int ignored;
+    if (sent && is_asking(pacing, session) && write_all(STDOUT_FILENO, TEXT(QUESTION), &ignored)) {
+        pacing->asked = now;
+    }
+}
+
+void pacing_replied(struct pacing *pacing, int64_t now)
+{
+    if (pacing->asked != 0) {
+        pacing->delay = now - pacing->asked;
+    }
+    pacing->asked = 0;
+    pacing->missing = 0; /* also when it comes late: the terminal does answer */
+}

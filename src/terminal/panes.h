@@ -1,0 +1,122 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the files of the panes front end share. */
+#ifndef HOOKE_TERMINAL_PANES_H
+#define HOOKE_TERMINAL_PANES_H
+
+#include "terminal.h"
+
+/* ---- what the terminal sends (input.c) -------------------------------------------------------------------------------------
+ * Bytes wait here undecoded. Two things are taken out before readline sees them: pastes, and the reply to our question.
+ */
+
+#define REPLY_TEXT "\033[0n"
+#define HELD_NS 100000000 /* what may be the beginning of such a sequence is held back this long */
+
+struct input {
+    struct buffer bytes;
+    size_t head;     /* [byte] taken already */
+    int64_t arrived; /* [clock_ns] the last of them */
+    bool closed;     /* the terminal is gone */
+};
+
+enum input_item { INPUT_NONE, INPUT_BYTE, INPUT_PASTE, INPUT_REPLY };
+
+/* Reads what there is; call it when poll() says so. */
+void input_read(struct input *input);
+/* The next item; of a paste, `paste` points at its text until the next call. */
+enum input_item input_next(struct input *input, int64_t now, unsigned char *byte, struct text *paste);
+/* When something held back becomes a byte [clock_ns]; INT64_MAX: nothing is held. */
+int64_t input_due(const struct input *input);
+bool input_pending(const struct input *input);
+/* Takes the reply out from wherever it stands; the other bytes stay. */
+bool input_strip_reply(struct input *input);
+void input_clear(struct input *input);
+void input_free(struct input *input);
+
+/* ---- how often it is drawn (pacing.c) -----------------------------------------------------------------------------------------
+ * After an animated frame the terminal is asked ESC[5n; the next one waits for its answer. So a slow link never has more than one frame under
+ * way, and what is typed is seen at once.
+ */
+
+struct pacing {
+    int64_t next;  /* [clock_ns] earliest time of the next animated frame */
+    int64_t asked; /* [clock_ns] 0: no question is open */
+    int64_t delay; /* [ns] between the last question and its answer */
+    int missing;   /* questions without an answer, in a row */
+};
+
+/* Earliest time of the next animated frame [clock_ns]. */
+int64_t pacing_due(const struct pacing *pacing, const struct session *session);
+/* A frame has been drawn. Asks, where that is wanted, unless nothing had to be sent. */
+void pacing_drawn(struct pacing *pacing, const struct session *session, int64_t now, bool sent);
+void pacing_replied(struct pacing *pacing, int64_t now);
+
+/* ---- the terminal under ncurses (screen.c) ------------------------------------------------------------------------------------- */
+
+struct screen {
+    void *handle;         /* SCREEN of ncurses, NULL: not shown */
+    bool color_wanted;    /* colour may be used: set from NO_COLOR and the options */
+    bool color_begun;
+    bool utf8;
+    int width, height;    /* [cell] */
+    struct canvas canvas; /* of that size */
+    struct canvas shown;  /* what the terminal shows now */
+    bool stale;           /* the terminal may show something else */
+};
+
+/* A string that terminfo knows under this name, also an extended one; "" if there is none. */
+const char *screen_capability(const char *name);
+bool screen_begin(struct screen *screen);
+void screen_end(struct screen *screen);
+/* Gives the terminal back for a while, and takes it again. */
+void screen_leave(struct screen *screen);
+void screen_return(struct screen *screen);
+/* The next screen_show sends everything. */
+void screen_repaint(struct screen *screen);
+/* Reads the size from the terminal and adapts to it. */
+void screen_resize(struct screen *screen);
+/* Sends what differs from `shown`, from row `from` on. False: nothing did. */
+bool screen_show(struct screen *screen, int from, int cursor_x, int cursor_y);
+
+/* ---- the front end ------------------------------------------------------------------------------------------------------------------- */
+
+enum line_from {
+    LINE_TYPED,
+    LINE_KEY,    /* the same for the session, but it was not entered */
+    LINE_SILENT, /* looks at the screen only: neither shown in the log nor remembered */
+};
+
+struct panes {
+    struct program *program;
+    struct input input;
+    int next_byte;        /* taken from the input for readline, -1: none */
+    struct pacing pacing;
+    struct screen screen;
+    struct buffer line;   /* a complete line that waits to be executed */
+    enum line_from line_from;
+    bool line_waits;
+    bool echo_stale;      /* the prompt has changed */
+    bool screen_stale;    /* more than that has */
+    bool interrupted;     /* Ctrl-C while a run goes on */
+    bool running;         /* inside front.slice: a run goes on */
+    bool history_told;    /* that it cannot be kept: said once */
+    const char *question; /* asked at the prompt, NULL: none */
+};
+
+/* The one that is running; readline's callbacks have no context. NULL: none. */
+extern struct panes *panes_active;
+
+/* A command line to be executed as soon as readline has returned. */
+void panes_enqueue(struct panes *panes, struct text line, enum line_from from);
+/* Everything is sent again, whatever the terminal shows. */
+void panes_repaint(struct panes *panes);
+
+/* ---- keys (keys.c) ---------------------------------------------------------------------------------------------------------------------- */
+
+/* Binds them in every keymap of readline; the inputrc, read afterwards, may bind them differently. */
+void keys_bind(void);
+/* Chooses the keymap: that of the cursors while they stand on the plot. */
+void keys_choose(const struct session *session);
+bool keys_on_plot(void); /* they act on the cursors now */
+
+#endif

@@ -1,0 +1,268 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The terminal under ncurses: its modes, its size, and cells on it. ncurses only draws; it never reads and catches no signal. */
+#include "panes.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <sys/stat.h>
+#include <termios.h>
+#include <unistd.h>
+#include <wchar.h>
+
+#include <curses.h>
+#include <term.h>
+
+/* ---- the terminal's own sequences ------------------------------------------------------------------------------------------ */
+
+const char *screen_capability(const char *name)
+{
+    const char *text = tigetstr(name);
+    return text && text != (const char *)-1 ? text : "";
+}
+
+static struct buffer gathered; /* tputs has no context */
+
+static int gather(int c)
+{
+    buffer_char(&gathered, (char)c);
+    return c;
+}
+
+static void send(const char *sequence)
+{
+    int ignored;
+    write_all(STDOUT_FILENO, text_of(sequence), &ignored);
+}
+
+/* What gives the terminal back without ncurses, for the fatal handlers. */
+static void arm_crash(void)
+{
+    static const char *const names[] = {"BD", "sgr0", "op", "cnorm", "rmcup"};
+    for (size_t i = 0; i < COUNT_OF(names); i++) {
+        if (*screen_capability(names[i])) {
+            tputs(screen_capability(names[i]), 1, gather);
+        }
+    }
+    if (!*screen_capability("rmcup")) { /* no second screen: below what is shown now */
+        tputs(tiparm(screen_capability("cup"), 998, 0), 1, gather);
+    }
+    buffer_put(&gathered, TEXT("\r\n"));
+    crash_arm(gathered.failed ? TEXT("\r\n") : buffer_text(&gathered));
+    buffer_free(&gathered);
+}
+
+/* ---- modes --------------------------------------------------------------------------------------------------------------------- */
+
+/* Every key arrives as it is typed; only Ctrl-C, Ctrl-Z and Ctrl-\ are still signals. */
+static void set_modes(void)
+{
+    struct termios modes;
+    cbreak();
+    noecho();
+    nonl();
+    if (tcgetattr(STDIN_FILENO, &modes) == 0) {
+        modes.c_iflag &= ~(tcflag_t)(IXON | ICRNL);
+        modes.c_cc[VLNEXT] = modes.c_cc[VDISCARD] = _POSIX_VDISABLE;
+        tcsetattr(STDIN_FILENO, TCSADRAIN, &modes);
+    }
+    def_prog_mode();
+}
+
+static void set_size(struct screen *screen)
+{
+    struct winsize size;
+    if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 && size.ws_row > 0) {
+        screen->width = size.ws_col;
+        screen->height = size.ws_row;
+        resizeterm(screen->height, screen->width); /* whatever LINES and COLUMNS say */
+    } else {
+        getmaxyx(stdscr, screen->height, screen->width);
+    }
+    canvas_free(&screen->canvas);
+    canvas_free(&screen->shown);
+    if (!canvas_init(&screen->canvas, screen->width, screen->height)) {
+        screen->canvas = (struct canvas){0};
+    }
+    if (!canvas_init(&screen->shown, screen->width, screen->height)) {
+        screen->shown = (struct canvas){0};
+    }
+    screen->stale = true;
+}
+
+#define LEAST_WIDTH 20
+#define LEAST_HEIGHT 6
+
+bool panes_possible(struct error *error)
+{
+    const char *term = getenv("TERM");
+    struct winsize size;
+    struct stat in, out;
+    int status;
+    if (fstat(STDIN_FILENO, &in) != 0 || fstat(STDOUT_FILENO, &out) != 0 || in.st_rdev != out.st_rdev) {
+        return error_set(error, ERROR_COMMAND, "input and output are different terminals");
+    }
+    if (!term || !*term || setupterm(term, STDOUT_FILENO, &status) != OK) {
+        return error_set(error, ERROR_COMMAND, "the terminal is of an unknown kind (TERM=%.40s)", term ? term : "");
+    }
+    const bool moves = *screen_capability("cup") != '\0';
+    del_curterm(cur_term);
+    if (!moves) {
+        return error_set(error, ERROR_COMMAND, "the cursor cannot be moved on this terminal (TERM=%.40s)", term);
+    }
+    if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 && size.ws_row > 0 &&
+        (size.ws_col < LEAST_WIDTH || size.ws_row < LEAST_HEIGHT)) {
+        return error_set(error, ERROR_COMMAND, "the terminal is smaller than %dx%d", LEAST_WIDTH, LEAST_HEIGHT);
+    }
+    return true;
+}
+
+bool screen_begin(struct screen *screen)
+{
+    crash_modes();
+    screen->handle = newterm(NULL, stdout, stdin);
+    if (!screen->handle) {
+        return false;
+    }
+    arm_crash();
+    set_modes();
+    set_size(screen);
+    send(screen_capability("BE"));
+    return true;
+}
+
+void screen_end(struct screen *screen)
+{
+    send(screen_capability("BD"));
+    endwin();
+    delscreen(screen->handle);
+    crash_disarm();
+    canvas_free(&screen->canvas);
+    canvas_free(&screen->shown);
+    screen->handle = NULL;
+}
+
+void screen_leave(struct screen *screen)
+{
+    (void)screen;
+    send(screen_capability("BD"));
+    endwin();
+}
+
+void screen_return(struct screen *screen)
+{
+    crash_modes(); /* the shell may have changed them meanwhile */
+    def_shell_mode();
+    set_modes();
+    set_size(screen);
+    clearok(stdscr, TRUE);
+    send(screen_capability("BE"));
+}
+
+void screen_repaint(struct screen *screen)
+{
+    reset_prog_mode(); /* somebody else may have changed it: a shell after a SIGSTOP */
+    send(screen_capability("BE"));
+    clearok(stdscr, TRUE);
+    screen->stale = true;
+}
+
+void screen_resize(struct screen *screen)
+{
+    set_size(screen);
+    clearok(stdscr, TRUE);
+}
+
+/* ---- cells ------------------------------------------------------------------------------------------------------------------------- */
+
+/* The terminal's own palette, the same as that of printed figures; backgrounds are never painted. */
+static const struct look {
+    attr_t attributes;
+    short color; /* -1: none */
+} looks[] = {
+    [STYLE_PLAIN] = {A_NORMAL, -1},
+    [STYLE_DIM] = {A_DIM, -1},
+    [STYLE_BOLD] = {A_BOLD, -1},
+    [STYLE_CURVE_1] = {A_NORMAL, COLOR_CYAN},
+    [STYLE_CURVE_2] = {A_NORMAL, COLOR_YELLOW},
+    [STYLE_CURVE_3] = {A_NORMAL, COLOR_MAGENTA},
+    [STYLE_CURVE_4] = {A_NORMAL, COLOR_GREEN},
+    [STYLE_ALERT] = {A_NORMAL, COLOR_RED},
+};
+
+/* Only when colour is wanted for the first time: ncurses sends colour sequences from then on. */
+static bool begin_colors(struct screen *screen)
+{
+    if (!screen->color_begun && has_colors() && start_color() == OK && use_default_colors() == OK) {
+        for (size_t i = 0; i < COUNT_OF(looks); i++) {
+            if (looks[i].color >= 0) {
+                init_pair((short)i, looks[i].color, -1);
+            }
+        }
+        screen->color_begun = true;
+    }
+    return screen->color_begun;
+}
+
+/* What the C library and we count differently would shift the rest of the row. */
+static wchar_t shown_as(const struct screen *screen, uint32_t codepoint)
+{
+    const wchar_t c = (wchar_t)codepoint;
+    if (codepoint < ' ' || codepoint == 127) {
+        return L'?';
+    }
+    return codepoint < 128 || (screen->utf8 && wcwidth(c) == codepoint_width(codepoint)) ? c : L'?';
+}
+
+static void put_row(struct screen *screen, int y)
+{
+    const struct cell *row = screen->canvas.cell + (size_t)y * (size_t)screen->width;
+    const bool color = screen->color_wanted && begin_colors(screen);
+    cchar_t *line = calloc((size_t)screen->width + 1, sizeof *line);
+    int n = 0;
+    for (int x = 0; line && x < screen->width; x++) {
+        if (row[x].codepoint == 0) {
+            continue;
+        }
+        const wchar_t wide[2] = {shown_as(screen, row[x].codepoint), L'\0'};
+        const struct look *look = &looks[row[x].codepoint == ' ' ? STYLE_PLAIN : row[x].style];
+        setcchar(&line[n++], wide, look->attributes, color && look->color >= 0 ? (short)(look - looks) : 0, NULL);
+        if (wide[0] == L'?' && x + 1 < screen->width && row[x + 1].codepoint == 0) {
+            setcchar(&line[n++], L" ", A_NORMAL, 0, NULL);
+        }
+    }
+    if (line) {
+        mvadd_wchnstr(y, 0, line, n);
+    }
+    free(line);
+}
+
+static bool same_cells(const struct cell *a, const struct cell *b, int n)
+{
+    int i = 0;
+    while (i < n && a[i].codepoint == b[i].codepoint && a[i].style == b[i].style) {
+        i++;
+    }
+    return i == n;
+}
+
+bool screen_show(struct screen *screen, int from, int cursor_x, int cursor_y)
+{
+    if (!screen->canvas.cell || !screen->shown.cell) {
+        set_size(screen); /* there was no memory for it */
+        return false;
+    }
+    bool any = screen->stale;
+    for (int y = screen->stale ? 0 : from; y < screen->height; y++) {
+        const size_t at = (size_t)y * (size_t)screen->width;
+        if (screen->stale || !same_cells(screen->canvas.cell + at, screen->shown.cell + at, screen->width)) {
+            put_row(screen, y);
+            memcpy(screen->shown.cell + at, screen->canvas.cell + at, (size_t)screen->width * sizeof(struct cell));
+            any = true;
+        }
+    }
+    screen->stale = false;
+    move(cursor_y, cursor_x);
+    refresh();
+    return any;
+}

@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The screen as text: the same cells that ncurses shows. */
+#include "terminal.h"
+
+bool screenshot_text(const struct session *session, const struct prompt_line *prompt, int width, int height, struct buffer *text,
+                     struct error *error)
+{
+    struct canvas canvas;
+    bool ok = canvas_init(&canvas, width, height);
+    if (ok) {
+        ok = screen_draw(session, prompt, &canvas, NULL, NULL);
+        if (ok) {
+            canvas_print(&canvas, false, text);
+        }
+        canvas_free(&canvas);
+    }
+    return (ok && !text->failed) || error_memory(error);
+}
+
+bool screenshot_file(const struct session *session, const struct prompt_line *prompt, int width, int height, const char *path,
+                     struct write_policy policy, struct error *error)
+{
+    struct buffer text = {0};
+    struct writer writer;
+    bool ok = screenshot_text(session, prompt, width, height, &text, error) && writer_open(&writer, path, policy, error);
+    if (ok) {
+        writer_put(&writer, buffer_text(&text));
+        ok = writer_commit(&writer, error);
+    }
+    buffer_free(&text);
+    return ok;
+}
+
+/* ---- without a screen: as large as asked for, the prompt empty ----------------------------------------------------------- */
+
+static const struct prompt_line empty_prompt = {.prompt = {"hooke> ", 7}};
+
+static void choose_size(const struct session *session, int *width, int *height)
+{
+    *width = session->front.width ? session->front.width : 80;
+    *height = session->front.height ? session->front.height : 24;
+}
+
+static bool to_text(void *context, const struct session *session, struct buffer *text, struct error *error)
+{
+    (void)context;
+    int width, height;
+    choose_size(session, &width, &height);
+    return screenshot_text(session, &empty_prompt, width, height, text, error);
+}
+
+static bool to_file(void *context, const struct session *session, const char *path, struct write_policy policy, struct error *error)
+{
+    (void)context;
+    int width, height;
+    choose_size(session, &width, &height);
+    return screenshot_file(session, &empty_prompt, width, height, path, policy, error);
+}
+
+void screenshot_offer(struct front *front)
+{
+    front->screenshot = to_file;
+    front->screen = to_text;
+}

@@ -1,0 +1,284 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A person at a terminal: types, looks at the screen, waits for what should appear there. Never sleeps. */
+#ifndef TEST_PERSON_H
+#define TEST_PERSON_H
+
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <pty.h>
+#include <signal.h>
+#include <sys/ioctl.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <termios.h>
+#include <unistd.h>
+#include <utmp.h>
+
+#include "emulator.h"
+
+#define PATIENCE_NS 20000000000 /* what has not come by then will not come; generous for sanitizers on a busy machine */
+#define MS 1000000
+
+struct person {
+    pid_t program;
+    int fd;
+    struct emulator screen;
+    struct buffer raw;  /* everything the program sent */
+    bool silent;        /* the terminal does not answer questions */
+    int answered;
+    long rate;          /* [byte/s] of the link, 0: as fast as can be */
+    int64_t link_free;  /* [clock_ns] when the link can carry the next byte */
+    bool hung_up;
+    struct termios before;
+};
+
+/* How the program is started; zero means as usual. */
+struct start {
+    const char *term, *locale, *state, *environment; /* environment: one more NAME=value */
+    const char *argument[6];
+    int width, height;
+    bool silent;
+    bool without_limits; /* no resource limits set */
+};
+
+static char state_folder[] = "/tmp/hooke-panes-XXXXXX";
+
+static inline void begin(struct person *p, struct start start)
+{
+    *p = (struct person){.fd = -1, .silent = start.silent};
+    struct winsize size = {.ws_row = (unsigned short)(start.height ? start.height : 24), .ws_col = (unsigned short)(start.width ? start.width : 80)};
+    int slave;
+    emulator_size(&p->screen, size.ws_col, size.ws_row);
+    assert_int_equal(openpty(&p->fd, &slave, NULL, NULL, &size), 0);
+    assert_int_equal(tcgetattr(slave, &p->before), 0);
+    p->program = fork();
+    assert_true(p->program >= 0);
+    if (p->program == 0) {
+        close(p->fd);
+        login_tty(slave);
+        if (start.term && !*start.term) {
+            unsetenv("TERM");
+        } else {
+            setenv("TERM", start.term ? start.term : "xterm-256color", 1);
+        }
+        setenv("LC_ALL", start.locale ? start.locale : "C.UTF-8", 1);
+        setenv("XDG_STATE_HOME", start.state ? start.state : state_folder, 1);
+        setenv("XDG_CONFIG_HOME", state_folder, 1);
+        setenv("INPUTRC", "/dev/null", 1);
+        unsetenv("NO_COLOR");
+        if (start.environment) {
+            putenv(strdup(start.environment));
+        }
+        const char *hooke = getenv("HOOKE");
+        char *argv[8] = {strdup("hooke")};
+        for (size_t i = 0; i < COUNT_OF(start.argument) && start.argument[i]; i++) {
+            argv[i + 1] = strdup(start.argument[i]);
+        }
+        execv(hooke ? hooke : "build/hooke", argv);
+        _exit(127);
+    }
+    close(slave);
+}
+
+static inline void type(struct person *p, const char *keys)
+{
+    size_t len = strlen(keys);
+    while (len > 0) {
+        const ssize_t n = write(p->fd, keys, len);
+        assert_true(n > 0);
+        keys += n;
+        len -= (size_t)n;
+    }
+}
+
+/* Reads what the program sends, for up to `ms`. False: nothing came, or it has ended. */
+static inline bool pump(struct person *p, int ms)
+{
+    struct pollfd ready = {.fd = p->fd, .events = POLLIN};
+    char chunk[4096];
+    size_t most = sizeof chunk;
+    if (p->rate > 0) { /* a slow link: a few bytes at a time, no earlier than it can carry them */
+        const int64_t wait = p->link_free - clock_ns();
+        if (wait > 0 && poll(NULL, 0, (int)(wait / MS) + 1) < 0) {
+            return true;
+        }
+        most = 32;
+    }
+    if (p->hung_up || poll(&ready, 1, ms) <= 0) {
+        return false;
+    }
+    const ssize_t got = read(p->fd, chunk, most);
+    if (got <= 0) {
+        p->hung_up = true;
+        return false;
+    }
+    const int64_t now = clock_ns();
+    if (p->rate > 0) {
+        p->link_free = (p->link_free > now - 10 * MS ? p->link_free : now) + got * 1000000000 / p->rate;
+    }
+    buffer_put(&p->raw, (struct text){chunk, (size_t)got});
+    for (ssize_t i = 0; i < got; i++) {
+        emulator_feed(&p->screen, chunk[i]);
+    }
+    while (!p->silent && p->answered < p->screen.questions) {
+        p->answered++;
+        type(p, "\033[0n");
+    }
+    return true;
+}
+
+static inline bool shows(const struct person *p, const char *text)
+{
+    struct buffer row = {0};
+    bool found = false;
+    for (int y = 0; y < p->screen.height && !found; y++) {
+        buffer_clear(&row);
+        emulator_row(&p->screen, y, &row);
+        found = strstr(row.data, text) != NULL;
+    }
+    buffer_free(&row);
+    return found;
+}
+
+static inline void show_screen(const struct person *p)
+{
+    struct buffer text = {0};
+    emulator_text(&p->screen, &text);
+    print_message("# the screen:\n%s", text.data);
+    buffer_free(&text);
+}
+
+static inline void wait_for(struct person *p, const char *text, bool there)
+{
+    const int64_t deadline = clock_ns() + PATIENCE_NS;
+    while (shows(p, text) != there) {
+        if (clock_ns() > deadline || p->hung_up) {
+            print_message("# waited in vain for '%s' to %s%s\n", text, there ? "appear" : "go", p->hung_up ? ": the program has ended" : "");
+            show_screen(p);
+            fail();
+        }
+        pump(p, 200);
+    }
+}
+
+static inline void expect(struct person *p, const char *text)
+{
+    wait_for(p, text, true);
+}
+
+/* The last row. */
+static inline void prompt_row(const struct person *p, struct buffer *row)
+{
+    buffer_clear(row);
+    emulator_row(&p->screen, p->screen.height - 1, row);
+}
+
+/* Waits until the prompt row is exactly that. */
+static inline void expect_prompt(struct person *p, const char *text)
+{
+    const int64_t deadline = clock_ns() + PATIENCE_NS;
+    struct buffer row = {0};
+    prompt_row(p, &row);
+    while (strcmp(row.data, text) != 0) {
+        if (clock_ns() > deadline || p->hung_up) {
+            print_message("# waited in vain for the prompt '%s', it is '%s'\n", text, row.data);
+            show_screen(p);
+            fail();
+        }
+        pump(p, 200);
+        prompt_row(p, &row);
+    }
+    buffer_free(&row);
+}
+
+#define EMPTY_PROMPT "hooke>"
+
+/* Types a line and waits until it has been taken. */
+static inline void enter(struct person *p, const char *line)
+{
+    type(p, line);
+    type(p, "\r");
+    expect_prompt(p, EMPTY_PROMPT);
+}
+
+static inline void resize(struct person *p, int width, int height)
+{
+    const struct winsize size = {.ws_row = (unsigned short)height, .ws_col = (unsigned short)width};
+    emulator_size(&p->screen, width, height);
+    assert_int_equal(ioctl(p->fd, TIOCSWINSZ, &size), 0);
+}
+
+/* Everything that comes until nothing has come for `ms`. */
+static inline void settle(struct person *p, int ms)
+{
+    while (pump(p, ms)) {
+    }
+}
+
+static inline void same_modes(const struct person *p)
+{
+    struct termios now;
+    assert_int_equal(tcgetattr(p->fd, &now), 0);
+    assert_int_equal(now.c_lflag, p->before.c_lflag);
+    assert_int_equal(now.c_iflag, p->before.c_iflag);
+    assert_int_equal(now.c_oflag, p->before.c_oflag);
+    assert_int_equal(now.c_cflag, p->before.c_cflag);
+    assert_memory_equal(now.c_cc, p->before.c_cc, sizeof now.c_cc);
+}
+
+static inline void forget(struct person *p)
+{
+    if (p->fd >= 0) {
+        close(p->fd);
+    }
+    buffer_free(&p->raw);
+    emulator_free(&p->screen);
+}
+
+/* Waits for the end of the program; returns its wait status. */
+static inline int wait_end(struct person *p)
+{
+    int status = 0;
+    const int64_t deadline = clock_ns() + PATIENCE_NS;
+    pid_t ended;
+    while ((ended = waitpid(p->program, &status, WNOHANG)) == 0 && clock_ns() < deadline) {
+        if (p->fd < 0 || !pump(p, 10)) {
+            poll(NULL, 0, 5);
+        }
+    }
+    if (ended == 0) {
+        show_screen(p);
+        kill(p->program, SIGKILL);
+        waitpid(p->program, &status, 0);
+        fail_msg("the program did not end");
+    }
+    while (p->fd >= 0 && pump(p, 0)) {
+    }
+    return status;
+}
+
+/* The end, and a terminal that is as it was. */
+static inline int end(struct person *p)
+{
+    const int status = wait_end(p);
+    same_modes(p);
+    assert_false(p->screen.second_screen);
+    assert_false(p->screen.pasting);
+    assert_false(p->screen.hidden);
+    if (p->screen.unknown > 0) {
+        fail_msg("the emulator does not know %d sequences, the last is ESC%s", p->screen.unknown, p->screen.unknown_text + 1);
+    }
+    forget(p);
+    return status;
+}
+
+static inline void quit(struct person *p)
+{
+    type(p, "\x03\x15quit\r");
+    const int status = end(p);
+    assert_true(WIFEXITED(status));
+    assert_int_equal(WEXITSTATUS(status), 0);
+}
+
+#endif
