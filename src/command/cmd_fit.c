@@ -66,7 +66,7 @@ static void reply_fit_text(const struct session *session, const struct subject *
     }
     const char *law = drag_law_name(fit->preferred);
     if (law) {
-        buffer_format(&text, "   envelope: %s drag (BIC linear ", law);
+        buffer_format(&text, "\n  drag law of the envelope: %s (BIC linear ", law);
         buffer_short(&text, fit->evidence[0], 6);
         buffer_put(&text, TEXT(", quadratic "));
         buffer_short(&text, fit->evidence[1], 6);
@@ -129,7 +129,7 @@ static void keep_fit(struct session *session, const struct subject *subject, con
         {"fit_period", fit->period, QUANTITY_TIME},        {"fit_omega", fit->omega, QUANTITY_ANGULAR_FREQUENCY},
         {"fit_gamma", fit->gamma, QUANTITY_RATE},          {"fit_amplitude", fit->amplitude, quantity},
         {"fit_phase", fit->phase, QUANTITY_ANGLE},         {"fit_offset", fit->offset, quantity},
-        {"fit_rms", {fit->rms, 0}, quantity},              {"fit_k", k ? *k : (struct measured){(double)NAN, (double)NAN}, QUANTITY_STIFFNESS},
+        {"fit_rms", {fit->rms, 0}, quantity},              {"fit_k", k ? *k : (struct measured){NAN, NAN}, QUANTITY_STIFFNESS},
     };
     session->fit = *fit;
     session->has_fit = true;

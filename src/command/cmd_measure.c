@@ -38,13 +38,13 @@ static void begin(struct measuring *m, struct measured value, enum quantity unit
     reply_string(m->reply, "of", m->subject.name);
 }
 
+/* Nothing where the value is not known. */
 static void put(struct buffer *text, const char *name, struct measured value, enum quantity unit)
 {
+    if (!isfinite(value.value))
+        return;
     buffer_format(text, "%s = ", name);
-    if (isfinite(value.value))
-        buffer_measured(text, value, unit, 6);
-    else
-        buffer_put(text, TEXT("unknown"));
+    buffer_measured(text, value, unit, 6);
 }
 
 /* "   theory 1.9390 s (-0.09 %)" */
@@ -58,9 +58,11 @@ static void put_theory(struct buffer *text, double value, double theory, enum qu
     buffer_format(text, " (%+.2f %%)", fabs(percent) < 0.005 ? 0.0 : percent);
 }
 
+/* Of a recording only where the scene is its own: k was set or adopted. */
 static double theory_period(const struct measuring *m)
 {
-    return scene_period(subject_scene(m->session, m->subject.run));
+    const struct scene *scene = subject_scene(m->session, m->subject.run);
+    return scene && (m->subject.run || scene->given[param_index("k")]) ? scene_period(scene) : NAN;
 }
 
 static bool say(struct measuring *m, struct buffer *text)
@@ -143,13 +145,13 @@ static bool measure_amplitude(struct measuring *m)
         return false;
     struct buffer text = {0};
     for (int i = 0; i < count; i++) {
-        if (!keep(m, m->quantity, readings[i].amplitude, unit, (double)NAN)) {
+        if (!keep(m, m->quantity, readings[i].amplitude, unit, NAN)) {
             buffer_free(&text);
             return false;
         }
         put(&text, i ? "\nA" : "A", readings[i].amplitude, unit);
         buffer_format(&text, " at t = %.6g s", readings[i].t);
-        begin(m, readings[i].amplitude, unit, (double)NAN);
+        begin(m, readings[i].amplitude, unit, NAN);
         reply_real(m->reply, "t", readings[i].t);
         reply_end(m->reply);
     }
@@ -165,7 +167,7 @@ static bool measure_decay(struct measuring *m)
     if (readings > (int)COUNT_OF(d.reading) || (windows->count && readings < 3))
         return error_at(m->error, windows->where, "the decay needs 3 to %zu readings", COUNT_OF(d.reading));
     if (!series_decay(&m->subject.series, m->given->arena, m->subject.energy, readings, &d, m->error) ||
-        !keep(m, "decay", d.gamma, QUANTITY_RATE, (double)NAN))
+        !keep(m, "decay", d.gamma, QUANTITY_RATE, NAN))
         return false;
     session_set_result(m->session, "measured_gamma", d.gamma, QUANTITY_RATE);
     session_set_result(m->session, "measured_tau", d.tau, QUANTITY_TIME);
@@ -188,7 +190,7 @@ static bool measure_decay(struct measuring *m)
         buffer_put(&text, TEXT(" and "));
         buffer_quantity(&text, d.halves[1], QUANTITY_RATE, 3);
     }
-    begin(m, d.gamma, QUANTITY_RATE, (double)NAN);
+    begin(m, d.gamma, QUANTITY_RATE, NAN);
     reply_measured(m->reply, "tau", d.tau, QUANTITY_TIME);
     reply_measured(m->reply, "decrement", d.decrement, QUANTITY_NUMBER);
     reply_measured(m->reply, "Q", d.quality, QUANTITY_NUMBER);
@@ -233,7 +235,7 @@ static bool measure_energy(struct measuring *m)
 {
     const struct series *s = &m->subject.series;
     const struct measured mean = mean_over_time(s);
-    if (!keep(m, m->quantity, mean, QUANTITY_ENERGY, (double)NAN))
+    if (!keep(m, m->quantity, mean, QUANTITY_ENERGY, NAN))
         return false;
     const double first = s->y[0], last = s->y[s->n - 1];
     struct buffer text = {0};
@@ -244,7 +246,7 @@ static bool measure_energy(struct measuring *m)
     buffer_measured(&text, (struct measured){last, 0}, QUANTITY_ENERGY, 6);
     buffer_put(&text, TEXT(", a factor of "));
     buffer_short(&text, last / first, 6);
-    begin(m, mean, QUANTITY_ENERGY, (double)NAN);
+    begin(m, mean, QUANTITY_ENERGY, NAN);
     reply_real(m->reply, "first", first);
     reply_real(m->reply, "last", last);
     reply_end(m->reply);
@@ -260,7 +262,7 @@ static bool measure_drift(struct measuring *m)
     const struct measured drift = {ledger.error, 0};
     if (!isfinite(ledger.error))
         return error_set(m->error, ERROR_COMMAND, "%s has no energy to balance", m->subject.name);
-    if (!keep(m, m->quantity, drift, QUANTITY_NUMBER, (double)NAN))
+    if (!keep(m, m->quantity, drift, QUANTITY_NUMBER, NAN))
         return false;
     struct buffer text = {0};
     buffer_put(&text, TEXT("dE/E0 = "));
@@ -268,7 +270,7 @@ static bool measure_drift(struct measuring *m)
     buffer_put(&text, TEXT(" at the end, max "));
     buffer_short(&text, ledger.error_max, 4);
     buffer_format(&text, "   (%s)", m->subject.run->plan.ledger ? "of the balance E - E0 - work" : "of E - E0");
-    begin(m, drift, QUANTITY_NUMBER, (double)NAN);
+    begin(m, drift, QUANTITY_NUMBER, NAN);
     reply_real(m->reply, "max", ledger.error_max);
     reply_end(m->reply);
     return say(m, &text);
@@ -306,19 +308,19 @@ static bool largest_speed(struct measuring *m, struct measured *speed)
 
 static bool measure_reynolds(struct measuring *m)
 {
-    struct measured speed = {(double)NAN, 0};
+    struct measured speed = {NAN, 0};
     if (!largest_speed(m, &speed))
         return false;
     const struct scene *scene = m->subject.run ? &m->subject.run->scene : &m->session->setup.scene;
     const struct measured re = {scene_reynolds(scene, speed.value), scene_reynolds(scene, speed.uncertainty)};
-    if (!keep(m, m->quantity, re, QUANTITY_NUMBER, (double)NAN))
+    if (!keep(m, m->quantity, re, QUANTITY_NUMBER, NAN))
         return false;
     struct buffer text = {0};
     put(&text, "Re", re, QUANTITY_NUMBER);
     buffer_format(&text, " (%s) at the largest speed ", reynolds_regime(re.value));
     buffer_measured(&text, speed, QUANTITY_VELOCITY, 4);
     buffer_put(&text, TEXT("; rho, length and eta are those of the scene"));
-    begin(m, re, QUANTITY_NUMBER, (double)NAN);
+    begin(m, re, QUANTITY_NUMBER, NAN);
     reply_string(m->reply, "regime", reynolds_regime(re.value));
     reply_measured(m->reply, "speed", speed, QUANTITY_VELOCITY);
     reply_end(m->reply);

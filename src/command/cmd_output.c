@@ -79,7 +79,7 @@ HANDLER(print)
     reply_text(reply, buffer_text(&text));
     reply_begin(reply, "print");
     reply_string(reply, "text", buffer_view(&text));
-    reply_real(reply, "value", item->is_string ? (double)NAN : item->value.value);
+    reply_real(reply, "value", item->is_string ? NAN : item->value.value);
     reply_string(reply, "unit", item->is_string || item->quantity == QUANTITY_OTHER ? NULL : quantity_unit(item->quantity));
     reply_end(reply);
     buffer_free(&text);

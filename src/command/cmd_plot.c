@@ -70,7 +70,7 @@ HANDLER(plot)
 {
     const struct given *window = given_for(given, "window"), *file = given_for(given, ">");
     struct figure_request request = {.kind = (enum plot_kind)given_for(given, "KIND")->item->index,
-                                     .window = {(double)NAN, (double)NAN},
+                                     .window = {NAN, NAN},
                                      .charset = session_charset(session),
                                      .log = is_given(given, "log")};
     struct figure figure;

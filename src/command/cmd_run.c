@@ -27,10 +27,12 @@ void reply_run(const struct session *session, const struct run *run, struct repl
         buffer_put(&text, TEXT(", dE/E0 max "));
         buffer_short(&text, ledger.error_max, 2);
     }
-    const double rms = run_data_rms(run, session_recording(session));
-    if (isfinite(rms)) {
+    const struct data_distance data = run_data_distance(run, session_recording(session));
+    if (isfinite(data.rms)) {
         buffer_put(&text, TEXT(", rms(y-data) = "));
-        buffer_quantity(&text, rms, QUANTITY_LENGTH, 2);
+        buffer_quantity(&text, data.rms, QUANTITY_LENGTH, 2);
+        if (data.spikes > 0)
+            buffer_format(&text, " (%zu spike%s left out)", data.spikes, data.spikes == 1 ? "" : "s");
     }
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
@@ -41,13 +43,13 @@ void reply_run(const struct session *session, const struct run *run, struct repl
     reply_begin(reply, "run");
     reply_int(reply, "run", run->number);
     reply_string(reply, "method", run->method->row.name);
-    reply_real(reply, "dt", run->plan.adaptive ? (double)NAN : run->settings.dt);
-    reply_real(reply, "tol", run->plan.adaptive ? run->settings.tol : (double)NAN);
+    reply_real(reply, "dt", run->plan.adaptive ? NAN : run->settings.dt);
+    reply_real(reply, "tol", run->plan.adaptive ? run->settings.tol : NAN);
     reply_int(reply, "steps", run->steps);
     reply_int(reply, "evals", run->cost.evals);
     reply_real(reply, "t", run->t);
     reply_real(reply, "y", run->y[0]);
-    reply_real(reply, "v", run->system.order == 2 ? run->y[run->system.n / 2] : (double)NAN);
+    reply_real(reply, "v", run->system.order == 2 ? run->y[run->system.n / 2] : NAN);
     reply_object(reply, "state");
     for (int i = 0; i < run->system.n; i++)
         reply_real(reply, system_variable(&run->system, i).name, run->y[i]);
@@ -163,9 +165,13 @@ static void travel(struct session *session, struct run *run, const struct run_ta
         live_advance(session, run, target, clocked && session->typed);
         return;
     }
-    while (run_advance(run, target, SLICE_NS, front->cancel))
+    struct run_target rest = *target; /* its steps are counted from each call */
+    const int64_t first = run->steps;
+    while (run_advance(run, &rest, SLICE_NS, front->cancel)) {
+        rest.steps = target->steps < 0 ? -1 : target->steps - (run->steps - first);
         if (front->progress)
             front->progress(front->context, run, fabs(target->t) < FAR ? (run->t - from) / (target->t - from) : -1);
+    }
     if (front->progress)
         front->progress(front->context, run, 2);
 }

@@ -35,8 +35,8 @@ static void reply_row(const struct session *session, int place, struct reply *re
     reply_string(reply, "name", run->name[0] ? run->name : NULL);
     reply_string(reply, "scene", run->scene.preset->row.name);
     reply_string(reply, "method", run->method->row.name);
-    reply_real(reply, "dt", run->plan.adaptive ? (double)NAN : run->settings.dt);
-    reply_real(reply, "tol", run->plan.adaptive ? run->settings.tol : (double)NAN);
+    reply_real(reply, "dt", run->plan.adaptive ? NAN : run->settings.dt);
+    reply_real(reply, "tol", run->plan.adaptive ? run->settings.tol : NAN);
     reply_int(reply, "steps", run->steps);
     reply_real(reply, "t", run->t);
     reply_int(reply, "rows", (int64_t)trace_count(run->trace));

@@ -59,7 +59,7 @@ static const char *short_cell(struct arena *arena, double value, int digits)
 
 static struct measured run_period(const struct run *run, struct arena *arena)
 {
-    const struct measured none = {(double)NAN, (double)NAN};
+    const struct measured none = {NAN, NAN};
     struct series series;
     struct period period;
     struct error ignored;
@@ -129,7 +129,7 @@ static void reply_table(const struct session *session, const struct comparison *
         table.cell[n++] = run->stop == STOP_DIVERGED ? "diverged" : short_cell(arena, rows[i].ledger.error_max, 3);
         table.cell[n++] = short_cell(arena, rows[i].errors.max, 3);
         if (data)
-            table.cell[n++] = quantity_cell(arena, run_data_rms(run, session_recording(session)), QUANTITY_LENGTH, 3);
+            table.cell[n++] = quantity_cell(arena, run_data_distance(run, session_recording(session)).rms, QUANTITY_LENGTH, 3);
         table.cell[n++] = period_cell(arena, run_period(run, arena));
         table.cell[n++] = cell(arena, &angle);
         table.cell[n++] = time_cell(arena, rows[i].time.minimum);
@@ -149,8 +149,8 @@ static void reply_comparison(const struct comparison *row, struct reply *reply)
     const struct run *run = row->run;
     reply_begin(reply, "compare");
     reply_string(reply, "method", run->method->row.name);
-    reply_real(reply, "dt", run->plan.adaptive ? (double)NAN : run->settings.dt);
-    reply_real(reply, "tol", run->plan.adaptive ? run->settings.tol : (double)NAN);
+    reply_real(reply, "dt", run->plan.adaptive ? NAN : run->settings.dt);
+    reply_real(reply, "tol", run->plan.adaptive ? run->settings.tol : NAN);
     reply_int(reply, "steps", run->steps);
     reply_int(reply, "evals", run->cost.evals);
     reply_real(reply, "error", row->errors.max);

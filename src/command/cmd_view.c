@@ -16,7 +16,7 @@ static bool changed(struct session *session)
 
 static void free_ranges(struct view *view)
 {
-    view->x[0] = view->x[1] = view->y[0] = view->y[1] = (double)NAN;
+    view->x[0] = view->x[1] = view->y[0] = view->y[1] = NAN;
 }
 
 /* ---- layout, focus ------------------------------------------------------------------------------------------------------- */
@@ -104,7 +104,7 @@ HANDLER(range)
     const struct given *value = given_for(given, "FROM:TO");
     double *range = x ? session->view.x : session->view.y;
     if (value->count && text_is(text_trim(value->item->text), "auto")) {
-        range[0] = range[1] = (double)NAN;
+        range[0] = range[1] = NAN;
     } else if (value->count) {
         struct parser parser = {session, given->scope, given->arena, value->item->text};
         struct item item = {0};
@@ -160,7 +160,7 @@ static void set_span(struct view *view, double from, double width, const double 
 {
     const double most = whole[1] - whole[0];
     if (!(width < most)) {
-        view->x[0] = view->x[1] = (double)NAN;
+        view->x[0] = view->x[1] = NAN;
         return;
     }
     width = fmax(width, most / ZOOM_MOST);

@@ -172,7 +172,7 @@ static struct place no_snap(const struct ground *g, double t)
     const struct series *s = &g->series;
     const size_t i = sample_before(s, t);
     const double x = (t - s->t[i]) / (s->t[i + 1] - s->t[i]);
-    return (struct place){.t = t, .uncertainty = (double)NAN, .y = s->y[i] + x * (s->y[i + 1] - s->y[i])};
+    return (struct place){.t = t, .uncertainty = NAN, .y = s->y[i] + x * (s->y[i + 1] - s->y[i])};
 }
 
 static void put_place(struct cursors *cursors, int which, const struct place *place)
@@ -182,7 +182,7 @@ static void put_place(struct cursors *cursors, int which, const struct place *pl
     cursors->at[which].t_uncertainty = place->uncertainty;
     cursors->at[which].y = place->y;
     cursors->at[which].crossing = place->crossing;
-    cursors->at[which].amplitude = (double)NAN;
+    cursors->at[which].amplitude = NAN;
 }
 
 void cursor_put(struct cursors *cursors, const struct ground *g, int which, double t, double reach)
@@ -274,12 +274,12 @@ void cursor_settle(struct cursors *cursors, const struct ground *g)
     cursors->samples = g->series.n;
     cursors->quantity = g->series.quantity;
     double periods = a > 0 && b > 0 ? abs(b - a) : g->overview.oscillates ? nearbyint(dt / g->overview.period) : 0;
-    cursors->periods = periods >= 1 ? periods : (double)NAN;
+    cursors->periods = periods >= 1 ? periods : NAN;
     for (int i = 0; i < 2; i++) {
         struct reading reading;
         const bool known = g->overview.oscillates &&
                            series_amplitudes(&g->series, g->arena, &cursors->at[i].t, 1, 0, &reading, &ignored);
-        cursors->at[i].amplitude = known ? reading.amplitude.value : (double)NAN;
+        cursors->at[i].amplitude = known ? reading.amplitude.value : NAN;
     }
 }
 
@@ -328,7 +328,7 @@ bool session_cursor_reading(const struct session *session, struct cursor_reading
                                        .theory = scene_period(scene),
                                        .damped = scene && scene->value[param_index("gamma")] != 0,
                                        .decrement = decrement,
-                                       .quality = decrement > DECREMENT_LEAST ? PI / decrement : (double)NAN};
+                                       .quality = decrement > DECREMENT_LEAST ? PI / decrement : NAN};
     reading->deviation = (period - reading->theory) / reading->theory;
     return true;
 }

@@ -345,8 +345,8 @@ bool export_run_table(const struct session *session, struct export *export, stru
         method[i] = run->method->row.name;
         status[i] = stop_name(run->stop);
         value[BRIEF_RUN][i] = run->number;
-        value[BRIEF_DT][i] = run->plan.adaptive ? (double)NAN : run->settings.dt;
-        value[BRIEF_TOL][i] = run->plan.adaptive ? run->settings.tol : (double)NAN;
+        value[BRIEF_DT][i] = run->plan.adaptive ? NAN : run->settings.dt;
+        value[BRIEF_TOL][i] = run->plan.adaptive ? run->settings.tol : NAN;
         value[BRIEF_STEPS][i] = (double)run->steps;
         value[BRIEF_T][i] = run->t;
         value[BRIEF_ENERGY_ERROR][i] = ledger.error_max;

@@ -177,13 +177,13 @@ double run_position(const struct run *run, double t)
 {
     const size_t after = row_after(run, t), count = trace_count(run->trace);
     if (after == count)
-        return (double)NAN;
+        return NAN;
     const double *right = trace_state(run->trace, after);
     const double b = trace_time(run->trace, after), y1 = right[0], v1 = run->system.order == 2 ? right[run->system.n / 2] : 0;
     if (b == t)
         return y1;
     if (after == 0)
-        return (double)NAN;
+        return NAN;
     const double *left = trace_state(run->trace, after - 1);
     const double a = trace_time(run->trace, after - 1), h = b - a, x = (t - a) / h, z = 1 - x;
     if (run->system.order != 2)

@@ -215,7 +215,11 @@ void undo_clear(struct session *session);
 /* The line and the record of a run as it is now. */
 void reply_run(const struct session *session, const struct run *run, struct reply *reply);
 /* [m] rms distance of the run from the recording where they overlap in time; NAN: they do not, or it is no length. */
-double run_data_rms(const struct run *run, const struct recording *recording);
+struct data_distance {
+    double rms;    /* [m] NAN: they do not overlap */
+    size_t spikes; /* samples left out: missed echoes would hide how well the run fits */
+};
+struct data_distance run_data_distance(const struct run *run, const struct recording *recording);
 
 #define FAR 1e300 /* [s] no run gets there; finite, so that what is left of the way is a number */
 

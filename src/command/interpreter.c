@@ -56,6 +56,11 @@ static bool run_handler(struct session *session, const struct arguments *argumen
     return ok;
 }
 
+static struct text without_newline(const struct buffer *lines)
+{
+    return (struct text){lines->data, lines->len - 1};
+}
+
 /*
  * `record` has to tell the story in an order that can be read again: a run that was paused or changed on the way is written as what really happened, and
  * what was typed while it went on stands after it.
@@ -68,8 +73,8 @@ static bool record_statement(struct session *session, struct text statement, boo
         buffer_put(later, statement);
         buffer_char(later, '\n');
     } else if (session->record_fd >= 0) {
-        ok = history_record(session, instead->len ? text_trim(buffer_text(instead)) : statement, error) &&
-             (later->len == 0 || history_record(session, text_trim(buffer_text(later)), error));
+        ok = history_record(session, instead->len ? without_newline(instead) : statement, error) &&
+             (later->len == 0 || history_record(session, without_newline(later), error));
     }
     if (!nested) {
         buffer_free(instead);

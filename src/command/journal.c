@@ -208,19 +208,20 @@ static bool put_go(struct composer *c, const struct leg *leg, int64_t from, int6
     const bool met = leg->condition && leg->met == to;
     if (met && !portable(c->session, run, leg->condition))
         return false;
-    buffer_put(c->text, c->started ? TEXT("continue ") : TEXT("run "));
+    /* Options first: after a condition they would be read as minus signs. */
+    buffer_put(c->text, c->started ? TEXT("continue") : TEXT("run"));
+    put_number(c);
     if (met) {
-        buffer_format(c->text, "until %s", leg->condition);
+        buffer_format(c->text, " until %s", leg->condition);
     } else {
         /* Without a target any time that is far enough does. */
         const double far = copysign(2 * (double)(to + 1) * run->settings.dt, leg->t);
-        buffer_put(c->text, TEXT("to "));
-        buffer_real(c->text, run->plan.adaptive || fabs(leg->t) < FAR ? leg->t : run->t + far);
-        buffer_put(c->text, TEXT(" s"));
         if (t != leg->t)
             buffer_format(c->text, " --steps %lld", (long long)(to - from));
+        buffer_put(c->text, TEXT(" to "));
+        buffer_real(c->text, run->plan.adaptive || fabs(leg->t) < FAR ? leg->t : run->t + far);
+        buffer_put(c->text, TEXT(" s"));
     }
-    put_number(c);
     buffer_char(c->text, '\n');
     c->started = true;
     return true;

@@ -131,7 +131,7 @@ bool live_bind(struct session *session, int param, double *from, struct error *e
     const struct live *live = &session->live;
     const char *name = catalog_row(&param_catalog, (size_t)param)->name;
     const bool is_start = text_is(text_of(name), "y0") || text_is(text_of(name), "v0") || text_is(text_of(name), "t0");
-    *from = (double)NAN;
+    *from = NAN;
     if (live->changing && !run)
         return error_set(error, ERROR_COMMAND, "there is no run to change");
     if (live->changing && is_start)

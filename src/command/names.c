@@ -75,7 +75,7 @@ static struct named_value slot_value(const struct names *names, int slot)
     const struct run *run = names->run ? names->run : session_run(session);
     const size_t place = (size_t)(slot & ((1 << SLOT_KIND) - 1));
     const struct setup *setup = &session->setup;
-    struct named_value value = {.value = (double)NAN, .quantity = QUANTITY_OTHER};
+    struct named_value value = {.value = NAN, .quantity = QUANTITY_OTHER};
     switch ((enum name_kind)(slot >> SLOT_KIND)) {
     case NAME_OBSERVABLE: {
         const struct observable *observable = (const struct observable *)(const void *)catalog_row(&observable_catalog, place);

@@ -21,8 +21,8 @@ struct session *session_create(const struct front *front)
     session->next_run = 1;
     session->record_fd = -1;
     session->live.speed = 1;
-    session->view = (struct view){.x = {(double)NAN, (double)NAN}, .y = {(double)NAN, (double)NAN}, .trail = 2, .paging = true,
-                                  .cursors = {.periods = (double)NAN}};
+    session->view = (struct view){.x = {NAN, NAN}, .y = {NAN, NAN}, .trail = 2, .paging = true,
+                                  .cursors = {.periods = NAN}};
     return session;
 }
 

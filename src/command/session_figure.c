@@ -10,7 +10,7 @@
 #define PERIOD_COLUMNS_ASCII 8   /* least columns a period that can still be followed */
 #define PERIOD_COLUMNS_DOTS 5
 #define TRAIL_PERIODS 2          /* of the phase plot */
-#define UNBOUNDED 20             /* times the median of the other curves' maxima */
+#define UNBOUNDED 3              /* times the median of the other curves' maxima */
 #define FRAME 10                 /* [cell] of the width that labels and frame take */
 #define HARMONICS 6              /* shown of a spectrum */
 
@@ -53,7 +53,7 @@ static const struct observable *observable(const char *name)
 static double derived_value(const struct scene *scene, const char *name)
 {
     const struct row *row = catalog_find(&derived_catalog, text_of(name));
-    return row ? ((const struct derived_row *)(const void *)row)->value(scene).value : (double)NAN;
+    return row ? ((const struct derived_row *)(const void *)row)->value(scene).value : NAN;
 }
 
 static const struct recording *recording_of(const struct drawing *d)
@@ -96,8 +96,9 @@ static void span_of(const struct drawing *d, double *from, double *to)
         *from = fmin(*from, fmin(a, b));
         *to = fmax(*to, fmax(a, b));
     }
-    if (d->request->recording >= 0) {
-        const struct recording *recording = d->session->recording[d->request->recording]->recording;
+    /* What follows a run shows the part of the recording that lies beside it. */
+    const struct recording *recording = recording_of(d);
+    if (recording && !(d->request->follow && d->request->runs)) {
         *from = fmin(*from, recording->window[0]);
         *to = fmax(*to, recording->window[1]);
     }
@@ -120,7 +121,7 @@ static double longest_window(const struct drawing *d)
     const struct figure_request *request = d->request;
     const int each = request->charset == CHARSET_ASCII ? PERIOD_COLUMNS_ASCII : PERIOD_COLUMNS_DOTS;
     const int columns = request->width > 2 * FRAME ? request->width - FRAME : FRAME;
-    const double most = plots[request->kind].periods || request->follow ? d->period * columns / each : (double)NAN;
+    const double most = plots[request->kind].periods || request->follow ? d->period * columns / each : NAN;
     return request->follow && d->total > most && isnormal(most) ? short_number(most) : most;
 }
 
@@ -259,7 +260,16 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* A curve that dwarfs the others does not set the range; a single curve always does. */
+/* A run whose method, not its scene, makes it grow. */
+static bool grows(const struct run *run)
+{
+    const struct oscillator *o = &run->system.oscillator;
+    const double doubling = log(2);
+    return run->stop == STOP_DIVERGED || (o->damping >= 0 && o->stiffness > 0 && run->system.autonomous &&
+                                          (double)run->steps * log(run->plan.growth) > doubling);
+}
+
+/* A growing run that dwarfs the others does not set the range; a single curve always does. */
 static bool mark_unbounded(struct drawing *d)
 {
     double *most = arena_array(d->arena, (size_t)d->curves + 1, sizeof *most);
@@ -275,8 +285,8 @@ static bool mark_unbounded(struct drawing *d)
             if (j != i)
                 other[n++] = most[j];
         qsort(other, (size_t)n, sizeof *other, ascending);
-        const bool diverged = i < d->request->runs && d->session->run[d->request->run[i]]->run->stop == STOP_DIVERGED;
-        d->curve[i].unbounded = n > 0 && (diverged || most[i] > UNBOUNDED * other[(n - 1) / 2]) && other[(n - 1) / 2] > 0;
+        const bool growing = i < d->request->runs && grows(d->session->run[d->request->run[i]]->run);
+        d->curve[i].unbounded = n > 0 && growing && other[(n - 1) / 2] > 0 && most[i] > UNBOUNDED * other[(n - 1) / 2];
         bounded += !d->curve[i].unbounded;
     }
     for (int i = 0; i < d->curves && bounded == 0; i++)
@@ -343,7 +353,7 @@ static void mark_present(const struct drawing *d, struct figure *figure)
 bool session_figure(const struct session *session, const struct figure_request *request, struct arena *arena, struct figure *figure,
                     struct error *error)
 {
-    struct drawing d = {.session = session, .request = request, .arena = arena, .error = error, .omega0 = 1, .period = (double)NAN};
+    struct drawing d = {.session = session, .request = request, .arena = arena, .error = error, .omega0 = 1, .period = NAN};
     d.curve = arena_array(arena, (size_t)request->runs + 1, sizeof *d.curve);
     if (!d.curve)
         return error_memory(error);

@@ -110,36 +110,61 @@ bool subject_open(struct session *session, const struct given *run, const struct
     return error_hint(error, "type: run, or: load FILE");
 }
 
-double run_data_rms(const struct run *run, const struct recording *recording)
+static int smaller_first(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* The rms of n distances >= 0 (sorted in place) without spikes: those above five robust standard deviations. */
+static struct data_distance rms_without_spikes(double *distance, size_t n)
+{
+    qsort(distance, n, sizeof *distance, smaller_first);
+    const double limit = 5 * 1.4826 * distance[n / 2];
+    struct data_distance result = {NAN, 0};
+    double sum = 0;
+    size_t used = 0;
+    while (used < n && distance[used] <= limit) {
+        sum += distance[used] * distance[used];
+        used++;
+    }
+    result.rms = sqrt(sum / (double)used);
+    result.spikes = n - used;
+    return result;
+}
+
+struct data_distance run_data_distance(const struct run *run, const struct recording *recording)
 {
     struct arena arena = {0};
     struct series data;
     struct error ignored;
-    double sum = 0;
+    struct data_distance result = {NAN, 0};
+    double *distance = NULL;
     size_t count = 0, row = 0;
     const size_t rows = trace_count(run->trace);
     if (recording && run->system.n == 2 && run->system.order == 2 && rows > 1 &&
         recording_series(recording, &arena, 2, &data, &ignored) && data.quantity == QUANTITY_LENGTH &&
-        trace_time(run->trace, rows - 1) > trace_time(run->trace, 0)) {
-        for (size_t i = 0; i < data.n; i++) {
-            const double t = data.t[i];
-            while (row + 2 < rows && trace_time(run->trace, row + 1) < t)
-                row++;
-            const double a = trace_time(run->trace, row), b = trace_time(run->trace, row + 1);
-            if (!(t >= a && t <= b))
-                continue;
-            /* Cubic Hermite through both states. */
-            const double *left = trace_state(run->trace, row);
-            const double y0 = left[0], v0 = left[1];
-            const double *right = trace_state(run->trace, row + 1);
-            const double h = b - a, x = (t - a) / h, z = 1 - x;
-            const double y = z * z * (1 + 2 * x) * y0 + x * x * (3 - 2 * x) * right[0] + h * x * z * (z * v0 - x * right[1]);
-            sum += (y - data.y[i]) * (y - data.y[i]);
-            count++;
-        }
+        trace_time(run->trace, rows - 1) > trace_time(run->trace, 0))
+        distance = arena_array(&arena, data.n, sizeof *distance);
+    for (size_t i = 0; distance && i < data.n; i++) {
+        const double t = data.t[i];
+        while (row + 2 < rows && trace_time(run->trace, row + 1) < t)
+            row++;
+        const double a = trace_time(run->trace, row), b = trace_time(run->trace, row + 1);
+        if (!(t >= a && t <= b))
+            continue;
+        /* Cubic Hermite through both states. */
+        const double *left = trace_state(run->trace, row);
+        const double y0 = left[0], v0 = left[1];
+        const double *right = trace_state(run->trace, row + 1);
+        const double h = b - a, x = (t - a) / h, z = 1 - x;
+        const double y = z * z * (1 + 2 * x) * y0 + x * x * (3 - 2 * x) * right[0] + h * x * z * (z * v0 - x * right[1]);
+        distance[count++] = fabs(y - data.y[i]);
     }
+    if (count >= 2)
+        result = rms_without_spikes(distance, count);
     arena_reset(&arena);
-    return count >= 2 ? sqrt(sum / (double)count) : (double)NAN;
+    return result;
 }
 
 /* ---- what it is measured against, and what is left of it ----------------------------------------------------------------------- */
@@ -155,7 +180,7 @@ const struct scene *subject_scene(const struct session *session, const struct ru
 static double derived_value(const struct scene *scene, const char *name)
 {
     const struct row *row = catalog_find(&derived_catalog, text_of(name));
-    return scene && row ? ((const struct derived_row *)(const void *)row)->value(scene).value : (double)NAN;
+    return scene && row ? ((const struct derived_row *)(const void *)row)->value(scene).value : NAN;
 }
 
 double scene_period(const struct scene *scene)

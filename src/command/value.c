@@ -138,7 +138,7 @@ bool parse_range(struct parser *parser, const char *what, enum quantity wanted, 
     struct item end;
     skip_blanks(&parser->rest);
     const char *start = parser->rest.at;
-    item->range[0] = item->range[1] = (double)NAN;
+    item->range[0] = item->range[1] = NAN;
     if (parser->rest.len > 0 && parser->rest.at[0] != ':') {
         if (!parse_value(parser, what, wanted, &end, error))
             return false;

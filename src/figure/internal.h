@@ -23,7 +23,7 @@ struct scale scale_of(double from, double to, bool log);
 static inline double fraction_of(const struct scale *scale, double value)
 {
     if (!isfinite(value) || (scale->log && value <= 0))
-        return (double)NAN;
+        return NAN;
     double fraction = ((scale->log ? log10(value) : value * scale->unit) - scale->origin) * scale->gain;
     return fraction > FARTHEST ? FARTHEST : fraction < -FARTHEST ? -FARTHEST : fraction;
 }

@@ -94,7 +94,7 @@ static int pen_column(const struct pen *pen, double x)
 /* Leaves the column at height y, or ends there. */
 static void pen_leave(struct pen *pen, double y, bool ends)
 {
-    double in = pen->starts ? (double)NAN : pen->enter, out = ends ? (double)NAN : y;
+    double in = pen->starts ? NAN : pen->enter, out = ends ? NAN : y;
     double from = fmin(in, out), to = fmax(in, out); /* of the borders that are crossed */
     /* Between the ways in and out: the dots in the interval. An extreme beyond them is rounded to its dot. */
     double low = from <= pen->low ? ceil(from) : floor(pen->low + 0.5);

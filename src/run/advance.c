@@ -29,14 +29,14 @@ static bool holds(const struct leg *leg)
 
 static bool same_time(double a, double b)
 {
-    return fabs(a - b) <= 4 * DBL_EPSILON * fmax(fabs(a), fabs(b));
+    return isfinite(b) && fabs(a - b) <= 4 * DBL_EPSILON * fmax(fabs(a), fabs(b)); /* HUGE_VAL is no time */
 }
 
 static enum stop leg_begin(struct run *run, const struct run_target *target, struct leg *leg)
 {
     struct run_private *p = run->private_state;
     *leg = (struct leg){.target = target, .limit = target->steps < 0 ? INT64_MAX : run->steps + target->steps};
-    if (target->t == run->t || (isfinite(target->t) && same_time(target->t, run->t))) {
+    if (target->t == run->t || same_time(run->t, target->t)) {
         run->t = target->t;
         return STOP_END;
     }

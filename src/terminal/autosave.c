@@ -182,9 +182,9 @@ bool autosave_write(struct autosave *autosave, struct error *error)
 /* The commands that session_save writes; nothing else may stand in a saved session. */
 static bool is_allowed(struct text line)
 {
-    static const char *const allowed[] = {"scene", "set",  "method", "let",     "load", "data",  "run",     "continue", "step",    "back",  "use",
-                                          "rename", "note", "force",  "potential", "var", "param", "observe", "event",    "layout",  "focus", "window",
-                                          "trail",  "range", "next"};
+    static const char *const allowed[] = {"scene", "set",    "unset", "let",   "method",  "load",  "data",  "run",   "continue",
+                                          "change", "step",  "back",  "use",   "rename",  "note",  "force", "var",   "param",
+                                          "observe", "event", "potential", "layout", "focus", "range", "window", "trail"};
     size_t name = 0;
     while (name < line.len && !strchr(" \t='", line.at[name])) {
         name++;

@@ -74,7 +74,10 @@ static void describe_prompt(const struct panes *panes, struct prompt_line *promp
     *prompt = (struct prompt_line){.prompt = text_of(rl_display_prompt),
                                    .line = {rl_line_buffer, (size_t)rl_end},
                                    .cursor = (size_t)rl_point,
-                                   .hint = memchr(rl_line_buffer, '\n', (size_t)rl_end) ? TEXT(LINES_HINT) : TEXT("")};
+                                   .hint = buffer_text(&panes->notice)};
+    if (memchr(rl_line_buffer, '\n', (size_t)rl_end)) {
+        prompt->hint = TEXT(LINES_HINT);
+    }
     if (panes->question) {
         buffer_format(room, "%s [y/N] ", panes->question);
         *prompt = (struct prompt_line){.prompt = buffer_text(room)};
@@ -344,6 +347,34 @@ static void insert_paste(struct panes *panes, struct text paste)
 
 /* ---- executing --------------------------------------------------------------------------------------------------------------------------- */
 
+static bool say_nothing(void *context, struct text text)
+{
+    (void)context;
+    (void)text;
+    return true;
+}
+
+/* The first line of a message. */
+static bool take_notice(void *context, struct text text)
+{
+    struct panes *panes = context;
+    struct text first = TEXT("");
+    if (panes->notice.len == 0 && text_split(&text, '\n', &first)) {
+        safe_text(&panes->notice, first, false);
+    }
+    return true;
+}
+
+/* What only looks at the screen says nothing, unless it could not. */
+static void execute_silently(struct panes *panes, struct text line)
+{
+    const struct source nobody = {0};
+    struct reply reply;
+    reply_init(&reply, (struct sink){say_nothing, take_notice, panes});
+    command_exec(session_of(panes), line, &(struct source){.parent = &nobody}, &reply);
+    reply_free(&reply);
+}
+
 /* A line typed during a run is executed inside the command that runs: it speaks through a reply of its own. */
 static void execute_line(struct panes *panes)
 {
@@ -366,9 +397,9 @@ static void execute_line(struct panes *panes)
     } else {
         draw(panes, false); /* what takes long is seen to have begun */
     }
+    buffer_clear(&panes->notice);
     if (from == LINE_SILENT) {
-        const struct source nowhere = {0};
-        command_exec(session, buffer_text(&line), &(struct source){.parent = &nowhere}, program->reply);
+        execute_silently(panes, buffer_text(&line));
     } else {
         typed_run(session, buffer_text(&line), program->reply);
     }
@@ -579,4 +610,5 @@ void panes_run(struct program *program)
     }
     input_free(&panes.input);
     buffer_free(&panes.line);
+    buffer_free(&panes.notice);
 }

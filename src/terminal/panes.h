@@ -95,6 +95,7 @@ struct panes {
     struct buffer line;   /* a complete line that waits to be executed */
     enum line_from line_from;
     bool line_waits;
+    struct buffer notice; /* what a key could not do: shown instead of the numbers until the next line */
     bool echo_stale;      /* the prompt has changed */
     bool screen_stale;    /* more than that has */
     bool interrupted;     /* Ctrl-C while a run goes on */

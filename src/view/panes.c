@@ -31,8 +31,8 @@ static const struct pane_kind kinds[] = {
 
 static double planned_end(const struct run *run)
 {
-    double span = run->plan.adaptive ? (double)NAN : (double)run->plan.whole * run->settings.dt + run->plan.partial;
-    return span > 0 ? run->system.t0 + span : (double)NAN;
+    double span = run->plan.adaptive ? NAN : (double)run->plan.whole * run->settings.dt + run->plan.partial;
+    return span > 0 ? run->system.t0 + span : NAN;
 }
 
 static bool in_progress(const struct session *session)
@@ -57,7 +57,7 @@ static struct figure_request make_request(const struct screen *screen, const str
         .run = &session->current_run,
         .runs = run != NULL,
         .recording = figure_recording(session, kind),
-        .window = {(double)NAN, (double)NAN},
+        .window = {NAN, NAN},
         .width = width,
         .charset = screen->charset,
         .trail = view->trail,
@@ -65,7 +65,7 @@ static struct figure_request make_request(const struct screen *screen, const str
         .running = session->live.state == LIVE_RUNNING,
         .span = view->window,
         .pages = view->paging ? PAGES : larger(width, 1),
-        .until = run && in_progress(session) ? planned_end(run) : (double)NAN,
+        .until = run && in_progress(session) ? planned_end(run) : NAN,
     };
     if (is_range(view->x)) {
         request.window[0] = view->x[0];
@@ -183,9 +183,30 @@ static void settle_ranges(const struct screen *screen, const struct place *place
         reach_label(&figure->x, place->at.width);
     if (place->pane != PANE_PHASE)
         return;
-    extent = extent_of(figure, false);
-    extend_expected(screen->session, figure, place->pane, false, &extent);
-    settle(&figure->x, extent, place->at.height);
+    struct extent across = extent_of(figure, false);
+    extend_expected(screen->session, figure, place->pane, false, &across);
+    settle(&figure->x, across, place->at.height);
+    if (figure->equal && (!figure->x.fixed || !figure->y.fixed)) { /* at rest */
+        double room = 0.1 * fmax(fabs(across.low), fabs(across.high));
+        figure->x.fixed = figure->y.fixed = room > 0 && isfinite(room);
+        figure->x.from = across.low - room;
+        figure->x.to = across.high + room;
+        figure->y.from = extent.low - room;
+        figure->y.to = extent.high + room;
+    }
+}
+
+/* A recording alone that is too dense for marks is drawn as a line. */
+static void join_dense(struct screen *screen, const struct figure_request *request, struct figure *figure)
+{
+    if (request->runs || figure->curves != 1 || figure->curve[0].n < 2 * (size_t)request->width)
+        return;
+    struct curve *curve = arena_array(&screen->arena, 1, sizeof *curve);
+    if (curve) {
+        *curve = figure->curve[0];
+        curve->points = false;
+        figure->curve = curve;
+    }
 }
 
 /* ---- one pane -------------------------------------------------------------------------------------------------------------------- */
@@ -213,6 +234,7 @@ static bool make_figure(struct screen *screen, const struct place *place, int wi
         figure->note = arena_text(&screen->arena, text_of(error.text));
     } else {
         settle_ranges(screen, place, figure);
+        join_dense(screen, &request, figure);
     }
     figure->title = numbered_title(screen, place);
     if (kind->label)

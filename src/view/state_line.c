@@ -38,21 +38,20 @@ static void put_parameter(struct buffer *out, const struct scene *scene, int i, 
         buffer_quantity(out, scene->value[i], param->quantity, 3);
 }
 
-/* Mass and spring, and whatever the user has set; the start only on request. */
-static void put_parameters(struct buffer *out, const struct scene *scene, bool start)
+/* Mass and spring, and whatever the user has set, `most` in all; the start only on request. */
+static void put_parameters(struct buffer *out, const struct scene *scene, int most, bool start)
 {
     static const char *const starts[] = {"y0", "v0", "t0"};
-    const char *gap = "  ";
     for (int i = 0; i < (int)param_catalog.count; i++) {
         const char *name = catalog_row(&param_catalog, (size_t)i)->name;
         bool of_start = false;
         for (size_t j = 0; j < COUNT_OF(starts); j++)
             of_start |= strcmp(name, starts[j]) == 0;
         bool always = strcmp(name, "m") == 0 || strcmp(name, "k") == 0;
-        if (of_start || !(always || (scene->given[i] && scene->value[i] != 0)))
+        if (of_start || most <= 0 || !(always || (scene->given[i] && scene->value[i] != 0)))
             continue;
-        put_parameter(out, scene, i, gap);
-        gap = "  ";
+        put_parameter(out, scene, i, "  ");
+        most--;
     }
     for (size_t j = 0; j + 1 < COUNT_OF(starts) && start; j++)
         put_parameter(out, scene, param_index(starts[j]), j ? " " : "  ");
@@ -95,7 +94,7 @@ static void put_progress(struct buffer *out, const struct session *session, cons
         buffer_format(out, "  %lld step%s", (long long)run->steps, run->steps == 1 ? "" : "s");
 }
 
-static void put_form(struct buffer *out, const struct session *session, const struct form *form)
+static void put_form(struct buffer *out, const struct session *session, const struct form *form, int parameters)
 {
     const struct setup *setup = &session->setup;
     const struct text bar = form->blanks ? TEXT(" | ") : TEXT(" ");
@@ -104,7 +103,7 @@ static void put_form(struct buffer *out, const struct session *session, const st
     if (form->scene)
         buffer_format(out, "%s%s", form->blanks ? " " : "", setup->scene.preset->row.name);
     if (form->parameters)
-        put_parameters(out, &setup->scene, form->start);
+        put_parameters(out, &setup->scene, parameters, form->start);
     if (form->method) {
         buffer_put(out, form->scene ? bar : TEXT(""));
         buffer_put(out, text_of(setup->method->row.name));
@@ -145,14 +144,18 @@ static void tighten(struct buffer *text)
 void state_line_draw(const struct screen *screen, int y)
 {
     struct buffer text = {0};
-    int width = screen->canvas->width;
-    for (size_t i = 0; i < COUNT_OF(forms); i++) {
+    int width = screen->canvas->width, parameters = PARAM_MAX;
+    for (size_t i = 0; i < COUNT_OF(forms);) {
         buffer_clear(&text);
-        put_form(&text, screen->session, &forms[i]);
+        put_form(&text, screen->session, &forms[i], parameters);
         if (text_width(buffer_text(&text)) > width)
             tighten(&text);
         if (text_width(buffer_text(&text)) <= width)
             break;
+        if (forms[i].parameters && !forms[i].steps && parameters > 2) /* the last ones go before all do */
+            parameters = smaller(parameters, (int)param_catalog.count) - 1;
+        else
+            i++;
     }
     struct text line = buffer_text(&text);
     line_draw(screen, 0, y, screen->canvas->width, line, STYLE_PLAIN);

@@ -318,7 +318,7 @@ static void test_overlays_have_their_own_marks(void **state)
 static void test_constant_and_few_samples(void **state)
 {
     static const double x[] = {0, 1, 2, 3, 4}, constant[] = {0.05, 0.05, 0.05, 0.05, 0.05};
-    static const double gap[] = {0.01, 0.02, (double)NAN, 0.02, 0.01};
+    static const double gap[] = {0.01, 0.02, NAN, 0.02, 0.01};
     struct curve curve = {.x = x, .y = constant, .n = 5};
     struct figure figure = of(&curve, 1);
     (void)state;

@@ -233,7 +233,7 @@ static void test_every_size(void **state)
         y[i] = 0.04 * cos(x[i]);
         wild[i] = 0.04 * exp(30 * x[i]);
     }
-    y[100] = (double)NAN;
+    y[100] = NAN;
     for (size_t w = 0; w < COUNT_OF(sizes); w++) {
         for (size_t h = 0; h < COUNT_OF(sizes); h++) {
             for (int kind = 0; kind < 6; kind++) {
@@ -439,7 +439,7 @@ static void test_window(void **state)
     assert_true(figure_cell(&layout, 3, 1, &column, &row));
     assert_int_equal(column, layout.columns - 1);
     assert_false(figure_cell(&layout, 0.9, 1, &column, &row));
-    assert_false(figure_cell(&layout, 2, (double)NAN, &column, &row));
+    assert_false(figure_cell(&layout, 2, NAN, &column, &row));
 }
 
 int main(void)

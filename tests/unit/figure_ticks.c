@@ -52,7 +52,7 @@ static void check_range(double from, double to, int want, int most)
 {
     struct ticks ticks = ticks_linear(from, to, want, most);
     char text[2][64] = {"", ""};
-    double previous = (double)NAN;
+    double previous = NAN;
 
     if (ticks.count < (most >= 4 ? 2 : 1) || ticks.count > most || !nice(ticks.step))
         fail_msg("[%g, %g] want %d most %d: %d ticks, step %g", from, to, want, most, ticks.count, ticks.step);
@@ -124,7 +124,7 @@ static void test_no_range_no_ticks(void **state)
     (void)state;
     assert_int_equal(ticks_linear(1, 1, 5, 10).count, 0);
     assert_int_equal(ticks_linear(2, 1, 5, 10).count, 0);
-    assert_int_equal(ticks_linear((double)NAN, 1, 5, 10).count, 0);
+    assert_int_equal(ticks_linear(NAN, 1, 5, 10).count, 0);
     assert_int_equal(ticks_linear(0, (double)INFINITY, 5, 10).count, 0);
     assert_int_equal(ticks_linear(0, 1, 5, 0).count, 0);
     assert_int_equal(ticks_linear(1, nextafter(1, 2), 5, 10).count, 0);

@@ -139,6 +139,9 @@ static void set_cursors(struct session *session)
     cursors->at[0].t = 1.4530;
     cursors->at[1].t = 9.2022;
     cursors->at[0].t_uncertainty = cursors->at[1].t_uncertainty = 4e-4;
+    cursors->at[0].amplitude = 0.04;
+    cursors->at[1].amplitude = 0.04 * exp(-0.035 * (9.2022 - 1.4530));
+    cursors->quantity = QUANTITY_LENGTH;
     cursors->at[0].crossing = 1;
     cursors->at[1].crossing = 5;
     cursors->periods = 4;
@@ -155,7 +158,7 @@ static void cursors_stand_in_frame_and_table(void **state)
     assert_shows(session, 80, 24, " B  t = 9.2022(4) s");
     assert_shows(session, 80, 24, "up-crossing #5");
     assert_shows(session, 80, 24, " B-A = 7.7492 s / 4 periods   T = 1.9373(1) s   f = 0.51618(4) Hz");
-    assert_shows(session, 80, 24, " theory T0 = 1.9391 s  (T-T0)/T0 = -0.10 %    log decrement 0.0679  Q = 46.3");
+    assert_shows(session, 80, 24, " theory T_d = 1.9391 s  (T-T_d)/T_d = -0.095 %   log decrement 0.0678  Q = 46.3");
     assert_shows(session, 80, 24, "Enter keep as measurement");
     assert_shows(session, 40, 12, "B-A = 7.7492 s / 4 periods"); /* one row: the result */
     assert_hides(session, 40, 12, "Enter");

@@ -1,0 +1,632 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Panes on a terminal in memory: editing, keys, sizes, signals, what is sent and when (INTERFACE.md, section 14). */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <dirent.h>
+
+#include "../../src/terminal/terminal.h"
+#include "person.h"
+
+#define CLEAN "\x03\x15" /* Ctrl-C, Ctrl-U */
+
+static void start_panes(struct person *p, struct start start)
+{
+    begin(p, start);
+    expect_prompt(p, EMPTY_PROMPT);
+}
+
+/* ---- typing ---------------------------------------------------------------------------------------------------------------- */
+
+static void test_types_and_answers(void **state)
+{
+    (void)state;
+    struct person p;
+    start_panes(&p, (struct start){0});
+    assert_true(p.screen.second_screen);
+    assert_true(p.screen.pasting);
+    enter(&p, "m = 250 g");
+    expect(&p, "m=250 g"); /* the state line */
+    enter(&p, "print 6*7");
+    expect(&p, "42");
+    expect(&p, "hooke> print 6*7"); /* the log says what was typed */
+    type(&p, "set gama 1\r");
+    expect(&p, "did you mean");
+    quit(&p);
+}
+
+static void test_edits_like_readline(void **state)
+{
+    (void)state;
+    struct person p;
+    start_panes(&p, (struct start){0});
+    type(&p, "print 3*11\x01"
+             "\x06\x06\x06\x06\x06\x06"
+             "1"); /* to the beginning, six forward */
+    expect_prompt(&p, "hooke> print 13*11");
+    type(&p, "\r");
+    expect(&p, "143");
+    type(&p, "\x1b[A");
+    expect_prompt(&p, "hooke> print 13*11");
+    type(&p, CLEAN "meth\t");
+    expect_prompt(&p, "hooke> method");
+    type(&p, "rk4\x01\x0b");
+    expect_prompt(&p, EMPTY_PROMPT);
+    type(&p, "\x12"
+             "13"); /* history search */
+    expect(&p, "reverse-i-search");
+    expect(&p, "print 13*11");
+    type(&p, "\r");
+    expect_prompt(&p, EMPTY_PROMPT);
+    type(&p, "set ga\t\t"); /* the only one */
+    expect_prompt(&p, "hooke> set gamma");
+    type(&p, CLEAN "e\t\t");
+    expect(&p, "export");
+    type(&p, CLEAN);
+    quit(&p);
+}
+
+static void test_multibyte_text(void **state)
+{
+    (void)state;
+    static const char *const locales[] = {"C.UTF-8", "C", "xx_YY.UTF-8"};
+    for (size_t i = 0; i < COUNT_OF(locales); i++) {
+        struct person p;
+        start_panes(&p, (struct start){.locale = locales[i]});
+        type(&p, "echo \xc5\xbc\xc3\xb3\xc5\x82\xc4\x87 \xe6\x97\xa5\xe6\x9c\xac");
+        if (strcmp(locales[i], "C") != 0) {
+            expect_prompt(&p, "hooke> echo \xc5\xbc\xc3\xb3\xc5\x82\xc4\x87 \xe6\x97\xa5\xe6\x9c\xac");
+            type(&p, "\x7f\x02\x02\x7f"); /* rub out 本, go before ć... */
+            expect_prompt(&p, "hooke> echo \xc5\xbc\xc3\xb3\xc5\x82 \xe6\x97\xa5");
+        }
+        type(&p, CLEAN);
+        expect_prompt(&p, EMPTY_PROMPT);
+        type(&p, "echo \xff\xfe!"); /* not UTF-8 */
+        expect(&p, "!");
+        type(&p, CLEAN);
+        enter(&p, "print 1/4");
+        expect(&p, "0.25");
+        quit(&p);
+    }
+}
+
+/* ---- Ctrl-C ------------------------------------------------------------------------------------------------------------------- */
+
+static void test_interrupt(void **state)
+{
+    (void)state;
+    struct person p;
+    start_panes(&p, (struct start){0});
+    type(&p, "print 111");
+    expect_prompt(&p, "hooke> print 111");
+    type(&p, "\x03");
+    expect_prompt(&p, EMPTY_PROMPT);
+    type(&p, "\x03\x03"); /* at an empty prompt: does not leave */
+    enter(&p, "print 2*11");
+    expect(&p, "22");
+    type(&p, "\x12"
+             "pri");
+    expect(&p, "reverse-i-search");
+    type(&p, "\x03");
+    expect_prompt(&p, EMPTY_PROMPT);
+    enter(&p, "print 3*11"); /* the search is over */
+    expect(&p, "33");
+    type(&p, "e\t\t");
+    expect(&p, "export");
+    type(&p, "\x03");
+    expect_prompt(&p, EMPTY_PROMPT);
+    quit(&p);
+}
+
+static void test_interrupt_pauses_a_run(void **state)
+{
+    (void)state;
+    struct person p;
+    start_panes(&p, (struct start){0});
+    enter(&p, "method verlet");
+    enter(&p, "run 1000 s");
+    expect(&p, "RUNNING");
+    enter(&p, "print 6*7"); /* commands are executed on the way */
+    expect(&p, "42");
+    type(&p, "print 99"); /* a line that is being typed survives the pause */
+    expect_prompt(&p, "hooke> print 99");
+    const int64_t begun = clock_ns();
+    type(&p, "\x03");
+    expect(&p, "PAUSED");
+    print_message("# Ctrl-C pauses a run after %.1f ms\n", (double)(clock_ns() - begun) * 1e-6);
+    assert_true(clock_ns() - begun < (getenv("CONFIG") && strcmp(getenv("CONFIG"), "asan") == 0 ? 1000 : 100) * (int64_t)MS);
+    expect_prompt(&p, "hooke> print 99");
+    type(&p, "\x03");
+    expect_prompt(&p, EMPTY_PROMPT);
+    type(&p, "\x1b[15~"); /* F5 goes on, and pauses again */
+    expect(&p, "RUNNING");
+    type(&p, "\x1b[15~");
+    expect(&p, "PAUSED");
+    quit(&p);
+}
+
+static void test_interrupt_stops_long_commands(void **state)
+{
+    (void)state;
+    struct person p;
+    start_panes(&p, (struct start){0});
+    enter(&p, "set duration 20000 s; timing full");
+    type(&p, "compare euler verlet rk4 dt=1ms,0.5ms,0.2ms\r");
+    expect(&p, "hooke> compare");
+    const int64_t begun = clock_ns();
+    type(&p, "\x03");
+    enter(&p, "print 4*11");
+    expect(&p, "44");
+    print_message("# Ctrl-C stops compare after %.1f ms\n", (double)(clock_ns() - begun) * 1e-6);
+    quit(&p);
+}
+
+/* ---- pastes --------------------------------------------------------------------------------------------------------------------- */
+
+static void test_pastes(void **state)
+{
+    (void)state;
+    struct person p;
+    struct buffer text = {0};
+    start_panes(&p, (struct start){0});
+    /* 10 kB in one line. */
+    buffer_put(&text, TEXT("\033[200~print 0"));
+    for (int i = 0; i < 2500; i++) {
+        buffer_put(&text, TEXT(" + 1"));
+    }
+    buffer_put(&text, TEXT("\033[201~"));
+    type(&p, text.data);
+    expect(&p, "+ 1");
+    type(&p, "\r");
+    expect_prompt(&p, EMPTY_PROMPT);
+    expect(&p, "2500");
+    /* 200 lines with a mistake in the third. */
+    buffer_clear(&text);
+    buffer_put(&text, TEXT("\033[200~print 1001\rprint 1002\rset gama 1\r"));
+    for (int i = 4; i <= 200; i++) {
+        buffer_put(&text, TEXT("print 7000+4\r"));
+    }
+    buffer_put(&text, TEXT("\033[201~"));
+    type(&p, text.data);
+    expect(&p, "several lines");
+    type(&p, "\r");
+    expect(&p, "paste:3:");
+    expect(&p, "did you mean");
+    expect_prompt(&p, EMPTY_PROMPT);
+    assert_false(shows(&p, "7004"));
+    buffer_free(&text);
+    quit(&p);
+}
+
+/* ---- keys ------------------------------------------------------------------------------------------------------------------------- */
+
+static void test_keys(void **state)
+{
+    (void)state;
+    struct person p;
+    start_panes(&p, (struct start){0});
+    type(&p, "method");
+    type(&p, "\033OP"); /* F1 */
+    expect(&p, "hooke> help method");
+    type(&p, CLEAN);
+    enter(&p, "speed max");
+    type(&p, "\033[15~"); /* F5 */
+    expect(&p, "t=10.00 s");
+    type(&p, "\033[17~"); /* F6 */
+    expect(&p, "layout duo");
+    type(&p, "\x18l");
+    expect(&p, "layout single");
+    type(&p, "\x18s");
+    expect(&p, "t = 10.01 s");
+    type(&p, "\0334\x18s"); /* prefix argument */
+    expect(&p, "t = 10.05 s");
+    type(&p, "\x18" "2");
+    expect(&p, "focus phase full");
+    type(&p, "\x18" "2");
+    expect(&p, "focus phase:");
+    type(&p, "\x18" "1\x18" "1\x18+");
+    expect(&p, "hooke> zoom 2");
+    type(&p, "\x18<");
+    expect(&p, "hooke> pan -");
+    type(&p, "\x18" "a");
+    expect(&p, "set charset block");
+    enter(&p, "help");
+    type(&p, "\033[5~");
+    expect(&p, "newer lines");
+    type(&p, "\x18\033[F");
+    wait_for(&p, "newer lines", false);
+    type(&p, "\033[18~"); /* F7: the cursors have the keys */
+    expect(&p, "cursors (q leaves");
+    type(&p, "n\t\033[C\r");
+    expect(&p, "kept"); /* as a measurement */
+    type(&p, ":print 5*11\r");
+    expect_prompt(&p, "cursors (q leaves, : types a command)>");
+    type(&p, "q");
+    expect_prompt(&p, EMPTY_PROMPT);
+    expect(&p, "55");
+    enter(&p, "nothing-of-the-kind");
+    type(&p, "\x0c"); /* C-l */
+    expect(&p, "unknown command");
+    quit(&p);
+}
+
+/* The user's own bindings are left alone. */
+static void test_inputrc_wins(void **state)
+{
+    (void)state;
+    char rc[64];
+    char setting[80];
+    snprintf(rc, sizeof rc, "%s/inputrc", state_folder);
+    FILE *file = fopen(rc, "w");
+    assert_non_null(file);
+    fputs("\"\\e[17~\": \"print 9*9\\C-m\"\n", file);
+    fclose(file);
+    snprintf(setting, sizeof setting, "INPUTRC=%s", rc);
+    struct person p;
+    start_panes(&p, (struct start){.environment = setting});
+    type(&p, "\033[17~");
+    expect(&p, "81");
+    type(&p, "\x18l");
+    expect(&p, "layout duo");
+    quit(&p);
+}
+
+/* ---- sizes ---------------------------------------------------------------------------------------------------------------------------- */
+
+/* What a screen of this size shows after a repaint is what it shows now. */
+static void expect_true_screen(struct person *p)
+{
+    struct buffer before = {0}, after = {0};
+    settle(p, 300);
+    emulator_text(&p->screen, &before);
+    emulator_blank(&p->screen, 0, 0, p->screen.width, p->screen.height);
+    type(p, "\x0c");
+    settle(p, 300);
+    emulator_text(&p->screen, &after);
+    assert_string_equal(before.data, after.data);
+    buffer_free(&before);
+    buffer_free(&after);
+}
+
+static void test_sizes(void **state)
+{
+    (void)state;
+    struct person p;
+    static const int sizes[][2] = {{20, 6}, {300, 100}, {1, 1}, {2, 40}, {200, 1}, {80, 24}};
+    start_panes(&p, (struct start){0});
+    enter(&p, "method verlet; gamma = 0.05");
+    enter(&p, "run 2000 s");
+    expect(&p, "RUNNING");
+    type(&p, "print 1");
+    for (size_t i = 0; i < COUNT_OF(sizes); i++) {
+        resize(&p, sizes[i][0], sizes[i][1]);
+        type(&p, "+1");
+        for (int n = 0; n < 4; n++) {
+            pump(&p, 100);
+        }
+    }
+    expect_prompt(&p, "hooke> print 1+1+1+1+1+1+1");
+    expect(&p, "RUNNING");
+    type(&p, "\r");
+    expect(&p, "7");
+    type(&p, "\x03");
+    expect(&p, "PAUSED");
+    expect_true_screen(&p);
+    quit(&p);
+}
+
+static void test_suspend(void **state)
+{
+    (void)state;
+    struct person p;
+    int status;
+    start_panes(&p, (struct start){0});
+    enter(&p, "print 6*7");
+    expect(&p, "42");
+    type(&p, "print 5"); /* half a line */
+    expect_prompt(&p, "hooke> print 5");
+    type(&p, "\x1a");
+    settle(&p, 200);
+    assert_int_equal(waitpid(p.program, &status, WUNTRACED), p.program);
+    assert_true(WIFSTOPPED(status));
+    settle(&p, 100);
+    same_modes(&p);
+    assert_false(p.screen.second_screen);
+    assert_false(p.screen.pasting);
+    resize(&p, 100, 30);
+    kill(p.program, SIGCONT);
+    expect_prompt(&p, "hooke> print 5");
+    assert_true(p.screen.second_screen);
+    assert_true(p.screen.pasting);
+    expect(&p, "42");
+    expect_true_screen(&p);
+    type(&p, "*5\r");
+    expect(&p, "25");
+    quit(&p);
+}
+
+/* ---- ends ------------------------------------------------------------------------------------------------------------------------------ */
+
+static void end_by(int number, bool running)
+{
+    struct person p;
+    start_panes(&p, (struct start){0});
+    enter(&p, "m = 321 g");
+    if (running) {
+        enter(&p, "run 1000 s");
+        expect(&p, "RUNNING");
+    }
+    kill(p.program, number);
+    const int status = end(&p);
+    if (number == SIGHUP || number == SIGTERM) {
+        assert_true(WIFEXITED(status));
+        assert_int_equal(WEXITSTATUS(status), 128 + number);
+    } else {
+        assert_true(WIFSIGNALED(status));
+        assert_int_equal(WTERMSIG(status), number);
+    }
+}
+
+static void test_signals_give_the_terminal_back(void **state)
+{
+    (void)state;
+    static const int numbers[] = {SIGHUP, SIGTERM, SIGSEGV, SIGABRT, SIGFPE, SIGBUS, SIGQUIT};
+    for (size_t i = 0; i < COUNT_OF(numbers); i++) {
+        end_by(numbers[i], false);
+        end_by(numbers[i], true);
+    }
+}
+
+static void test_end_of_input_leaves(void **state)
+{
+    (void)state;
+    struct person p;
+    start_panes(&p, (struct start){0});
+    type(&p, "\x04");
+    const int status = end(&p);
+    assert_true(WIFEXITED(status));
+    assert_int_equal(WEXITSTATUS(status), 0);
+}
+
+static void test_plain_and_back(void **state)
+{
+    (void)state;
+    struct person p;
+    start_panes(&p, (struct start){0});
+    type(&p, "print 2*21\r");
+    expect(&p, "42");
+    type(&p, "plain\r");
+    expect(&p, "Ctrl-D leaves");
+    expect_prompt(&p, ""); /* the prompt stands higher */
+    type(&p, "print 5*11\r");
+    expect(&p, "55");
+    assert_false(p.screen.second_screen);
+    type(&p, "panes\r");
+    expect_prompt(&p, EMPTY_PROMPT);
+    assert_true(p.screen.second_screen);
+    enter(&p, "print 6*11");
+    expect(&p, "66");
+    quit(&p);
+}
+
+/* ---- what is sent ------------------------------------------------------------------------------------------------------------------------ */
+
+static void test_idle_is_silent(void **state)
+{
+    (void)state;
+    struct person p;
+    start_panes(&p, (struct start){0});
+    enter(&p, "speed max");
+    enter(&p, "run 10 s");
+    expect(&p, "t=10.00 s");
+    settle(&p, 300);
+    const size_t before = p.raw.len;
+    struct buffer used = {0};
+    char path[64];
+    struct error error;
+    snprintf(path, sizeof path, "/proc/%ld/stat", (long)p.program);
+    assert_true(file_read(path, 65536, &used, &error));
+    const size_t mark = used.len;
+    pump(&p, 1500);
+    assert_true(file_read(path, 65536, &used, &error));
+    assert_int_equal(p.raw.len, before);
+    /* The processor times are the same too: the lines differ in nothing. */
+    assert_int_equal(used.len, 2 * mark);
+    assert_memory_equal(used.data, used.data + mark, mark);
+    print_message("# idle: %zu bytes, 0 ticks of the processor in 1.5 s\n", p.raw.len - before);
+    buffer_free(&used);
+    quit(&p);
+}
+
+/* Bytes and questions of a live run over some frames. */
+static void test_bytes_per_frame(void **state)
+{
+    (void)state;
+    struct person p;
+    start_panes(&p, (struct start){0});
+    enter(&p, "m = 200 g; k = 2.1 N/m; method verlet; gamma = 0.05");
+    type(&p, "run 30 s\r");
+    expect(&p, "RUNNING");
+    expect_prompt(&p, EMPTY_PROMPT);
+    const int first = p.screen.questions;
+    const size_t bytes = p.raw.len;
+    const int64_t begun = clock_ns();
+    const int frames = getenv("LONG") && *getenv("LONG") ? 200 : 60;
+    while (p.screen.questions < first + frames) {
+        assert_true(pump(&p, 2000));
+    }
+    const double each = (double)(p.raw.len - bytes) / frames;
+    const double rate = frames / ((double)(clock_ns() - begun) * 1e-9);
+    print_message("# live view 80x24: %.0f bytes a frame, %.1f frames a second\n", each, rate);
+    assert_true(each <= 250);
+    assert_true(rate < 10.5);
+    quit(&p);
+}
+
+static void test_echo_on_a_slow_link(void **state)
+{
+    (void)state;
+    struct person p;
+    start_panes(&p, (struct start){0});
+    enter(&p, "method verlet");
+    type(&p, "run 1000 s\r");
+    expect(&p, "RUNNING");
+    p.rate = 10000;
+    struct buffer line = {0};
+    buffer_put(&line, TEXT("hooke> "));
+    double worst = 0, sum = 0;
+    const int keys = 20;
+    expect_prompt(&p, EMPTY_PROMPT);
+    for (int i = 0; i < keys; i++) {
+        const char key[2] = {(char)('a' + i), 0};
+        buffer_put(&line, text_of(key));
+        const int64_t begun = clock_ns();
+        type(&p, key);
+        expect_prompt(&p, line.data);
+        const double took = (double)(clock_ns() - begun) * 1e-6;
+        worst = took > worst ? took : worst;
+        sum += took;
+        for (const int64_t rest = clock_ns() + 70 * MS; clock_ns() < rest;) {
+            pump(&p, 10);
+        }
+    }
+    print_message("# echo at 10 kB/s during a run: %.0f ms on average, %.0f ms at worst\n", sum / keys, worst);
+    assert_true(worst < (getenv("CONFIG") && strcmp(getenv("CONFIG"), "asan") == 0 ? 600 : 200));
+    buffer_free(&line);
+    p.rate = 0;
+    quit(&p);
+}
+
+/* A terminal that never answers: two frames a second, and no more questions. */
+static void test_silent_terminal(void **state)
+{
+    (void)state;
+    struct person p;
+    start_panes(&p, (struct start){.silent = true});
+    type(&p, "run 1000 s\r");
+    expect(&p, "RUNNING");
+    const int64_t begun = clock_ns();
+    while (clock_ns() - begun < 7000 * (int64_t)MS) {
+        pump(&p, 100);
+    }
+    assert_int_equal(p.screen.questions, 2);
+    quit(&p);
+}
+
+static void test_late_reply_does_not_leak(void **state)
+{
+    (void)state;
+    struct person p;
+    start_panes(&p, (struct start){.silent = true});
+    type(&p, "run 1000 s\r");
+    expect(&p, "RUNNING");
+    while (p.screen.questions == 0) {
+        assert_true(pump(&p, 2000));
+    }
+    type(&p, "quit\r");
+    while (p.screen.second_screen && p.answered == 0) { /* the answer comes when the program is about to leave */
+        if (!pump(&p, 20)) {
+            p.answered = 1;
+            type(&p, "\033[0n");
+        }
+    }
+    const int status = wait_end(&p);
+    assert_true(WIFEXITED(status));
+    same_modes(&p);
+    /* Nothing is left for the shell to read. */
+    int left = 0;
+    int slave = open(ptsname(p.fd), O_RDONLY | O_NONBLOCK | O_NOCTTY);
+    assert_true(slave >= 0);
+    assert_int_equal(ioctl(slave, FIONREAD, &left), 0);
+    assert_int_equal(left, 0);
+    close(slave);
+    forget(&p);
+}
+
+static void test_no_color(void **state)
+{
+    (void)state;
+    struct person p;
+    start_panes(&p, (struct start){.environment = "NO_COLOR=1"});
+    enter(&p, "speed max; run 10 s");
+    expect(&p, "t=10.00 s");
+    assert_int_equal(p.screen.colors, 0);
+    quit(&p);
+    start_panes(&p, (struct start){0});
+    enter(&p, "speed max; run 10 s");
+    expect(&p, "t=10.00 s");
+    settle(&p, 100);
+    assert_true(p.screen.colors > 0);
+    quit(&p);
+}
+
+static void test_terminals(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *term;
+        bool panes;
+    } kinds[] = {{"xterm-256color", true}, {"tmux", true}, {"tmux-256color", true}, {"screen", true}, {"linux", true}, {"vt100", true},
+                 {"ansi", true}, {"dumb", false}, {"no-such-terminal", false}, {"", false}};
+    for (size_t i = 0; i < COUNT_OF(kinds); i++) {
+        struct person p;
+        begin(&p, (struct start){.term = kinds[i].term});
+        if (kinds[i].panes) {
+            expect_prompt(&p, EMPTY_PROMPT);
+            enter(&p, "print 6*7");
+        } else {
+            expect(&p, "no panes:");
+            expect(&p, "hooke>");
+            type(&p, "print 6*7\r");
+        }
+        expect(&p, "42");
+        type(&p, "quit\r");
+        const int status = wait_end(&p);
+        same_modes(&p);
+        assert_true(WIFEXITED(status));
+        assert_int_equal(WEXITSTATUS(status), 0);
+        forget(&p);
+    }
+    /* Too small for panes. */
+    struct person p;
+    begin(&p, (struct start){.width = 19, .height = 6});
+    expect(&p, "hooke>");
+    assert_false(p.screen.second_screen);
+    type(&p, "quit\r");
+    wait_end(&p);
+    forget(&p);
+}
+
+int main(void)
+{
+    if (!mkdtemp(state_folder)) {
+        return 1;
+    }
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_types_and_answers),
+        cmocka_unit_test(test_edits_like_readline),
+        cmocka_unit_test(test_multibyte_text),
+        cmocka_unit_test(test_interrupt),
+        cmocka_unit_test(test_interrupt_pauses_a_run),
+        cmocka_unit_test(test_interrupt_stops_long_commands),
+        cmocka_unit_test(test_pastes),
+        cmocka_unit_test(test_keys),
+        cmocka_unit_test(test_inputrc_wins),
+        cmocka_unit_test(test_sizes),
+        cmocka_unit_test(test_suspend),
+        cmocka_unit_test(test_signals_give_the_terminal_back),
+        cmocka_unit_test(test_end_of_input_leaves),
+        cmocka_unit_test(test_plain_and_back),
+        cmocka_unit_test(test_idle_is_silent),
+        cmocka_unit_test(test_bytes_per_frame),
+        cmocka_unit_test(test_echo_on_a_slow_link),
+        cmocka_unit_test(test_silent_terminal),
+        cmocka_unit_test(test_late_reply_does_not_leak),
+        cmocka_unit_test(test_no_color),
+        cmocka_unit_test(test_terminals),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
