@@ -262,7 +262,7 @@ static void complete_arguments(struct completion *c, const struct command *comma
     else if (strcmp(name, "show") == 0) {
         offer_catalog(c, &show_catalog);
         names_each(c->session, offer_name, c);
-    } else if ((strcmp(name, "set") == 0 || strcmp(name, "let") == 0) && count_words(before) > 0)
+    } else if ((strcmp(name, "set") == 0 || strcmp(name, "let") == 0 || strcmp(name, "change") == 0) && count_words(before) > 0)
         offer_for_name(c, peek_name(text_trim(before)), before);
     else
         offer_arguments(c, command, before);

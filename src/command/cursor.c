@@ -8,7 +8,7 @@
 
 #define PI 3.14159265358979323846
 #define PEAK_WIDTH 0.1     /* [periods] on each side of the highest sample that the parabola is fitted to */
-#define DECREMENT_LEAST 1e-9 /* below it is rounding, and Q means nothing */
+#define ROUNDING 1e-9      /* of the amplitude, or of 1: below it is nothing to show, and Q means nothing */
 
 /* ---- what they stand on --------------------------------------------------------------------------------------------------- */
 
@@ -320,7 +320,8 @@ bool session_cursor_reading(const struct session *session, struct cursor_reading
     const struct scene *scene = subject_scene(session, c->on_data ? NULL : session_run(session));
     const double dt = c->at[1].t - c->at[0].t, n = c->periods;
     const double period = fabs(dt) / n, spread = hypot(c->at[0].t_uncertainty, c->at[1].t_uncertainty) / n;
-    const double decrement = copysign(1, dt) * log(c->at[0].amplitude / c->at[1].amplitude) / n;
+    double decrement = copysign(1, dt) * log(c->at[0].amplitude / c->at[1].amplitude) / n;
+    decrement = fabs(decrement) < ROUNDING ? 0 : decrement;
     *reading = (struct cursor_reading){.dt = dt,
                                        .periods = n,
                                        .period = {period, spread},
@@ -328,7 +329,7 @@ bool session_cursor_reading(const struct session *session, struct cursor_reading
                                        .theory = scene_period(scene),
                                        .damped = scene && scene->value[param_index("gamma")] != 0,
                                        .decrement = decrement,
-                                       .quality = decrement > DECREMENT_LEAST ? PI / decrement : NAN};
+                                       .quality = decrement > ROUNDING ? PI / decrement : NAN};
     reading->deviation = (period - reading->theory) / reading->theory;
     return true;
 }
@@ -337,7 +338,7 @@ static void put_value(struct buffer *text, const char *name, struct measured val
 {
     buffer_format(text, "%s = ", name);
     if (isfinite(value.value))
-        buffer_measured(text, value, quantity, 5);
+        buffer_measured(text, value, quantity, 6);
     else
         buffer_char(text, '-');
 }
@@ -346,7 +347,8 @@ static void put_line(const struct cursors *c, int which, const char *tail, struc
 {
     buffer_format(text, "%s%c  ", which == c->active ? ">" : " ", 'A' + which);
     put_value(text, "t", (struct measured){c->at[which].t, c->at[which].t_uncertainty}, QUANTITY_TIME);
-    put_value(text, "   y", (struct measured){c->at[which].y, 0}, c->quantity);
+    const double y = c->at[which].y, amplitude = c->at[which].amplitude;
+    put_value(text, "   y", (struct measured){fabs(y) < ROUNDING * amplitude ? 0 : y, 0}, c->quantity);
     if (c->at[which].crossing > 0)
         buffer_format(text, "   up-crossing #%d", c->at[which].crossing);
     buffer_format(text, "   %s\n", tail);
@@ -370,7 +372,7 @@ void session_cursor_lines(const struct session *session, struct buffer *text)
     put_value(text, "   f", r.frequency, QUANTITY_FREQUENCY);
     put_value(text, r.damped ? "\n theory T_d" : "\n theory T0", (struct measured){r.theory, 0}, QUANTITY_TIME);
     if (isfinite(r.deviation))
-        buffer_format(text, "   deviation %+.2g %%", 100 * r.deviation);
+        buffer_format(text, "   deviation %+.2f %%", fabs(r.deviation) < 0.5e-4 ? 0.0 : 100 * r.deviation);
     put_value(text, "   log decrement", (struct measured){r.decrement, 0}, QUANTITY_NUMBER);
     put_value(text, "   Q", (struct measured){r.quality, 0}, QUANTITY_NUMBER);
 }

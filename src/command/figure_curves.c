@@ -146,13 +146,22 @@ static bool never_changed(const struct run *run)
     return true;
 }
 
+/* Whether a row and one system say all that the observable needs. What the state alone says does not depend on the system. */
+static bool follows_from_row(const struct run *run, const struct observable *observable)
+{
+    for (int i = 0; i < run->system.n; i++)
+        if (strcmp(system_variable(&run->system, i).name, observable->row.name) == 0)
+            return true;
+    return observable->needs == 0 ||
+           (trace_count(run->trace) > ROWS_ALL && !(observable->needs & (NEED_WORK | NEED_RATIO | NEED_CENTRE)) && run->system.order == 2 &&
+            (run->plan.exact_known || !(observable->needs & NEED_EXACT)) && never_changed(run));
+}
+
 bool values_at_rows(const struct run *run, const struct observable *observable, const struct chosen_rows *rows, struct arena *arena,
                     double *out, struct error *error)
 {
-    const size_t count = trace_count(run->trace);
-    if (count <= ROWS_ALL || observable->needs & (NEED_WORK | NEED_RATIO | NEED_CENTRE) || run->system.order != 2 || !never_changed(run) ||
-        (observable->needs & NEED_EXACT && !run->plan.exact_known)) {
-        double *column = arena_array(arena, count, sizeof *column);
+    if (!follows_from_row(run, observable)) {
+        double *column = arena_array(arena, trace_count(run->trace), sizeof *column);
         if (!column)
             return error_memory(error);
         if (!run_column(run, observable, column, error))

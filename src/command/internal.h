@@ -273,6 +273,7 @@ struct subject {
 const struct scene *subject_scene(const struct session *session, const struct run *run);
 /* [s] of the oscillation with its linear damping; NAN: it does not oscillate, or there is no scene. */
 double scene_period(const struct scene *scene);
+double derived_value(const struct scene *scene, const char *name); /* NAN: no scene, or not defined */
 /* Keeps it as a row of `list measurements` and as the result measured_NAME. */
 bool session_keep_measurement(struct session *session, const char *name, const char *of, struct measured value, enum quantity unit,
                               double periods, struct error *error);

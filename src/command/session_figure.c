@@ -50,12 +50,6 @@ static const struct observable *observable(const char *name)
     return (const struct observable *)(const void *)catalog_find(&observable_catalog, text_of(name));
 }
 
-static double derived_value(const struct scene *scene, const char *name)
-{
-    const struct row *row = catalog_find(&derived_catalog, text_of(name));
-    return row ? ((const struct derived_row *)(const void *)row)->value(scene).value : NAN;
-}
-
 static const struct recording *recording_of(const struct drawing *d)
 {
     return d->request->recording >= 0 ? d->session->recording[d->request->recording]->recording : NULL;
@@ -359,11 +353,11 @@ bool session_figure(const struct session *session, const struct figure_request *
         return error_memory(error);
     const bool phase = request->kind == PLOT_PHASE;
     if (request->runs > 0) {
-        const struct scene *scene = &session->run[request->run[0]]->run->scene;
-        d.period = scene_period(scene);
-        const double omega0 = derived_value(scene, "omega0");
-        if (phase && session->setup.settings.phase_axes == PHASE_SCALED && isfinite(omega0))
-            d.omega0 = omega0;
+        const struct run *run = session->run[request->run[0]]->run;
+        const double stiffness = run->system.oscillator.stiffness; /* now in force */
+        d.period = scene_period(&run->scene);
+        if (phase && session->setup.settings.phase_axes == PHASE_SCALED && stiffness > 0)
+            d.omega0 = sqrt(stiffness);
     }
     choose_window(&d);
     const struct recording *recording = recording_of(&d);

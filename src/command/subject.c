@@ -177,7 +177,7 @@ const struct scene *subject_scene(const struct session *session, const struct ru
     return scene->given[param_index("k")] || scene->given[param_index("m")] ? scene : NULL;
 }
 
-static double derived_value(const struct scene *scene, const char *name)
+double derived_value(const struct scene *scene, const char *name)
 {
     const struct row *row = catalog_find(&derived_catalog, text_of(name));
     return scene && row ? ((const struct derived_row *)(const void *)row)->value(scene).value : NAN;

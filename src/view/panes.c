@@ -45,6 +45,12 @@ static bool is_range(const double range[2])
     return range[0] < range[1];
 }
 
+/* The horizontal range of a focused time plot holds for all panes, so that they stay aligned. */
+static bool has_time_range(const struct view *view)
+{
+    return is_range(view->x) && pane_is_timed(view->focus);
+}
+
 /* `width` [cell] decides how much time is shown: the same for all panes of a screen. */
 static struct figure_request make_request(const struct screen *screen, const struct place *place, int width)
 {
@@ -67,7 +73,7 @@ static struct figure_request make_request(const struct screen *screen, const str
         .pages = view->paging ? PAGES : larger(width, 1),
         .until = run && in_progress(session) ? planned_end(run) : NAN,
     };
-    if (is_range(view->x)) {
+    if (has_time_range(view)) {
         request.window[0] = view->x[0];
         request.window[1] = view->x[1];
     }
@@ -166,6 +172,15 @@ static void extend_expected(const struct session *session, const struct figure *
     extend(extent, -size);
 }
 
+static void fix_axis(struct axis *axis, const double range[2])
+{
+    if (!is_range(range))
+        return;
+    axis->fixed = true;
+    axis->from = range[0];
+    axis->to = range[1];
+}
+
 static void settle_ranges(const struct screen *screen, const struct place *place, struct figure *figure)
 {
     const struct view *view = &screen->session->view;
@@ -173,13 +188,13 @@ static void settle_ranges(const struct screen *screen, const struct place *place
     if (kinds[place->pane].from_zero && extent.low <= extent.high)
         extend(&extent, 0);
     extend_expected(screen->session, figure, place->pane, true, &extent);
-    if (view->focus == place->pane && is_range(view->y)) {
-        figure->y.fixed = true;
-        figure->y.from = view->y[0];
-        figure->y.to = view->y[1];
+    if (view->focus == place->pane) {
+        fix_axis(&figure->y, view->y);
+        if (!pane_is_timed(place->pane))
+            fix_axis(&figure->x, view->x);
     }
     settle(&figure->y, extent, place->at.height);
-    if (figure->x.fixed && pane_is_timed(place->pane) && !is_range(view->x))
+    if (figure->x.fixed && pane_is_timed(place->pane) && !has_time_range(view))
         reach_label(&figure->x, place->at.width);
     if (place->pane != PANE_PHASE)
         return;

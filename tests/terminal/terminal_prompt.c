@@ -212,6 +212,7 @@ static void test_completion(void **state)
     type(&p, "compare eul\t");
     expect(&p, "euler");
     type(&p, "\x03");
+    expect(&p, PROMPT);
     quit(&p);
 }
 

@@ -128,6 +128,12 @@ static void the_vertical_range_of_the_focus_can_be_fixed(void **state)
     assert_shows(session, 80, 24, " 40+");
     session->view.focus = PANE_ENERGY;
     assert_hides(session, 80, 24, " 40+");
+    tell(session, "focus phase; range x -60 cm:60 cm; range y auto"); /* no time: the other panes stay as they are */
+    assert_shows(session, 80, 24, "|  60+");
+    assert_shows(session, 80, 24, " 10 |");
+    tell(session, "focus position; range x 2 s:4 s");
+    assert_hides(session, 80, 24, " 10 |");
+    assert_shows(session, 80, 24, " 3.5 ");
     session_destroy(session);
 }
 
