@@ -207,6 +207,7 @@ void buffer_quantity(struct buffer *buffer, double value, enum quantity quantity
  * keep_layout.
  */
 void safe_text(struct buffer *out, struct text text, bool keep_layout);
+bool codepoint_hidden(uint32_t codepoint); /* no letter: steers how the rest is shown, or is not seen at all (from U+0080) */
 
 #define CODEPOINT_INVALID 0xFFFDu /* the replacement character */
 

@@ -294,6 +294,7 @@ struct session {
     bool has_fit;
     struct fit fit;
     char fit_of[LIMIT_NAME + 16]; /* "data swing3", "run 2" */
+    double fit_zero;              /* of the recording at that time: its offset counts from there */
     struct measurement *measurement;
     int measurements;
 

@@ -58,6 +58,8 @@ struct comparison { /* one method at one setting */
     char verdict[200];        /* in words: "energy x 1.76e+03 in 10 s, as predicted: 1.0075 a step" */
 };
 
+/* Steps and computing time [s] that all of it will take; false where study_compare would refuse. */
+bool study_compare_plan(const struct compare_request *request, double *steps, double *seconds, struct error *error);
 /*
  * Runs every contender at every setting, in order. rows has room for contenders * max(dts, 1) (or tols); *count says how many were finished. A method that does not
  * apply to the scene, or a setting that is refused, is an error before anything runs. A diverged run is a result. False also when cancelled: the finished rows

@@ -166,18 +166,40 @@ size_t series_crossings(const struct series *s, const struct overview *o, double
     return count;
 }
 
+/*
+ * Where the counting of periods starts: the phase that the first crossings agree on, so that a spike that comes first does not shift the rest.
+ * Only a few are asked: over many periods a small error of the guess would turn them against each other.
+ */
+static double counting_origin(const struct crossing *up, size_t count, double guess)
+{
+    double c = 0, s = 0;
+    for (size_t i = 0; i < count && i < 15; i++) {
+        const double angle = 2 * M_PI * (up[i].t - up[0].t) / guess;
+        c += cos(angle);
+        s += sin(angle);
+    }
+    return up[0].t + guess * atan2(s, c) / (2 * M_PI);
+}
+
+#define FAR_OFF 0.1 /* of a period */
+
 /* Weighted line t = start + n T through the up-crossings; those far off it (five robust sigma) are dropped once. */
 static bool fit_period(const struct crossing *up, size_t count, double guess, double *scratch, bool exact,
                        struct period *out)
 {
-    double limit = HUGE_VAL, slope = guess, start = up[0].t;
+    const double origin = counting_origin(up, count, guess);
+    for (size_t i = 0; i < count; i++) {
+        scratch[i] = up[i].t - guess * nearbyint((up[i].t - origin) / guess);
+    }
+    /* Before any line: a spike's crossing can look very certain, so what is far from the crossings' median phase stays out at once. */
+    double limit = FAR_OFF * guess, slope = guess, start = quantile(scratch, count, 0.5);
     for (int pass = 0; pass < 2; pass++) {
         double w = 0, wn = 0, wt = 0, wnn = 0, wnt = 0, chi2 = 0;
         size_t used = 0;
         out->first = HUGE_VAL;
         out->last = -HUGE_VAL;
         for (size_t i = 0; i < count; i++) {
-            double n = nearbyint((up[i].t - up[0].t) / guess), t = up[i].t - up[0].t;
+            double n = nearbyint((up[i].t - origin) / guess), t = up[i].t - up[0].t;
             double sigma = fmax(up[i].uncertainty, 1e-15 * (fabs(up[i].t) + guess)), weight = 1 / (sigma * sigma);
             if (fabs(up[i].t - start - n * slope) > limit) {
                 continue;
@@ -198,7 +220,7 @@ static bool fit_period(const struct crossing *up, size_t count, double guess, do
         slope = (w * wnt - wn * wt) / det;
         start = up[0].t + (wt - slope * wn) / w;
         for (size_t i = 0; i < count; i++) {
-            double n = nearbyint((up[i].t - up[0].t) / guess), r = up[i].t - start - n * slope;
+            double n = nearbyint((up[i].t - origin) / guess), r = up[i].t - start - n * slope;
             double sigma = fmax(up[i].uncertainty, 1e-15 * (fabs(up[i].t) + guess));
             chi2 += fabs(r) <= limit ? r * r / (sigma * sigma) : 0;
             scratch[i] = fabs(r);

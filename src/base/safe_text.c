@@ -14,7 +14,7 @@ static const struct {
     {0xFFF0, 0xFFFB}, {0x1BCA0, 0x1BCA3}, {0x1D173, 0x1D17A}, {0xE0000, 0xE0FFF},
 };
 
-static bool is_hidden(uint32_t codepoint)
+bool codepoint_hidden(uint32_t codepoint)
 {
     if ((codepoint & 0xFFFE) == 0xFFFE)
         return true;
@@ -35,7 +35,7 @@ static struct text visible(struct text text, bool keep_layout, char piece[16], s
         return (struct text){text.at, 1};
     if (invalid || codepoint < 0x20 || codepoint == 0x7F)
         len = snprintf(piece, 16, "\\x%02x", byte);
-    else if (is_hidden(codepoint))
+    else if (codepoint_hidden(codepoint))
         len = snprintf(piece, 16, "<U+%04X>", (unsigned)codepoint);
     else
         return (struct text){text.at, *used};

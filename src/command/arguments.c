@@ -72,7 +72,7 @@ static bool read_choice(struct parser *parser, const struct argument *argument, 
         return true;
     }
     catalog_unknown(argument->choices, item->text, error);
-    if (!error->hint[0] && argument->choices->count <= 8) {
+    if (!error->hint[0] && argument->choices->count <= 16) {
         struct buffer all = {0};
         for (size_t i = 0; i < argument->choices->count; i++)
             buffer_format(&all, "%s%s", i ? ", " : "", catalog_row(argument->choices, i)->name);
@@ -122,7 +122,7 @@ static bool read_condition(struct parser *parser, struct item *item, struct erro
         return error_memory(error);
     size_t used;
     skip_blanks(&parser->rest);
-    if (!condition_compile(parser->rest, parser->scope, parser->arena, condition, &used, error))
+    if (!condition_compile(before_option(parser->rest), parser->scope, parser->arena, condition, &used, error))
         return false;
     item->text = (struct text){parser->rest.at, used};
     item->condition = condition;

@@ -7,7 +7,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum cursor_action { GO_LEFT, GO_RIGHT, GO_NEXT, GO_PREVIOUS, GO_MORE, GO_LESS, GO_OTHER, GO_SERIES, GO_LOCK, GO_KEEP, GO_OFF };
+enum cursor_action {
+    GO_LEFT,
+    GO_RIGHT,
+    GO_NEXT,
+    GO_PREVIOUS,
+    GO_MORE,
+    GO_LESS,
+    GO_OTHER,
+    GO_SERIES,
+    GO_LOCK,
+    GO_KEEP,
+    GO_OFF
+};
 
 static const struct row actions[] = {
     [GO_LEFT] = {"left", "", "earlier, by a sample or the time given", "", NULL},
@@ -39,7 +51,8 @@ static bool jump(struct cursors *c, const struct ground *ground, bool forward, s
     if (!cursor_jump(c, ground, forward, error))
         return false;
     if (c->locked)
-        cursor_put(c, ground, !c->active, c->at[!c->active].t + c->at[c->active].t - before, 0.25 * fabs(c->at[c->active].t - before));
+        cursor_put(c, ground, !c->active, c->at[!c->active].t + c->at[c->active].t - before,
+                   0.25 * fabs(c->at[c->active].t - before));
     return true;
 }
 
@@ -48,7 +61,8 @@ static bool keep(struct session *session, struct reply *reply, struct error *err
     struct cursor_reading r;
     const struct cursors *c = &session->view.cursors;
     if (!session_cursor_reading(session, &r) || !isfinite(r.period.value)) {
-        error_set(error, ERROR_COMMAND, "the cursors show no period: less than one lies between them, or %s does not oscillate", c->of);
+        error_set(error, ERROR_COMMAND,
+                  "the cursors show no period: less than one lies between them, or %s does not oscillate", c->of);
         return error_hint(error, "for example cursor periods 4");
     }
     if (!session_keep_measurement(session, "period", c->of, r.period, QUANTITY_TIME, r.periods, error))
@@ -57,7 +71,8 @@ static bool keep(struct session *session, struct reply *reply, struct error *err
     return true;
 }
 
-static bool act(struct session *session, const struct arguments *given, struct ground *ground, struct reply *reply, struct error *error)
+static bool act(struct session *session, const struct arguments *given, struct ground *ground, struct reply *reply,
+                struct error *error)
 {
     struct cursors *c = &session->view.cursors;
     const struct given *by = given_for(given, "TIME");
@@ -75,7 +90,8 @@ static bool act(struct session *session, const struct arguments *given, struct g
     case GO_MORE:
         return cursor_span(c, ground, n + 1, error);
     case GO_LESS:
-        return n >= 2 ? cursor_span(c, ground, n - 1, error) : error_set(error, ERROR_COMMAND, "at least one period has to lie between A and B");
+        return n >= 2 ? cursor_span(c, ground, n - 1, error)
+                      : error_set(error, ERROR_COMMAND, "at least one period has to lie between A and B");
     case GO_OTHER:
         c->active = !c->active;
         return true;
@@ -100,22 +116,25 @@ static bool act(struct session *session, const struct arguments *given, struct g
     return false;
 }
 
-static bool put_given(struct cursors *c, const struct ground *ground, int which, const struct given *at, struct error *error)
+static bool put_given(struct cursors *c, const struct ground *ground, int which, const struct given *at,
+                      struct error *error)
 {
     const struct series *s = &ground->series;
     const double t = at->item->value.value;
     if (t < s->t[0] || t > s->t[s->n - 1])
-        return error_at(error, at->item->text, "t = %.6g s is outside of %s (%.6g..%.6g s)", t, ground->name, s->t[0], s->t[s->n - 1]);
+        return error_at(error, at->item->text, "t = %.6g s is outside of %s (%.6g..%.6g s)", t, ground->name, s->t[0],
+                        s->t[s->n - 1]);
     cursor_put(c, ground, which, t, HUGE_VAL);
     return true;
 }
 
 /* One change of the cursors; what fails leaves them as they were. */
-static bool apply(struct session *session, const struct arguments *given, struct ground *ground, struct reply *reply, struct error *error)
+static bool apply(struct session *session, const struct arguments *given, struct ground *ground, struct reply *reply,
+                  struct error *error)
 {
     struct cursors *c = &session->view.cursors;
-    const struct given *a = given_for(given, "A"), *b = given_for(given, "B"), *go = given_for(given, "go"), *snap = given_for(given, "snap"),
-                       *periods = given_for(given, "periods");
+    const struct given *a = given_for(given, "A"), *b = given_for(given, "B"), *go = given_for(given, "go"),
+                       *snap = given_for(given, "snap"), *periods = given_for(given, "periods");
     if (snap->count) {
         c->snap = (enum snap)snap->item->index;
         for (int i = 0; i < 2; i++)
@@ -200,14 +219,20 @@ HANDLER(cursor)
 }
 #endif
 
-COMMAND(cursor, .row = {"cursor", "", "two cursors on the plot: times, periods, decrement", "", NULL}, .group = "MEASURE",
-        .text = "Without anything it shows or hides them. A, B and go put them to a time; they snap to the nearest up-crossing of the\n"
-                "equilibrium, placed by the line fit that measures periods, or as 'cursor snap' says. periods: B = A + N periods. Also:\n"
-                "left, right [TIME], next, previous (crossing), more, less (periods), other (A or B moves), series (run or recording), lock,\n"
-                "keep (as a measurement), off. They stand on the current run unless told; a run that goes on is paused.",
-        .examples = "run; cursor\nrun; cursor A 1 s; cursor periods 4; cursor keep", .see = "measure list plot", .flags = COMMAND_ANYTIME,
-        ARGUMENTS(WORD("A", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_TIME),
-                  WORD("B", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_TIME),
-                  WORD("go", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_TIME),
-                  WORD("snap", TYPE_CHOICE, .choices = &snap_catalog), WORD("periods", TYPE_INTEGER),
-                  PLACE("WHAT", TYPE_CHOICE, .choices = &cursor_action_catalog), PLACE("TIME", TYPE_VALUE, .quantity = QUANTITY_TIME)))
+COMMAND(
+    cursor, .row = {"cursor", "", "two cursors on the plot: times, periods, decrement", "", NULL}, .group = "MEASURE",
+    .text = "Without anything it shows or hides them. A, B and go put them to a time; they snap to the nearest "
+            "up-crossing of the\n"
+            "equilibrium, placed by the line fit that measures periods, or as 'cursor snap' says. periods: B = A + N "
+            "periods. Also:\n"
+            "left, right [TIME], next, previous (crossing), more, less (periods), other (A or B moves), series (run or "
+            "recording), lock,\n"
+            "keep (as a measurement), off. They stand on the current run unless told; a run that goes on is paused.",
+    .examples = "run; cursor\nrun; cursor A 1 s; cursor periods 4; cursor keep", .see = "measure list plot",
+    .flags = COMMAND_ANYTIME,
+    ARGUMENTS(WORD("A", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_TIME),
+              WORD("B", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_TIME),
+              WORD("go", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_TIME),
+              WORD("snap", TYPE_CHOICE, .choices = &snap_catalog), WORD("periods", TYPE_INTEGER),
+              PLACE("WHAT", TYPE_CHOICE, .choices = &cursor_action_catalog),
+              PLACE("TIME", TYPE_VALUE, .quantity = QUANTITY_TIME)))

@@ -30,8 +30,7 @@ static struct measured quotient(double numerator, struct measured x)
     return (struct measured){numerator / x.value, fabs(numerator / x.value) * fabs(x.uncertainty / x.value)};
 }
 
-static void reply_fit_text(const struct session *session, const struct subject *subject, const struct fit *fit, const struct measured *k,
-                           struct reply *reply)
+static void reply_fit_text(const struct subject *subject, const struct fit *fit, const struct measured *k, struct reply *reply)
 {
     const enum quantity quantity = subject->series.quantity;
     struct buffer text = {0};
@@ -74,7 +73,7 @@ static void reply_fit_text(const struct session *session, const struct subject *
         buffer_short(&text, fit->evidence[2], 6);
         buffer_char(&text, ')');
     }
-    if (!k && subject->series.quantity == QUANTITY_LENGTH && !session->setup.scene.given[param_index("m")])
+    if (!k)
         buffer_put(&text, TEXT("\n  (set the mass, for example m = 200 g, to get k)"));
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
@@ -133,6 +132,7 @@ static void keep_fit(struct session *session, const struct subject *subject, con
     };
     session->fit = *fit;
     session->has_fit = true;
+    session->fit_zero = subject->recording ? subject->recording->zero : 0;
     snprintf(session->fit_of, sizeof session->fit_of, "%s", subject->name);
     for (size_t i = 0; i < COUNT_OF(results); i++)
         if (isfinite(results[i].value.value))
@@ -153,13 +153,13 @@ HANDLER(fit)
     if (!((const struct fit_model *)(const void *)row)->fit(&subject.series, given->arena, session->front.cancel, &fit, error))
         return false;
     struct measured mass, stiffness;
-    const bool with_k = subject.series.quantity == QUANTITY_LENGTH && known_mass(session, &mass);
+    const bool with_k = known_mass(session, &mass);
     if (with_k)
         stiffness = fit_stiffness(&fit, mass);
     const struct measured *k = with_k ? &stiffness : NULL;
     if (fit.converged)
         keep_fit(session, &subject, &fit, k);
-    reply_fit_text(session, &subject, &fit, k, reply);
+    reply_fit_text(&subject, &fit, k, reply);
     reply_fit_record(&subject, &fit, k, reply);
     for (int i = 0; i < fit.warnings; i++)
         reply_warning(reply, "%s", fit.warning[i]);
@@ -176,6 +176,23 @@ static bool adopt_value(struct scene *scene, const char *name, double value, dou
     return scene_set(scene, param_index(name), (struct measured){value, isfinite(uncertainty) ? uncertainty : 0}, error);
 }
 
+/* How often the position was differentiated to give such a recording, -1: it is no motion. Numbers without a unit are taken as positions. */
+static int derivatives(enum quantity quantity)
+{
+    switch (quantity) {
+    case QUANTITY_LENGTH:
+    case QUANTITY_ANGLE:
+    case QUANTITY_OTHER:
+        return 0;
+    case QUANTITY_VELOCITY:
+        return 1;
+    case QUANTITY_ACCELERATION:
+        return 2;
+    default:
+        return -1;
+    }
+}
+
 HANDLER(adopt)
 {
     const struct fit *fit = &session->fit;
@@ -184,42 +201,52 @@ HANDLER(adopt)
         return error_hint(error, "type: fit");
     }
     struct scene scene = session->setup.scene;
-    const int m = param_index("m"), k = param_index("k"), g = param_index("g");
+    const int m = param_index("m"), g = param_index("g");
     const struct measured mass = {scene.value[m], scene.uncertainty[m]}, stiffness = fit_stiffness(fit, mass);
     const bool decays = isfinite(fit->gamma.value);
     const double gamma = decays ? fit->gamma.value : 0, omega = fit->omega.value;
-    const double A = fit->amplitude.value, phi = fit->phase.value;
+    struct named_value fitted = {.quantity = QUANTITY_LENGTH};
+    names_value(session, TEXT("fit_amplitude"), &fitted);
+    /* Each derivative of A exp(-gamma t/2) cos(omega t + phi) is the same, larger by `growth` and earlier by `turn`. */
+    const int n = derivatives(fitted.quantity);
+    const double growth = hypot(0.5 * gamma, omega), turn = atan2(omega, -0.5 * gamma);
+    const double A = fit->amplitude.value / pow(growth, n), phi = fit->phase.value - n * turn;
     const bool at_rest = is_given(given, "amplitude");
-    double y0 = at_rest ? A : A * cos(phi);
+    /* With gravity the motion is about the equilibrium, not about y = 0. */
+    const double middle = -scene.value[m] * scene.value[g] / stiffness.value;
+    const double y0 = (at_rest ? A : A * cos(phi)) + middle;
     const double v0 = at_rest ? 0 : A * (-0.5 * gamma * cos(phi) - omega * sin(phi));
     if (!adopt_value(&scene, "k", stiffness.value, stiffness.uncertainty, error) ||
         !adopt_value(&scene, "gamma", gamma, decays ? fit->gamma.uncertainty : 0, error))
         return false;
-    /* With gravity the motion is about the equilibrium, not about y = 0. */
-    const double middle = -scene.value[m] * scene.value[g] / scene.value[k];
-    y0 += middle;
-    if (!adopt_value(&scene, "y0", y0, at_rest ? fit->amplitude.uncertainty : 0, error) || !adopt_value(&scene, "v0", v0, 0, error) ||
-        !adopt_value(&scene, "t0", at_rest ? 0 : fit->t0, 0, error))
+    const double spread = at_rest ? fit->amplitude.uncertainty / pow(growth, n) : 0;
+    if (n >= 0 && (!adopt_value(&scene, "y0", y0, spread, error) || !adopt_value(&scene, "v0", v0, 0, error) ||
+                   !adopt_value(&scene, "t0", at_rest ? 0 : fit->t0, 0, error)))
         return false;
     session->setup.scene = scene;
     const struct text of = text_of(session->fit_of);
     const int data = text_starts(of, TEXT("data ")) ? session_find_recording(session, (struct text){of.at + 5, of.len - 5}) : -1;
+    const double zero = session->fit_zero + fit->offset.value - (n == 0 ? middle : 0);
     if (data >= 0)
-        session->recording[data]->recording->zero = fit->offset.value - middle;
+        session->recording[data]->recording->zero = zero;
     session_changed(session);
 
     struct buffer text = {0};
     put(&text, "k", stiffness, QUANTITY_STIFFNESS);
     put(&text, "  gamma", (struct measured){gamma, decays ? fit->gamma.uncertainty : 0}, QUANTITY_RATE);
-    put(&text, "  y0", (struct measured){y0, 0}, QUANTITY_LENGTH);
-    put(&text, "  v0", (struct measured){v0, 0}, QUANTITY_VELOCITY);
-    put(&text, "  t0", (struct measured){scene.value[param_index("t0")], 0}, QUANTITY_TIME);
+    if (n >= 0) {
+        put(&text, "  y0", (struct measured){y0, 0}, QUANTITY_LENGTH);
+        put(&text, "  v0", (struct measured){v0, 0}, QUANTITY_VELOCITY);
+        put(&text, "  t0", (struct measured){scene.value[param_index("t0")], 0}, QUANTITY_TIME);
+    }
     if (data >= 0) {
-        put(&text, "\nzero of the recording", (struct measured){fit->offset.value - middle, 0}, QUANTITY_LENGTH);
+        put(&text, "\nzero of the recording", (struct measured){zero, 0}, fitted.quantity);
         buffer_put(&text, TEXT(" (the offset of the fit)"));
     }
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
+    if (n < 0)
+        reply_warning(reply, "y0, v0 and t0 stay: what was fitted (%s) is no position, velocity or acceleration", quantity_name(fitted.quantity));
     if (!scene.given[m])
         reply_warning(reply, "k was computed with the mass of the scene, which nobody has set: m = 200 g, then adopt again");
     if (scene.value[param_index("C")] > 0 || scene.value[param_index("F0")] > 0)

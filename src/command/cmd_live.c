@@ -50,18 +50,23 @@ HANDLER(change)
 #endif
 
 COMMAND(pause, .row = {"pause", "", "pause the run that goes on", "", NULL}, .group = "RUN",
-        .text = "'continue' goes on to where the run was to end, with the same samples as without the pause. What stood after the run on\n"
+        .text = "'continue' goes on to where the run was to end, with the same samples as without the pause. What "
+                "stood after the run on\n"
                 "its line or in its file is not executed.",
-        .examples = "pause\nspeed 0.1", .see = "continue run step back speed", .flags = COMMAND_ANYTIME | COMMAND_UNRECORDED)
+        .examples = "pause\nspeed 0.1", .see = "continue run step back speed",
+        .flags = COMMAND_ANYTIME | COMMAND_UNRECORDED)
 
-COMMAND(speed, .row = {"speed", "", "how fast a watched run goes", "", NULL}, .group = "RUN",
-        .text = "Simulated seconds a second, 1 in a new session; max: as fast as possible. Only of runs that are typed while the panes are\n"
-                "shown; files, and programs without panes, always go as fast as possible. The samples do not depend on it.",
-        .examples = "speed 0.25\nspeed max", .see = "run pause", .flags = COMMAND_ANYTIME | COMMAND_UNRECORDED,
-        ARGUMENTS(WORD("max", TYPE_NONE, .group = 1), PLACE("FACTOR", TYPE_VALUE, .quantity = QUANTITY_NUMBER, .group = 1)))
+COMMAND(
+    speed, .row = {"speed", "", "how fast a watched run goes", "", NULL}, .group = "RUN",
+    .text = "Simulated seconds a second, 1 in a new session; max: as fast as possible. Only of runs that are typed "
+            "while the panes are\n"
+            "shown; files, and programs without panes, always go as fast as possible. The samples do not depend on it.",
+    .examples = "speed 0.25\nspeed max", .see = "run pause", .flags = COMMAND_ANYTIME | COMMAND_UNRECORDED,
+    ARGUMENTS(WORD("max", TYPE_NONE, .group = 1), PLACE("FACTOR", TYPE_VALUE, .quantity = QUANTITY_NUMBER, .group = 1)))
 
 COMMAND(change, .row = {"change", "", "change a parameter of the current run from here on", "", NULL}, .group = "RUN",
-        .text = "The scene and the current run get the value; the run goes on with it from the step where it stands. 'set' does the same\n"
+        .text = "The scene and the current run get the value; the run goes on with it from the step where it stands. "
+                "'set' does the same\n"
                 "while a run goes on or is paused at the prompt. Exports say what was changed, and when.",
         .examples = "run to 3.2 s; change gamma 0.1 1/s; continue to 10 s\nchange k 16 N/m", .see = "set continue run",
         .flags = COMMAND_CHANGES | COMMAND_ANYTIME,

@@ -38,6 +38,10 @@ static bool choose_runs(struct session *session, const struct arguments *given, 
         return error_at(error, data->where, "of a recording there are only plots of position, residual and spectrum");
     if (request->runs > 0 || request->recording >= 0)
         return true;
+    if (session_recording(session)) {
+        error_at(error, given_for(given, "KIND")->where, "this needs a run: of a recording there are only plots of position, residual and spectrum");
+        return error_hint(error, "type: run");
+    }
     error_set(error, ERROR_COMMAND, "there is nothing to plot: no run and no recording");
     return error_hint(error, "type: run, or: load FILE");
 }
@@ -83,8 +87,12 @@ HANDLER(plot)
     request.width = width;
     if (window->count)
         memcpy(request.window, window->item->range, sizeof request.window);
-    if (!choose_runs(session, given, &request, error) || !session_figure(session, &request, given->arena, &figure, error))
+    if (!choose_runs(session, given, &request, error))
         return false;
+    if (!session_figure(session, &request, given->arena, &figure, error)) {
+        error->where = window->where; /* nothing there, unless it is memory */
+        return false;
+    }
     if (file->count)
         return write_figure(session, given, &figure, width, height, reply, error);
     const bool color = session->setup.settings.color == COLOR_ALWAYS ||

@@ -7,116 +7,20 @@
 #include <stdio.h>
 #include <string.h>
 
-#define SECONDS_ASKED 60    /* predicted run times above it need --force or a yes */
+#define SECONDS_ASKED 60     /* predicted run times above it need --force or a yes */
 #define UNTIL_DURATIONS 1000 /* `run until` gives up after so many durations */
 #define STEPS_MOST 1000000000
-#define SLICE_NS 10000000   /* 10 ms between looks at the front end */
+#define SLICE_NS 10000000 /* 10 ms between looks at the front end */
 
-/* ---- what is said about a run ------------------------------------------------------------------------------------------ */
+/* ---- going ----------------------------------------------------------------------------------------------------- */
 
-void reply_run(const struct session *session, const struct run *run, struct reply *reply)
-{
-    struct ledger ledger;
-    run_ledger(run, &ledger);
-    const int digits = session->setup.settings.digits;
-    struct buffer text = {0};
-    buffer_put(&text, TEXT("t = "));
-    buffer_measured(&text, (struct measured){run->t, 0}, QUANTITY_TIME, digits > 6 ? digits : 6);
-    buffer_format(&text, ", %lld step%s, %s", (long long)run->steps, run->steps == 1 ? "" : "s", run->method->row.name);
-    if (isfinite(ledger.error_max)) {
-        buffer_put(&text, TEXT(", dE/E0 max "));
-        buffer_short(&text, ledger.error_max, 2);
-    }
-    const struct data_distance data = run_data_distance(run, session_recording(session));
-    if (isfinite(data.rms)) {
-        buffer_put(&text, TEXT(", rms(y-data) = "));
-        buffer_quantity(&text, data.rms, QUANTITY_LENGTH, 2);
-        if (data.spikes > 0)
-            buffer_format(&text, " (%zu spike%s left out)", data.spikes, data.spikes == 1 ? "" : "s");
-    }
-    reply_text(reply, buffer_text(&text));
-    buffer_free(&text);
-    if (reply->format == FORMAT_TEXT)
-        return;
-    struct run_errors errors;
-    run_errors(run, &errors);
-    reply_begin(reply, "run");
-    reply_int(reply, "run", run->number);
-    reply_string(reply, "method", run->method->row.name);
-    reply_real(reply, "dt", run->plan.adaptive ? NAN : run->settings.dt);
-    reply_real(reply, "tol", run->plan.adaptive ? run->settings.tol : NAN);
-    reply_int(reply, "steps", run->steps);
-    reply_int(reply, "evals", run->cost.evals);
-    reply_real(reply, "t", run->t);
-    reply_real(reply, "y", run->y[0]);
-    reply_real(reply, "v", run->system.order == 2 ? run->y[run->system.n / 2] : NAN);
-    reply_object(reply, "state");
-    for (int i = 0; i < run->system.n; i++)
-        reply_real(reply, system_variable(&run->system, i).name, run->y[i]);
-    reply_close(reply);
-    reply_real(reply, "energy", ledger.final);
-    reply_real(reply, "energy_error", ledger.error_max);
-    reply_real(reply, "error", errors.max);
-    reply_string(reply, "status", stop_name(run->stop));
-    reply_real(reply, "time", run->seconds);
-    reply_end(reply);
-}
-
-/* Growth that the method made, not the scene: said once a run, before it reaches the bounds of a double. */
-static void warn_growth(struct run *run, struct reply *reply)
-{
-    struct ledger ledger;
-    const struct oscillator *o = &run->system.oscillator;
-    if (run->warned_growth || !(run->plan.growth > 1) || o->damping < 0 || o->stiffness < 0 || run->stop == STOP_DIVERGED)
-        return;
-    run_ledger(run, &ledger);
-    if (!(ledger.final > 100 * ledger.initial))
-        return;
-    struct buffer text = {0};
-    buffer_format(&text, "the energy has grown by a factor of ");
-    buffer_short(&text, ledger.final / ledger.initial, 2);
-    buffer_format(&text, ": %s lets the amplitude grow by ", run->method->row.name);
-    buffer_short(&text, run->plan.growth, 6);
-    buffer_put(&text, TEXT(" a step"));
-    if (isfinite(run->plan.limit) && run->plan.limit > 0) {
-        buffer_put(&text, TEXT("; it is stable below dt = "));
-        buffer_measured(&text, (struct measured){run->plan.limit, 0}, QUANTITY_TIME, 3);
-    }
-    reply_warning(reply, "%s", buffer_view(&text));
-    buffer_free(&text);
-    run->warned_growth = true;
-}
-
-static void warn_coarse(const struct session *session, const struct run *run, struct reply *reply)
-{
-    const struct row *row = catalog_find(&derived_catalog, TEXT("T0"));
-    const double period = ((const struct derived_row *)(const void *)row)->value(&session->setup.scene).value;
-    const double dt = run->settings.dt;
-    if (run->plan.adaptive || run->method->order == 0 || !(dt > 0.125 * period))
-        return;
-    struct buffer text = {0};
-    buffer_put(&text, TEXT("dt = "));
-    buffer_measured(&text, (struct measured){dt, 0}, QUANTITY_TIME, 4);
-    buffer_format(&text, " is %.0f %% of the period T0 = ", 100 * dt / period);
-    buffer_measured(&text, (struct measured){period, 0}, QUANTITY_TIME, 4);
-    if (isfinite(run->plan.limit) && run->plan.limit > 0) {
-        buffer_format(&text, "; %s needs dt < ", run->method->row.name);
-        buffer_measured(&text, (struct measured){run->plan.limit, 0}, QUANTITY_TIME, 3);
-        buffer_put(&text, TEXT(" to stay stable"));
-    }
-    reply_warning(reply, "%s", buffer_view(&text));
-    buffer_free(&text);
-}
-
-/* ---- going --------------------------------------------------------------------------------------------------------------- */
-
-static bool allow_long(struct session *session, const struct plan *plan, bool force, struct error *error)
+bool allow_long(struct session *session, double seconds, double steps, bool force, struct error *error)
 {
     char question[200];
     /* Who watches it can pause it. */
-    if (!(plan->seconds > SECONDS_ASKED) || force || (session->typed && session->front.watched))
+    if (!(seconds > SECONDS_ASKED) || force || (session->typed && session->front.watched))
         return true;
-    snprintf(question, sizeof question, "this run takes about %.0f s (%.3g steps)", plan->seconds, plan->steps);
+    snprintf(question, sizeof question, "this takes about %.0f s (%.3g steps)", seconds, steps);
     if (session->typed && session->front.confirm)
         return session->front.confirm(session->front.context, question) || error_set(error, ERROR_CANCELLED, "not run");
     error_set(error, ERROR_COMMAND, "%s", question);
@@ -128,19 +32,21 @@ struct journey {
     struct held_run *held;
     struct leg leg; /* as it was: the list may grow on the way */
     struct run_target target;
-    int legs;            /* journal and run as they were before */
+    int legs; /* journal and run as they were before */
     int64_t steps;
     double t;
 };
 
-static bool set_out(struct session *session, const struct arguments *given, int64_t steps, struct journey *journey, struct error *error)
+static bool set_out(struct session *session, const struct arguments *given, int64_t steps, struct journey *journey,
+                    struct error *error)
 {
     struct held_run *held = session->run[session->current_run];
     const struct leg *leg = journal_pending(held);
     const struct run *run = held->run;
     const int64_t left = leg->end == INT64_MAX ? -1 : leg->end - run->steps;
     *journey = (struct journey){.held = held, .leg = *leg, .legs = held->legs, .steps = run->steps, .t = run->t};
-    journey->target = (struct run_target){.t = leg->t, .steps = steps >= 0 && (left < 0 || steps < left) ? steps : left, .scope = given->scope};
+    journey->target = (struct run_target){
+        .t = leg->t, .steps = steps >= 0 && (left < 0 || steps < left) ? steps : left, .scope = given->scope};
     if (leg->condition) {
         struct condition *condition = arena_alloc(given->arena, sizeof *condition);
         size_t used;
@@ -155,7 +61,8 @@ static bool set_out(struct session *session, const struct arguments *given, int6
     return true;
 }
 
-static void travel(struct session *session, struct run *run, const struct run_target *target, bool clocked, struct reply *reply)
+static void travel(struct session *session, struct run *run, const struct run_target *target, bool clocked,
+                   struct reply *reply)
 {
     const struct front *front = &session->front;
     const double from = run->t;
@@ -182,7 +89,8 @@ static void tell(struct session *session, const struct journey *journey)
     const bool paused = journey->held->run->stop == STOP_CANCELLED, changed = journey->held->legs > journey->legs;
     const bool whole = journey->legs == 1 && journey->steps == 0;
     if (session->record_fd >= 0 && (paused || changed))
-        journal_write(session, journey->held, whole ? 0 : journey->legs, whole ? -1 : journey->steps, 0, &session->live.record);
+        journal_write(session, journey->held, whole ? 0 : journey->legs, whole ? -1 : journey->steps, 0,
+                      &session->live.record);
 }
 
 /* Says how it went; false if it did not get where it should. */
@@ -195,17 +103,20 @@ static bool arrive(struct session *session, const struct journey *journey, struc
         journal_pending(journey->held)->met = run->steps;
     tell(session, journey);
     if (run->stop == STOP_CANCELLED)
-        reply_line(reply, "%s at t = %.6g s; 'continue' goes on", session->front.watched ? "paused" : "stopped", run->t);
+        reply_line(reply, "%s at t = %.6g s; 'continue' goes on", session->front.watched ? "paused" : "stopped",
+                   run->t);
     reply_run(session, run, reply);
-    warn_growth(run, reply);
+    reply_growth(run, reply);
     if (run->stop == STOP_CANCELLED) {
         session->halted = session->front.watched;
         return session->front.watched ||
-               error_set(error, ERROR_CANCELLED, "run %d was interrupted and is kept up to t = %.6g s", run->number, run->t);
+               error_set(error, ERROR_CANCELLED, "run %d was interrupted and is kept up to t = %.6g s", run->number,
+                         run->t);
     }
     if (run->stop == STOP_END && journey->target.condition)
         return error_set(error, ERROR_COMMAND, "the condition did not become true up to t = %.6g s", run->t);
-    if (run->stop == STOP_DIVERGED || run->stop == STOP_NO_SOLUTION || run->stop == STOP_STALLED || run->stop == STOP_FULL) {
+    if (run->stop == STOP_DIVERGED || run->stop == STOP_NO_SOLUTION || run->stop == STOP_STALLED ||
+        run->stop == STOP_FULL) {
         struct buffer why = {0};
         run_explain(run, &why);
         error_set(error, run->stop == STOP_FULL ? ERROR_COMMAND : ERROR_NUMERICAL, "%s", buffer_view(&why));
@@ -217,10 +128,11 @@ static bool arrive(struct session *session, const struct journey *journey, struc
 }
 
 /*
- * On along the last leg. `steps` ends it early on purpose: the run is then as good as paused, what is left of the leg can be done by `continue`.
+ * On along the last leg. `steps` ends it early on purpose: the run is then as good as paused, what is left of the leg
+ * can be done by `continue`.
  */
-static bool advance(struct session *session, const struct arguments *given, int64_t steps, bool clocked, struct reply *reply,
-                    struct error *error)
+static bool advance(struct session *session, const struct arguments *given, int64_t steps, bool clocked,
+                    struct reply *reply, struct error *error)
 {
     struct journey journey;
     if (!set_out(session, given, steps, &journey, error))
@@ -245,7 +157,7 @@ static struct run *new_run(struct session *session, double span, int64_t steps, 
     struct plan plan = run->plan;
     if (steps >= 0 && plan.steps > (double)steps)
         plan.seconds *= (double)steps / plan.steps;
-    if (!allow_long(session, &plan, force, error)) {
+    if (!allow_long(session, plan.seconds, plan.steps, force, error)) {
         run_destroy(run);
         return NULL;
     }
@@ -274,8 +186,8 @@ static int64_t steps_given(const struct arguments *given)
 
 HANDLER(run)
 {
-    const struct given *duration = given_for(given, "DURATION"), *to = given_for(given, "to"), *until = given_for(given, "until"),
-                       *number = given_for(given, "number");
+    const struct given *duration = given_for(given, "DURATION"), *to = given_for(given, "to"),
+                       *until = given_for(given, "until"), *number = given_for(given, "number");
     const double t0 = session->setup.scene.value[param_index("t0")];
     double span = session->setup.settings.duration;
     if (duration->count)
@@ -288,7 +200,8 @@ HANDLER(run)
         span = HUGE_VAL;
     }
     if (span == 0 || t == t0)
-        return error_at(error, duration->count ? duration->where : to->where, "there is nothing to run: the time asked for is the start t0");
+        return error_at(error, duration->count ? duration->where : to->where,
+                        "there is nothing to run: the time asked for is the start t0");
     if (number->count && (number->item->value.value < session->next_run || number->item->value.value > 1e9))
         return error_at(error, number->item->text, "the next run has the number %d or a larger one", session->next_run);
     struct run *run = new_run(session, span, steps_given(given), is_given(given, "force"), error);
@@ -298,11 +211,12 @@ HANDLER(run)
         run->number = (int)number->item->value.value;
         session->next_run = run->number + 1;
     }
-    warn_coarse(session, run, reply);
-    return new_leg(session, t, INT64_MAX, until, error) && advance(session, given, steps_given(given), true, reply, error);
+    reply_coarse(session, run, reply);
+    return new_leg(session, t, INT64_MAX, until, error) &&
+           advance(session, given, steps_given(given), true, reply, error);
 }
 
-/* ---- the current run -------------------------------------------------------------------------------------------------------- */
+/* ---- the current run ------------------------------------------------------------------------------------------- */
 
 static struct run *current(const struct session *session, struct error *error)
 {
@@ -329,7 +243,9 @@ static void warn_other_scene(const struct session *session, const struct run *ru
     struct scene in_force;
     journal_scene(session->run[session->current_run], &in_force);
     if (memcmp(now->value, in_force.value, sizeof now->value) != 0 || run->method != session->setup.method)
-        reply_warning(reply, "run %d goes on with the parameters and the method it has; 'change' gives it others, 'run' starts one with the present ones",
+        reply_warning(reply,
+                      "run %d goes on with the parameters and the method it has; 'change' gives it others, 'run' "
+                      "starts one with the present ones",
                       run->number);
 }
 
@@ -346,7 +262,8 @@ static bool is_paused(const struct session *session, const struct run *run)
 
 HANDLER(continue)
 {
-    const struct given *duration = given_for(given, "DURATION"), *to = given_for(given, "to"), *until = given_for(given, "until");
+    const struct given *duration = given_for(given, "DURATION"), *to = given_for(given, "to"),
+                       *until = given_for(given, "until");
     const bool told = duration->count || to->count || until->count;
     struct run *run = current(session, error);
     struct plan plan;
@@ -366,10 +283,11 @@ HANDLER(continue)
         return false;
     if (steps_given(given) >= 0 && plan.steps > (double)steps_given(given))
         plan.seconds *= (double)steps_given(given) / plan.steps;
-    if (!allow_long(session, &plan, is_given(given, "force"), error))
+    if (!allow_long(session, plan.seconds, plan.steps, is_given(given, "force"), error))
         return false;
     warn_other_scene(session, run, reply);
-    if ((told || !is_paused(session, run)) && !new_leg(session, to->count ? to->item->value.value : run->t + span, INT64_MAX, until, error))
+    if ((told || !is_paused(session, run)) &&
+        !new_leg(session, to->count ? to->item->value.value : run->t + span, INT64_MAX, until, error))
         return false;
     return advance(session, given, steps_given(given), true, reply, error);
 }
@@ -381,11 +299,13 @@ HANDLER(step)
     struct run *run = session_run(session);
     if (steps > STEPS_MOST)
         return error_at(error, count->where, "more than 1e9 steps: use continue DURATION");
-    if (run ? !can_go_on(run, error) : !(run = new_run(session, (double)steps * session->setup.settings.dt, -1, true, error)))
+    if (run ? !can_go_on(run, error)
+            : !(run = new_run(session, (double)steps * session->setup.settings.dt, -1, true, error)))
         return false;
     if (is_paused(session, run))
         return advance(session, given, steps, false, reply, error);
-    return new_leg(session, direction(run) * FAR, run->steps + steps, &none, error) && advance(session, given, -1, false, reply, error);
+    return new_leg(session, direction(run) * FAR, run->steps + steps, &none, error) &&
+           advance(session, given, -1, false, reply, error);
 }
 
 /* Back by so many recorded states; what is left of a paused leg is still to be done. */
@@ -430,29 +350,37 @@ HANDLER(reset)
 #endif
 
 COMMAND(run, .row = {"run", "", "start a new run at t0", "", "r"}, .group = "RUN",
-        .text = "Runs for DURATION (else the setting 'duration'), to the time T, or until a condition becomes true. T before t0 and a\n"
-                "negative DURATION go backwards. A condition that stays false ends the run after 1000 durations, with an error. Says the\n"
-                "largest error of the energy balance and, with a recording, the rms distance from it. --steps N pauses after N steps. In the\n"
-                "panes the run follows the clock (see speed) while commands can be typed; 'pause' or Ctrl-C pauses it. --number is for saved\n"
+        .text = "Runs for DURATION (else the setting 'duration'), to the time T, or until a condition becomes true. T "
+                "before t0 and a\n"
+                "negative DURATION go backwards. A condition that stays false ends the run after 1000 durations, with "
+                "an error. Says the\n"
+                "largest error of the energy balance and, with a recording, the rms distance from it. --steps N pauses "
+                "after N steps. In the\n"
+                "panes the run follows the clock (see speed) while commands can be typed; 'pause' or Ctrl-C pauses it. "
+                "--number is for saved\n"
                 "sessions: the number of the new run.",
-        .examples = "run 10 s\nrun until y < 0", .see = "continue step back plan runs compare", .flags = COMMAND_CHANGES,
+        .examples = "run 10 s\nrun until y < 0", .see = "continue step back plan runs compare",
+        .flags = COMMAND_CHANGES,
         ARGUMENTS(PLACE("DURATION", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_TIME, .group = 1),
                   WORD("to", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_TIME, .group = 1),
-                  WORD("until", TYPE_CONDITION, .group = 1), OPTION("steps", TYPE_INTEGER), OPTION("number", TYPE_INTEGER),
-                  OPTION("force", TYPE_NONE)))
+                  WORD("until", TYPE_CONDITION, .group = 1), OPTION("steps", TYPE_INTEGER),
+                  OPTION("number", TYPE_INTEGER), OPTION("force", TYPE_NONE)))
 
 COMMAND(continue, .row = {"continue", "", "let the current run go on", "", NULL}, .group = "RUN",
-        .text = "A paused run goes on to where it was to end. Otherwise for DURATION (else the setting 'duration'), to the time T, or until a\n"
-                "condition becomes true, with the parameters and the method of the run. The result is the same, bit for bit, as if the run\n"
+        .text = "A paused run goes on to where it was to end. Otherwise for DURATION (else the setting 'duration'), to "
+                "the time T, or until a\n"
+                "condition becomes true, with the parameters and the method of the run. The result is the same, bit "
+                "for bit, as if the run\n"
                 "had been longer from the start. --steps N pauses after N steps.",
-        .examples = "run; continue 5 s\nrun 3 s; continue to 10 s", .see = "run step back change", .flags = COMMAND_CHANGES,
+        .examples = "run; continue 5 s\nrun 3 s; continue to 10 s", .see = "run step back change",
+        .flags = COMMAND_CHANGES,
         ARGUMENTS(PLACE("DURATION", TYPE_VALUE, .quantity = QUANTITY_TIME, .group = 1),
-                  WORD("to", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_TIME, .group = 1), WORD("until", TYPE_CONDITION, .group = 1),
-                  OPTION("steps", TYPE_INTEGER), OPTION("force", TYPE_NONE)))
+                  WORD("to", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_TIME, .group = 1),
+                  WORD("until", TYPE_CONDITION, .group = 1), OPTION("steps", TYPE_INTEGER), OPTION("force", TYPE_NONE)))
 
 COMMAND(step, .row = {"step", "", "N steps more of the current run", "", "s"}, .group = "RUN",
-        .text = "Starts a run where there is none.", .examples = "step\nstep 100", .see = "back continue run", .flags = COMMAND_CHANGES,
-        ARGUMENTS(PLACE("N", TYPE_INTEGER)))
+        .text = "Starts a run where there is none.", .examples = "step\nstep 100", .see = "back continue run",
+        .flags = COMMAND_CHANGES, ARGUMENTS(PLACE("N", TYPE_INTEGER)))
 
 COMMAND(back, .row = {"back", "", "take the current run back by N recorded states", "", NULL}, .group = "RUN",
         .text = "Restores what was recorded; nothing is integrated backwards.", .examples = "step 10; back 3\nback",

@@ -242,6 +242,9 @@ HANDLER(compare)
                                             .dt = dts, .dts = dt->count ? dt->count : 1, .tol = tol->count ? tols : NULL,
                                             .tols = tol->count, .duration = settings->duration, .record = settings->record,
                                             .timing = (enum timing)settings->timing, .cancel = session->front.cancel};
+    double steps, seconds;
+    if (!study_compare_plan(&request, &steps, &seconds, error) || !allow_long(session, seconds, steps, is_given(given, "force"), error))
+        return false;
     int count = 0;
     struct error study = {0};
     const bool ok = study_compare(&request, rows, &count, &study);
@@ -266,4 +269,4 @@ COMMAND(compare, .row = {"compare", "", "several methods on the same scene: erro
         ARGUMENTS(PLACE("METHOD", TYPE_CHOICE, .flags = ARG_REQUIRED | ARG_MANY, .choices = &method_catalog),
                   KEY("dt", TYPE_VALUE, .flags = ARG_MANY, .quantity = QUANTITY_TIME),
                   KEY("tol", TYPE_VALUE, .flags = ARG_MANY, .quantity = QUANTITY_NUMBER),
-                  KEY("drag", TYPE_CHOICE, .flags = ARG_MANY, .choices = &drag_catalog)))
+                  KEY("drag", TYPE_CHOICE, .flags = ARG_MANY, .choices = &drag_catalog), OPTION("force", TYPE_NONE)))

@@ -19,7 +19,7 @@ static void free_ranges(struct view *view)
     view->x[0] = view->x[1] = view->y[0] = view->y[1] = NAN;
 }
 
-/* ---- layout, focus ------------------------------------------------------------------------------------------------------- */
+/* ---- layout, focus --------------------------------------------------------------------------------------------- */
 
 HANDLER(layout)
 {
@@ -64,7 +64,7 @@ HANDLER(focus)
     return changed(session);
 }
 
-/* ---- ranges ----------------------------------------------------------------------------------------------------------------- */
+/* ---- ranges ---------------------------------------------------------------------------------------------------- */
 
 static const struct row axes[] = {{"x", "", "horizontal axis", "", NULL}, {"y", "", "vertical axis", "", NULL}};
 const struct catalog axis_catalog = CATALOG("axis", axes);
@@ -72,8 +72,9 @@ const struct catalog axis_catalog = CATALOG("axis", axes);
 static enum quantity axis_quantity(const struct session *session, bool x)
 {
     static const enum quantity vertical[] = {
-        [PANE_POSITION] = QUANTITY_LENGTH, [PANE_ENERGY] = QUANTITY_ENERGY,   [PANE_PHASE] = QUANTITY_LENGTH,    [PANE_VELOCITY] = QUANTITY_VELOCITY,
-        [PANE_ERROR] = QUANTITY_LENGTH,    [PANE_RESIDUAL] = QUANTITY_LENGTH, [PANE_SPECTRUM] = QUANTITY_LENGTH,
+        [PANE_POSITION] = QUANTITY_LENGTH,   [PANE_ENERGY] = QUANTITY_ENERGY, [PANE_PHASE] = QUANTITY_LENGTH,
+        [PANE_VELOCITY] = QUANTITY_VELOCITY, [PANE_ERROR] = QUANTITY_LENGTH,  [PANE_RESIDUAL] = QUANTITY_LENGTH,
+        [PANE_SPECTRUM] = QUANTITY_LENGTH,
     };
     const enum pane pane = session->view.focus;
     if (x)
@@ -108,7 +109,8 @@ HANDLER(range)
     } else if (value->count) {
         struct parser parser = {session, given->scope, given->arena, value->item->text};
         struct item item = {0};
-        if (!parse_range(&parser, "range", axis_quantity(session, x), &item, error) || !refuse_rest(&parser, &item, error))
+        if (!parse_range(&parser, "range", axis_quantity(session, x), &item, error) ||
+            !refuse_rest(&parser, &item, error))
             return false;
         if (isnan(item.range[0]) || isnan(item.range[1]))
             return error_at(error, value->item->text, "both ends of the range are needed, or auto");
@@ -142,7 +144,8 @@ static bool shown_span(const struct session *session, double shown[2], double wh
 {
     const struct view *view = &session->view;
     if (axis_quantity(session, true) != QUANTITY_TIME) {
-        error_set(error, ERROR_COMMAND, "the pane %s has no time axis", catalog_row(&pane_catalog, (size_t)view->focus)->name);
+        error_set(error, ERROR_COMMAND, "the pane %s has no time axis",
+                  catalog_row(&pane_catalog, (size_t)view->focus)->name);
         return error_hint(error, "type: focus position, or: range x FROM:TO");
     }
     if (!whole_span(session, whole)) {
@@ -178,7 +181,8 @@ HANDLER(zoom)
         return false;
     /* About the cursor that moves, where it is in sight. */
     const double t = view->cursors.at[view->cursors.active].t;
-    const bool about = view->cursors.shown && view->cursors.at[view->cursors.active].set && t > shown[0] && t < shown[1];
+    const bool about =
+        view->cursors.shown && view->cursors.at[view->cursors.active].set && t > shown[0] && t < shown[1];
     const double centre = about ? t : 0.5 * (shown[0] + shown[1]);
     set_span(view, centre - (centre - shown[0]) / factor, (shown[1] - shown[0]) / factor, whole);
     reply_range(session, true, reply);
@@ -245,7 +249,7 @@ HANDLER(scroll)
     return true;
 }
 
-/* ---- screenshot ---------------------------------------------------------------------------------------------------------------- */
+/* ---- screenshot ------------------------------------------------------------------------------------------------ */
 
 HANDLER(screenshot)
 {
@@ -261,7 +265,8 @@ HANDLER(screenshot)
         const char *path = arena_text(given->arena, name);
         if (!path)
             return error_memory(error);
-        if (!front->screenshot(front->context, session, path, session_policy(session, is_given(given, "force")), error)) {
+        if (!front->screenshot(front->context, session, path, session_policy(session, is_given(given, "force")),
+                               error)) {
             error->where = error->where.at ? error->where : name;
             return false;
         }
@@ -281,47 +286,56 @@ HANDLER(screenshot)
 #endif
 
 COMMAND(layout, .row = {"layout", "", "choose which panes are shown", "", NULL}, .group = "PLOT",
-        .text = "Without a name it says which it is; next: the one after it. Panes that make no sense for the scene are left out. How the\n"
+        .text = "Without a name it says which it is; next: the one after it. Panes that make no sense for the scene "
+                "are left out. How the\n"
                 "screen looks is not undone; it is saved only where it differs from a new session.",
         .examples = "layout duo\nlayout next", .see = "focus range window screenshot", .flags = COMMAND_ANYTIME,
-        ARGUMENTS(WORD("next", TYPE_NONE, .group = 1), PLACE("NAME", TYPE_CHOICE, .choices = &layout_catalog, .group = 1)))
+        ARGUMENTS(WORD("next", TYPE_NONE, .group = 1),
+                  PLACE("NAME", TYPE_CHOICE, .choices = &layout_catalog, .group = 1)))
 
 COMMAND(focus, .row = {"focus", "", "choose the pane that range, zoom and pan act on", "", NULL}, .group = "PLOT",
-        .text = "full shows it alone, shared together with the others again. Panes: position, energy, phase, velocity, error (where an exact\n"
+        .text = "full shows it alone, shared together with the others again. Panes: position, energy, phase, velocity, "
+                "error (where an exact\n"
                 "solution is known), residual (where a recording overlaps the run), spectrum.",
         .examples = "run; focus phase\nrun; focus energy full", .see = "layout range zoom", .flags = COMMAND_ANYTIME,
-        ARGUMENTS(PLACE("PANE", TYPE_CHOICE, .choices = &pane_catalog), WORD("full", TYPE_NONE, .group = 1), WORD("shared", TYPE_NONE, .group = 1)))
+        ARGUMENTS(PLACE("PANE", TYPE_CHOICE, .choices = &pane_catalog), WORD("full", TYPE_NONE, .group = 1),
+                  WORD("shared", TYPE_NONE, .group = 1)))
 
 COMMAND(range, .row = {"range", "", "fix an axis of the focused pane", "", NULL}, .group = "PLOT",
-        .text = "FROM:TO with units, or auto.", .examples = "range y -5cm:5cm\nrange x auto", .see = "zoom pan window focus",
-        .flags = COMMAND_ANYTIME,
-        ARGUMENTS(PLACE("AXIS", TYPE_CHOICE, .flags = ARG_REQUIRED, .choices = &axis_catalog), PLACE("FROM:TO", TYPE_REST)))
+        .text = "FROM:TO with units, or auto.", .examples = "range y -5cm:5cm\nrange x auto",
+        .see = "zoom pan window focus", .flags = COMMAND_ANYTIME,
+        ARGUMENTS(PLACE("AXIS", TYPE_CHOICE, .flags = ARG_REQUIRED, .choices = &axis_catalog),
+                  PLACE("FROM:TO", TYPE_REST)))
 
 COMMAND(zoom, .row = {"zoom", "", "enlarge the time axis of the focused pane", "", NULL}, .group = "PLOT",
-        .text = "By the factor, about the cursor or the middle; below 1 it shows more.", .examples = "run; zoom 2\nrun; zoom 0.5",
-        .see = "pan range window", .flags = COMMAND_ANYTIME,
+        .text = "By the factor, about the cursor or the middle; below 1 it shows more.",
+        .examples = "run; zoom 2\nrun; zoom 0.5", .see = "pan range window", .flags = COMMAND_ANYTIME,
         ARGUMENTS(PLACE("FACTOR", TYPE_VALUE, .flags = ARG_REQUIRED, .quantity = QUANTITY_NUMBER)))
 
 COMMAND(pan, .row = {"pan", "", "move the time axis of the focused pane", "", NULL}, .group = "PLOT",
-        .text = "Later by so much time; negative: earlier. It stops at the ends.", .examples = "run; zoom 4; pan 1 s\nrun; zoom 4; pan -500 ms",
-        .see = "zoom range", .flags = COMMAND_ANYTIME,
+        .text = "Later by so much time; negative: earlier. It stops at the ends.",
+        .examples = "run; zoom 4; pan 1 s\nrun; zoom 4; pan -500 ms", .see = "zoom range", .flags = COMMAND_ANYTIME,
         ARGUMENTS(PLACE("TIME", TYPE_VALUE, .flags = ARG_REQUIRED | ARG_NEGATIVE, .quantity = QUANTITY_TIME)))
 
 COMMAND(window, .row = {"window", "", "how much time the panes show", "", NULL}, .group = "PLOT",
-        .text = "auto keeps at least 8 columns a period (5 with dots).", .examples = "window 5 s\nwindow auto", .see = "range trail zoom",
-        .flags = COMMAND_ANYTIME,
-        ARGUMENTS(WORD("auto", TYPE_NONE, .group = 1), PLACE("TIME", TYPE_VALUE, .quantity = QUANTITY_TIME, .group = 1)))
+        .text = "auto keeps at least 8 columns a period (5 with dots).", .examples = "window 5 s\nwindow auto",
+        .see = "range trail zoom", .flags = COMMAND_ANYTIME,
+        ARGUMENTS(WORD("auto", TYPE_NONE, .group = 1),
+                  PLACE("TIME", TYPE_VALUE, .quantity = QUANTITY_TIME, .group = 1)))
 
 COMMAND(trail, .row = {"trail", "", "how many periods the phase pane shows", "", NULL}, .group = "PLOT",
-        .text = "2 in a new session.", .examples = "trail 5\ntrail all", .see = "window layout", .flags = COMMAND_ANYTIME,
-        ARGUMENTS(WORD("all", TYPE_NONE, .group = 1), PLACE("PERIODS", TYPE_VALUE, .quantity = QUANTITY_NUMBER, .group = 1)))
+        .text = "2 in a new session.", .examples = "trail 5\ntrail all", .see = "window layout",
+        .flags = COMMAND_ANYTIME,
+        ARGUMENTS(WORD("all", TYPE_NONE, .group = 1),
+                  PLACE("PERIODS", TYPE_VALUE, .quantity = QUANTITY_NUMBER, .group = 1)))
 
 COMMAND(scroll, .row = {"scroll", "", "scroll the log", "", NULL}, .group = "PLOT",
-        .text = "Up by so many lines; negative: down. home is the oldest line, end the newest.", .examples = "scroll 10\nscroll end",
-        .see = "layout clear", .flags = COMMAND_ANYTIME | COMMAND_UNRECORDED,
+        .text = "Up by so many lines; negative: down. home is the oldest line, end the newest.",
+        .examples = "scroll 10\nscroll end", .see = "layout clear", .flags = COMMAND_ANYTIME | COMMAND_UNRECORDED,
         ARGUMENTS(WORD("home", TYPE_NONE, .group = 1), WORD("end", TYPE_NONE, .group = 1),
                   PLACE("LINES", TYPE_INTEGER, .flags = ARG_NEGATIVE, .group = 1)))
 
 COMMAND(screenshot, .row = {"screenshot", "", "write the screen as text", "", NULL}, .group = "PLOT",
-        .text = "As the panes show it, or would show it at --size. Without a file it is printed.", .examples = "run; screenshot\nscreenshot screen.txt --force",
-        .see = "plot layout", .flags = COMMAND_ANYTIME, ARGUMENTS(PLACE("FILE", TYPE_FILE), OPTION("force", TYPE_NONE)))
+        .text = "As the panes show it, or would show it at --size. Without a file it is printed.",
+        .examples = "run; screenshot\nscreenshot screen.txt --force", .see = "plot layout", .flags = COMMAND_ANYTIME,
+        ARGUMENTS(PLACE("FILE", TYPE_FILE), OPTION("force", TYPE_NONE)))

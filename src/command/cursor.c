@@ -6,25 +6,79 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define PI 3.14159265358979323846
-#define PEAK_WIDTH 0.1     /* [periods] on each side of the highest sample that the parabola is fitted to */
-#define ROUNDING 1e-9      /* of the amplitude, or of 1: below it is nothing to show, and Q means nothing */
+#define OFF_BEAT 0.15 /* [periods] an up-crossing that is further off is none */
+#define BEATS_TRIED 16
+#define LATE_MOST 0.34 /* part of the up-crossings that may be off before the motion counts as not steady */
+#define PEAK_WIDTH 0.1 /* [periods] on each side of the highest sample that the parabola is fitted to */
 
-/* ---- what they stand on --------------------------------------------------------------------------------------------------- */
+/* ---- what they stand on ---------------------------------------------------------------------------------------- */
 
-static bool find_crossings(struct ground *g, struct error *error)
+/* How far t is off the up-crossings of a motion of this period [periods]. */
+static double off_beat(const struct period *beat, double t)
+{
+    return fabs(remainder(t - beat->first, beat->period.value)) / beat->period.value;
+}
+
+static size_t count_late(const struct crossing *crossing, size_t count, const struct period *beat)
+{
+    size_t late = 0;
+    for (size_t i = 0; i < count; i++)
+        late += crossing[i].up && off_beat(beat, crossing[i].t) > OFF_BEAT;
+    return late;
+}
+
+/*
+ * Whether most up-crossings of a recording keep time; those that do not are then spikes of the sensor, not crossings.
+ * The beat is that which fits most of them: the line of series_period, or the estimate of the period from one of the
+ * first crossings, which may be a spike itself.
+ */
+static bool keeps_time(const struct ground *g, const struct crossing *crossing, size_t count, struct period *beat)
+{
+    struct error ignored;
+    if (!g->overview.oscillates || !series_period(&g->series, g->arena, beat, &ignored))
+        return false;
+    size_t all = 0, best = count_late(crossing, count, beat);
+    for (size_t i = 0; i < count; i++) {
+        const struct period other = {.period = {g->overview.period, 0}, .first = crossing[i].t};
+        all += crossing[i].up;
+        const size_t late = crossing[i].up && all <= BEATS_TRIED ? count_late(crossing, count, &other) : best;
+        if (late < best) {
+            best = late;
+            *beat = other;
+        }
+    }
+    return (double)best <= LATE_MOST * (double)all;
+}
+
+static bool find_hills(struct ground *g, struct error *error)
 {
     const struct overview *o = &g->overview;
-    size_t room = o->oscillates ? 2 * (size_t)o->periods + 16 : 64;
-    for (;;) {
-        g->crossing = arena_array(g->arena, room, sizeof *g->crossing);
-        if (!g->crossing)
+    size_t room = o->oscillates ? 2 * (size_t)o->periods + 16 : 64, count = SIZE_MAX;
+    struct crossing *crossing = NULL;
+    for (; count > room; room = count > room ? count : room) {
+        if (!(crossing = arena_array(g->arena, room, sizeof *crossing)))
             return error_memory(error);
-        g->crossings = series_crossings(&g->series, o, o->mean, g->crossing, room);
-        if (g->crossings <= room)
-            return true;
-        room = g->crossings;
+        count = series_crossings(&g->series, o, o->mean, crossing, room);
+        if (count <= room)
+            break;
     }
+    if (!(g->hill = arena_array(g->arena, count + 1, sizeof *g->hill)))
+        return error_memory(error);
+    struct period beat;
+    const bool steady = g->data && keeps_time(g, crossing, count, &beat);
+    for (size_t i = 0; i < count; i++) {
+        const double t = crossing[i].t;
+        if (!crossing[i].up || (steady && off_beat(&beat, t) > OFF_BEAT))
+            continue;
+        struct hill *hill = &g->hill[g->hills];
+        *hill = (struct hill){.from = t, .uncertainty = crossing[i].uncertainty, .number = (int)g->hills + 1};
+        hill->to = steady ? t + 0.5 * beat.period.value : i + 1 < count ? crossing[i + 1].t : (double)NAN;
+        if (steady)
+            hill->number = 1 + (int)nearbyint((t - g->hill[0].from) / beat.period.value);
+        if (g->hills == 0 || hill->number > hill[-1].number)
+            g->hills++;
+    }
+    return true;
 }
 
 bool ground_open(struct session *session, struct arena *arena, struct ground *ground, struct error *error)
@@ -38,6 +92,7 @@ bool ground_open(struct session *session, struct arena *arena, struct ground *gr
         return error_hint(error, "type: run, or: load FILE");
     }
     cursors->on_data = recording && (cursors->on_data || !run);
+    ground->data = cursors->on_data;
     if (cursors->on_data) {
         snprintf(ground->name, sizeof ground->name, "data %s", recording->name);
         if (!recording_series(recording, arena, 2, &ground->series, error))
@@ -47,10 +102,11 @@ bool ground_open(struct session *session, struct arena *arena, struct ground *gr
         if (!run_series(run, false, arena, &ground->series, error))
             return false;
         if (ground->series.n < 2)
-            return error_set(error, ERROR_COMMAND, "run %d is at its start: there is nothing to measure yet", run->number);
+            return error_set(error, ERROR_COMMAND, "run %d is at its start: there is nothing to measure yet",
+                             run->number);
     }
     series_overview(&ground->series, arena, &ground->overview);
-    return find_crossings(ground, error);
+    return find_hills(ground, error);
 }
 
 double ground_spacing(const struct ground *g)
@@ -72,7 +128,7 @@ static size_t sample_before(const struct series *s, double t)
     return low;
 }
 
-/* ---- places to snap to ------------------------------------------------------------------------------------------------------- */
+/* ---- places to snap to ----------------------------------------------------------------------------------------- */
 
 struct place {
     double t, uncertainty, y;
@@ -83,9 +139,10 @@ struct place {
 static bool peak_between(const struct ground *g, double from, double to, struct place *place)
 {
     const struct series *s = &g->series;
+    const double ceiling = g->overview.high + 4 * g->overview.noise; /* above it there are only spikes */
     size_t top = s->n;
     for (size_t i = sample_before(s, from); i < s->n && s->t[i] <= to; i++)
-        if (s->t[i] >= from && (top == s->n || s->y[i] > s->y[top]))
+        if (s->t[i] >= from && s->y[i] <= ceiling && (top == s->n || s->y[i] > s->y[top]))
             top = i;
     if (top == s->n || top == 0 || top + 1 == s->n)
         return false;
@@ -95,15 +152,20 @@ static bool peak_between(const struct ground *g, double from, double to, struct 
         a--;
     while (b + 1 < s->n && s->t[b + 1] - s->t[top] <= width)
         b++;
+    const double bottom = s->y[top] - 0.25 * (g->overview.high - g->overview.low); /* half the amplitude down */
     /* y = p + q x + r x^2 with x counted from the mean, so that q is nearly independent of the others. */
     double n = 0, sx = 0;
     for (size_t i = a; i <= b; i++) {
+        if (!(s->y[i] >= bottom && s->y[i] <= ceiling))
+            continue;
         n++;
         sx += s->t[i] - s->t[top];
     }
     const double mean = sx / n, scale = s->t[b] - s->t[a];
     double x2 = 0, x3 = 0, x4 = 0, y0 = 0, y1 = 0, y2 = 0;
     for (size_t i = a; i <= b; i++) {
+        if (!(s->y[i] >= bottom && s->y[i] <= ceiling))
+            continue;
         const double x = (s->t[i] - s->t[top] - mean) / scale, y = s->y[i] - s->y[top];
         x2 += x * x;
         x3 += x * x * x;
@@ -126,19 +188,18 @@ static bool peak_between(const struct ground *g, double from, double to, struct 
 }
 
 /* Calls for each place of this kind in order until it says stop. Samples are no places: there are too many. */
-static void each_place(const struct ground *g, enum snap snap, bool (*visit)(void *context, const struct place *place), void *context)
+static void each_place(const struct ground *g, enum snap snap, bool (*visit)(void *context, const struct place *place),
+                       void *context)
 {
-    int number = 0;
     struct place place;
-    for (size_t i = 0; i < g->crossings; i++) {
-        const struct crossing *c = &g->crossing[i];
-        number += c->up;
-        if (snap == SNAP_PEAK ? c->up && i + 1 < g->crossings && peak_between(g, c->t, g->crossing[i + 1].t, &place) : c->up) {
-            if (snap != SNAP_PEAK)
-                place = (struct place){c->t, c->uncertainty, g->overview.mean, number};
-            if (!visit(context, &place))
-                return;
-        }
+    for (size_t i = 0; i < g->hills; i++) {
+        const struct hill *hill = &g->hill[i];
+        if (snap != SNAP_PEAK)
+            place = (struct place){hill->from, hill->uncertainty, g->overview.mean, hill->number};
+        else if (!peak_between(g, hill->from, hill->to, &place))
+            continue;
+        if (!visit(context, &place))
+            return;
     }
 }
 
@@ -198,7 +259,7 @@ void cursor_put(struct cursors *cursors, const struct ground *g, int which, doub
     put_place(cursors, which, &place);
 }
 
-/* ---- moves ---------------------------------------------------------------------------------------------------------------------- */
+/* ---- moves ----------------------------------------------------------------------------------------------------- */
 
 static bool keep_next(void *context, const struct place *place)
 {
@@ -217,8 +278,8 @@ bool cursor_jump(struct cursors *cursors, const struct ground *g, bool forward, 
     struct search search = {.t = t + (forward ? near : -near), .forward = forward};
     each_place(g, peak ? SNAP_PEAK : SNAP_CROSSING, keep_next, &search);
     if (!search.found)
-        return error_set(error, ERROR_COMMAND, "there is no %s %s t = %.6g s in %s", peak ? "peak" : "up-crossing", forward ? "after" : "before", t,
-                         g->name);
+        return error_set(error, ERROR_COMMAND, "there is no %s %s t = %.6g s in %s", peak ? "peak" : "up-crossing",
+                         forward ? "after" : "before", t, g->name);
     put_place(cursors, cursors->active, &search.best);
     return true;
 }
@@ -238,8 +299,9 @@ bool cursor_span(struct cursors *cursors, const struct ground *g, double n, stru
         struct search search = {.number = cursors->at[0].crossing + (int)fmin(n, 1e9)};
         each_place(g, SNAP_CROSSING, keep_number, &search);
         if (!search.found)
-            return error_set(error, ERROR_COMMAND, "%s has up-crossings up to #%d: from #%d that is %d period%s", g->name,
-                             search.best.crossing, cursors->at[0].crossing, search.best.crossing - cursors->at[0].crossing,
+            return error_set(error, ERROR_COMMAND, "%s has up-crossings up to #%d: from #%d that is %d period%s",
+                             g->name, search.best.crossing, cursors->at[0].crossing,
+                             search.best.crossing - cursors->at[0].crossing,
                              search.best.crossing - cursors->at[0].crossing == 1 ? "" : "s");
         put_place(cursors, 1, &search.best);
         return true;
@@ -248,7 +310,8 @@ bool cursor_span(struct cursors *cursors, const struct ground *g, double n, stru
         return error_set(error, ERROR_COMMAND, "%s has no period to count: %s", g->name, g->overview.reason);
     const double t = cursors->at[0].t + n * g->overview.period;
     if (t > s->t[s->n - 1])
-        return error_set(error, ERROR_COMMAND, "%s ends at t = %.6g s, before %g periods from A have passed", g->name, s->t[s->n - 1], n);
+        return error_set(error, ERROR_COMMAND, "%s ends at t = %.6g s, before %g periods from A have passed", g->name,
+                         s->t[s->n - 1], n);
     cursor_put(cursors, g, 1, t, 0.25 * g->overview.period);
     return true;
 }
@@ -308,71 +371,4 @@ void cursors_refresh(struct session *session)
         cursors->shown = false;
     }
     arena_reset(&arena);
-}
-
-/* ---- what they say -------------------------------------------------------------------------------------------------------------- */
-
-bool session_cursor_reading(const struct session *session, struct cursor_reading *reading)
-{
-    const struct cursors *c = &session->view.cursors;
-    if (!c->shown || !c->at[0].set || !c->at[1].set)
-        return false;
-    const struct scene *scene = subject_scene(session, c->on_data ? NULL : session_run(session));
-    const double dt = c->at[1].t - c->at[0].t, n = c->periods;
-    const double period = fabs(dt) / n, spread = hypot(c->at[0].t_uncertainty, c->at[1].t_uncertainty) / n;
-    double decrement = copysign(1, dt) * log(c->at[0].amplitude / c->at[1].amplitude) / n;
-    decrement = fabs(decrement) < ROUNDING ? 0 : decrement;
-    *reading = (struct cursor_reading){.dt = dt,
-                                       .periods = n,
-                                       .period = {period, spread},
-                                       .frequency = {1 / period, spread / (period * period)},
-                                       .theory = scene_period(scene),
-                                       .damped = scene && scene->value[param_index("gamma")] != 0,
-                                       .decrement = decrement,
-                                       .quality = decrement > ROUNDING ? PI / decrement : NAN};
-    reading->deviation = (period - reading->theory) / reading->theory;
-    return true;
-}
-
-static void put_value(struct buffer *text, const char *name, struct measured value, enum quantity quantity)
-{
-    buffer_format(text, "%s = ", name);
-    if (isfinite(value.value))
-        buffer_measured(text, value, quantity, 6);
-    else
-        buffer_char(text, '-');
-}
-
-static void put_line(const struct cursors *c, int which, const char *tail, struct buffer *text)
-{
-    buffer_format(text, "%s%c  ", which == c->active ? ">" : " ", 'A' + which);
-    put_value(text, "t", (struct measured){c->at[which].t, c->at[which].t_uncertainty}, QUANTITY_TIME);
-    const double y = c->at[which].y, amplitude = c->at[which].amplitude;
-    put_value(text, "   y", (struct measured){fabs(y) < ROUNDING * amplitude ? 0 : y, 0}, c->quantity);
-    if (c->at[which].crossing > 0)
-        buffer_format(text, "   up-crossing #%d", c->at[which].crossing);
-    buffer_format(text, "   %s\n", tail);
-}
-
-void session_cursor_lines(const struct session *session, struct buffer *text)
-{
-    const struct cursors *c = &session->view.cursors;
-    struct cursor_reading r;
-    char tail[LIMIT_NAME + 64];
-    if (!session_cursor_reading(session, &r))
-        return;
-    snprintf(tail, sizeof tail, "snap: %s%s", catalog_row(&snap_catalog, (size_t)c->snap)->name, c->locked ? ", locked" : "");
-    put_line(c, 0, tail, text);
-    snprintf(tail, sizeof tail, "on: %s", c->of);
-    put_line(c, 1, tail, text);
-    put_value(text, " B-A", (struct measured){r.dt, 0}, QUANTITY_TIME);
-    if (isfinite(r.periods))
-        buffer_format(text, " / %g period%s", r.periods, r.periods == 1 ? "" : "s");
-    put_value(text, "   T", r.period, QUANTITY_TIME);
-    put_value(text, "   f", r.frequency, QUANTITY_FREQUENCY);
-    put_value(text, r.damped ? "\n theory T_d" : "\n theory T0", (struct measured){r.theory, 0}, QUANTITY_TIME);
-    if (isfinite(r.deviation))
-        buffer_format(text, "   deviation %+.2f %%", fabs(r.deviation) < 0.5e-4 ? 0.0 : 100 * r.deviation);
-    put_value(text, "   log decrement", (struct measured){r.decrement, 0}, QUANTITY_NUMBER);
-    put_value(text, "   Q", (struct measured){r.quality, 0}, QUANTITY_NUMBER);
 }

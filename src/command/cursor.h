@@ -5,13 +5,20 @@
 
 #include "internal.h"
 
+/* From an up-crossing of the equilibrium to the next down-crossing. */
+struct hill {
+    double from, uncertainty, to; /* [s] to NAN: it does not end */
+    int number;                   /* of the up-crossing, counted in periods from 1 for the first */
+};
+
 /* What the cursors stand on; memory from the arena. */
 struct ground {
     char name[LIMIT_NAME + 16];
+    bool data; /* a recording */
     struct series series;
     struct overview overview;
-    struct crossing *crossing; /* [crossings] up and down */
-    size_t crossings;
+    struct hill *hill; /* [hills] */
+    size_t hills;
     struct arena *arena;
 };
 

@@ -143,6 +143,8 @@ struct text peek_word(struct text text, const char *stops);
 struct text peek_name(struct text text);
 /* A word or a string; *is_string says which. */
 bool parse_word(struct parser *parser, const char *stops, struct item *item, struct error *error);
+/* What stands before the first option: `1 --force` is no subtraction. */
+struct text before_option(struct text text);
 /* expr [UNIT] [+- expr [UNIT]]; `what` names the parameter in messages. wanted QUANTITY_OTHER: any. */
 bool parse_value(struct parser *parser, const char *what, enum quantity wanted, struct item *item, struct error *error);
 bool parse_range(struct parser *parser, const char *what, enum quantity wanted, struct item *item, struct error *error);
@@ -168,6 +170,8 @@ struct names {
 
 struct expr_scope names_scope(const struct names *names);
 /* Value, uncertainty and quantity of one name; false: unknown. */
+/* After a failed compilation: says what has to come first where the unknown name is that of something not there yet. False, always. */
+bool names_explain(const struct session *session, struct error *error);
 bool names_value(const struct session *session, struct text name, struct named_value *value);
 /* Also of the state of a run that is only about to start; QUANTITY_OTHER: unknown. */
 enum quantity name_quantity(const struct session *session, struct text name);
@@ -210,10 +214,16 @@ void snapshot_free(struct snapshot *snapshot);
 void undo_push(struct session *session, struct snapshot *before);
 void undo_clear(struct session *session);
 
-/* ---- runs in text (cmd_run.c, subject.c) ------------------------------------------------------------------------------------------------------ */
+/* ---- runs in text (run_text.c, subject.c) ------------------------------------------------------------------------------------------------------ */
 
+/* A prediction above a minute is refused, or asked about at the prompt, unless --force was given. */
+bool allow_long(struct session *session, double seconds, double steps, bool force, struct error *error);
 /* The line and the record of a run as it is now. */
 void reply_run(const struct session *session, const struct run *run, struct reply *reply);
+/* Warns of growth that the method made, not the scene: once a run, before it reaches the bounds of a double. */
+void reply_growth(struct run *run, struct reply *reply);
+/* Warns of a step that is too coarse for the period. */
+void reply_coarse(const struct session *session, const struct run *run, struct reply *reply);
 /* [m] rms distance of the run from the recording where they overlap in time; NAN: they do not, or it is no length. */
 struct data_distance {
     double rms;    /* [m] NAN: they do not overlap */

@@ -163,6 +163,8 @@ static bool exec_line(struct session *session, struct text line, const struct so
         /* An error without a code was reported where it happened: in a sourced file. */
         if (!ok && error.code != ERROR_NONE) {
             reply->format = (enum output_format)session->setup.settings.format;
+            if (!error.where.at && statement.len < line.len)
+                error.where = statement; /* which of several it was */
             reply_error(reply, &error, where, line);
             note_failure(session, &error);
         }

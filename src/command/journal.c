@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- the list ------------------------------------------------------------------------------------------------------------- */
+/* ---- the list -------------------------------------------------------------------------------------------------- */
 
 bool journal_add(struct held_run *held, struct leg leg, struct text condition, struct error *error)
 {
@@ -56,8 +56,9 @@ bool journal_back(struct held_run *held, int64_t before, double before_t, int64_
 {
     const struct run *run = held->run;
     if (run->plan.adaptive && run->steps > 0)
-        return journal_add(held, (struct leg){.kind = LEG_BACK, .from = before, .from_t = before_t, .rows = rows, .end = run->steps},
-                           TEXT(""), error);
+        return journal_add(
+            held, (struct leg){.kind = LEG_BACK, .from = before, .from_t = before_t, .rows = rows, .end = run->steps},
+            TEXT(""), error);
     while (held->legs > 0 && held->leg[held->legs - 1].from > run->steps)
         free(held->leg[--held->legs].condition);
     struct leg *leg = journal_pending(held);
@@ -75,7 +76,7 @@ void journal_scene(const struct held_run *held, struct scene *scene)
             scene_set(scene, held->leg[i].param, held->leg[i].value, &ignored); /* was accepted then */
 }
 
-/* ---- doing it again --------------------------------------------------------------------------------------------------------- */
+/* ---- doing it again -------------------------------------------------------------------------------------------- */
 
 /* On along a leg until step `end`. */
 static void go(struct session *session, struct run *run, const struct leg *leg, int64_t end)
@@ -122,7 +123,8 @@ static void replay(struct session *session, struct held_run *held, const struct 
 static bool same_leg(const struct leg *a, const struct leg *b)
 {
     return a->kind == b->kind && a->from == b->from && a->t == b->t && a->param == b->param && a->rows == b->rows &&
-           memcmp(&a->value, &b->value, sizeof a->value) == 0 && text_equal(text_of(a->condition), text_of(b->condition));
+           memcmp(&a->value, &b->value, sizeof a->value) == 0 &&
+           text_equal(text_of(a->condition), text_of(b->condition));
 }
 
 /* The step up to which both lists led along the same way; 0 where going back makes that hard to say. */
@@ -138,7 +140,8 @@ static int64_t common_way(const struct held_run *held, const struct leg *leg, in
     return mine < other ? mine : other;
 }
 
-bool journal_restore(struct session *session, struct held_run *held, const struct leg *leg, int legs, int64_t steps, double t)
+bool journal_restore(struct session *session, struct held_run *held, const struct leg *leg, int legs, int64_t steps,
+                     double t)
 {
     struct run *run = held->run;
     struct leg *copy;
@@ -160,7 +163,7 @@ bool journal_restore(struct session *session, struct held_run *held, const struc
     return true;
 }
 
-/* ---- as commands --------------------------------------------------------------------------------------------------------------- */
+/* ---- as commands ----------------------------------------------------------------------------------------------- */
 
 /* Whether a condition reads the same in a session that has no variables and results. */
 static bool portable(const struct session *session, const struct run *run, const char *condition)
@@ -229,13 +232,15 @@ static bool put_go(struct composer *c, const struct leg *leg, int64_t from, int6
 
 static void put_set(const struct leg *leg, struct buffer *text)
 {
-    const struct param_row *param = (const struct param_row *)(const void *)catalog_row(&param_catalog, (size_t)leg->param);
+    const struct param_row *param =
+        (const struct param_row *)(const void *)catalog_row(&param_catalog, (size_t)leg->param);
     buffer_format(text, "change %s ", param->row.name);
     buffer_exact(text, leg->value, param->quantity);
     buffer_char(text, '\n');
 }
 
-bool journal_write(const struct session *session, const struct held_run *held, int first, int64_t since, int number, struct buffer *text)
+bool journal_write(const struct session *session, const struct held_run *held, int first, int64_t since, int number,
+                   struct buffer *text)
 {
     const struct run *run = held->run;
     const size_t before = text->len;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * What was asked of a run since its start, so that it can be made again bit for bit: by undo, by a saved session, by `record`. How the work was cut
- * into slices, and where it was paused, leaves no trace in the samples and stands here only as the step at which something else was asked.
+ * What was asked of a run since its start, so that it can be made again bit for bit: by undo, by a saved session, by
+ * `record`. How the work was cut into slices, and where it was paused, leaves no trace in the samples and stands here
+ * only as the step at which something else was asked.
  */
 #ifndef HOOKE_COMMAND_JOURNAL_H
 #define HOOKE_COMMAND_JOURNAL_H
@@ -24,7 +25,7 @@ struct leg {
     int64_t met;     /* step at which the condition became true, 0: it did not */
     int param;       /* LEG_SET */
     struct measured value;
-    int64_t rows;    /* LEG_BACK */
+    int64_t rows; /* LEG_BACK */
 };
 
 bool journal_add(struct held_run *held, struct leg leg, struct text condition, struct error *error);
@@ -38,14 +39,17 @@ bool journal_back(struct held_run *held, int64_t before, double before_t, int64_
 /* The parameters in force now: those of the start and what was changed since. */
 void journal_scene(const struct held_run *held, struct scene *scene);
 /*
- * Takes the run to the state at the end of these legs: `steps`, at time `t`. They may share a beginning with the run's own, which they replace; the
- * run keeps its own without memory.
+ * Takes the run to the state at the end of these legs: `steps`, at time `t`. They may share a beginning with the run's
+ * own, which they replace; the run keeps its own without memory.
  */
-bool journal_restore(struct session *session, struct held_run *held, const struct leg *leg, int legs, int64_t steps, double t);
+bool journal_restore(struct session *session, struct held_run *held, const struct leg *leg, int legs, int64_t steps,
+                     double t);
 /*
- * Appends the commands that do what was done since leg `first` and step `since` (0, -1: all): run, continue, change, back. number: of the run, 0: the
- * next. False: a condition needs names that no saved session knows; then nothing is appended.
+ * Appends the commands that do what was done since leg `first` and step `since` (0, -1: all): run, continue, change,
+ * back. number: of the run, 0: the next. False: a condition needs names that no saved session knows; then nothing is
+ * appended.
  */
-bool journal_write(const struct session *session, const struct held_run *held, int first, int64_t since, int number, struct buffer *text);
+bool journal_write(const struct session *session, const struct held_run *held, int first, int64_t since, int number,
+                   struct buffer *text);
 
 #endif

@@ -128,7 +128,8 @@ bool parse_word(struct parser *parser, const char *stops, struct item *item, str
         const struct text inside = {rest->at + 1, used - 2};
         item->is_string = true;
         item->text = inside;
-        if (rest->at[0] == '"' && !unescape(parser, inside, &item->text, error))
+        /* Only a copy where something changes: errors point into the line. */
+        if (rest->at[0] == '"' && inside.len > 0 && memchr(inside.at, '\\', inside.len) && !unescape(parser, inside, &item->text, error))
             return false;
         *rest = (struct text){rest->at + used, rest->len - used};
         return true;

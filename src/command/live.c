@@ -4,10 +4,10 @@
 
 #include <math.h>
 
-#define SLICE_NS 10000000    /* computing between two looks at the terminal */
-#define WAIT_NS 100000000    /* the longest wait for the clock: a frame */
-#define WINDOW_NS 500000000  /* over which the speed achieved is measured */
-#define LAG 0.2              /* [s] of wall time by which a run may trail the clock before it stops catching up */
+#define SLICE_NS 10000000   /* computing between two looks at the terminal */
+#define WAIT_NS 100000000   /* the longest wait for the clock: a frame */
+#define WINDOW_NS 500000000 /* over which the speed achieved is measured */
+#define LAG 0.2             /* [s] of wall time by which a run may trail the clock before it stops catching up */
 
 /* What the clock asks for: at `clock` the run was at t, and goes on at `speed`. */
 struct pace {
@@ -42,7 +42,8 @@ static int64_t steps_due(const struct pace *pace, const struct run *run, const s
 }
 
 /* As many steps as are due, for at most a slice. True while there is more to do. */
-static bool advance_slice(const struct pace *pace, struct run *run, const struct run_target *target, int64_t last, const struct cancel *cancel)
+static bool advance_slice(const struct pace *pace, struct run *run, const struct run_target *target, int64_t last,
+                          const struct cancel *cancel)
 {
     const int64_t begin = clock_ns();
     for (int64_t now = begin; now - begin < SLICE_NS; now = clock_ns()) {
@@ -95,7 +96,8 @@ void live_advance(struct session *session, struct run *run, const struct run_tar
             live->achieved = window.direction * (run->t - window.t) / ((double)(now - window.clock) * 1e-9);
             window = (struct pace){now, run->t, 0, window.direction};
         }
-        if (!front->slice(front->context, session, next_look(&pace, run, target, now)) || live->pausing || session->quit) {
+        if (!front->slice(front->context, session, next_look(&pace, run, target, now)) || live->pausing ||
+            session->quit) {
             run->stop = STOP_CANCELLED;
             break;
         }
@@ -123,7 +125,7 @@ void live_refresh(struct session *session)
             live->marks[live->mark_count++] = held->leg[i].from_t;
 }
 
-/* ---- parameters on the way ---------------------------------------------------------------------------------------------------- */
+/* ---- parameters on the way ------------------------------------------------------------------------------------- */
 
 bool live_bind(struct session *session, int param, double *from, struct error *error)
 {
@@ -136,7 +138,8 @@ bool live_bind(struct session *session, int param, double *from, struct error *e
         return error_set(error, ERROR_COMMAND, "there is no run to change");
     if (live->changing && is_start)
         return error_set(error, ERROR_COMMAND, "%s is where a run starts: it cannot change on the way", name);
-    const bool going = run && (live->state == LIVE_RUNNING || (session->typed && run->stop == STOP_CANCELLED) || live->changing);
+    const bool going =
+        run && (live->state == LIVE_RUNNING || (session->typed && run->stop == STOP_CANCELLED) || live->changing);
     if (!going || is_start)
         return true;
     struct held_run *held = session->run[session->current_run];
@@ -152,7 +155,8 @@ bool live_bind(struct session *session, int param, double *from, struct error *e
     }
     const enum live_state state = live->state;
     if (state != LIVE_RUNNING && !live->changing && session->record_fd >= 0)
-        journal_write(session, held, held->legs - 1, run->steps, 0, &session->live.record); /* in a file `set` alone would not do it */
+        journal_write(session, held, held->legs - 1, run->steps, 0,
+                      &session->live.record); /* in a file `set` alone would not do it */
     live_refresh(session);
     session->live.state = state;
     *from = run->t;

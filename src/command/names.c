@@ -160,6 +160,26 @@ bool names_value(const struct session *session, struct text name, struct named_v
     return true;
 }
 
+bool names_explain(const struct session *session, struct error *error)
+{
+    static const struct {
+        const char *start, *command;
+    } later[] = {{"measured_", "measure period"}, {"fit_", "fit"}};
+    const struct text name = error->where;
+    const struct names names = {.session = session};
+    int slot;
+    if (find_name(&names, name, &slot))
+        return false;
+    if (catalog_find(&observable_catalog, name)) {
+        error_at(error, name, "'%.*s' has no value: there is no run yet", (int)name.len, name.at);
+        return error_hint(error, "type: run");
+    }
+    for (size_t i = 0; i < COUNT_OF(later); i++)
+        if (text_starts(name, text_of(later[i].start)) && !error->hint[0])
+            return error_hint(error, "it has a value after, for example: %s", later[i].command);
+    return false;
+}
+
 enum quantity name_quantity(const struct session *session, struct text name)
 {
     const struct names names = {.session = session, .expects_run = true};

@@ -4,7 +4,10 @@
 
 #include <math.h>
 
-#define ROW(name, brief) {name, "", brief, "", NULL}
+#define ROW(name, brief)                                                                                               \
+    {                                                                                                                  \
+        name, "", brief, "", NULL                                                                                      \
+    }
 
 static const struct row layouts[] = {
     [LAYOUT_TRIO] = ROW("trio", "position above energy, phase beside them"),

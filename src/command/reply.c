@@ -43,12 +43,24 @@ void reply_text(struct reply *reply, struct text text)
         flush_out(reply, &reply->lines);
 }
 
+/* A formatted text with everything visible that could command a terminal, whatever was put into it. */
+static void put_safely(struct buffer *out, const char *format, va_list args) PRINTF_LIKE(2, 0);
+
+static void put_safely(struct buffer *out, const char *format, va_list args)
+{
+    struct buffer raw = {0};
+    buffer_vformat(&raw, format, args);
+    safe_text(out, buffer_text(&raw), true);
+    out->failed |= raw.failed;
+    buffer_free(&raw);
+}
+
 void reply_line(struct reply *reply, const char *format, ...)
 {
     struct buffer line = {0};
     va_list args;
     va_start(args, format);
-    buffer_vformat(&line, format, args);
+    put_safely(&line, format, args);
     va_end(args);
     if (line.failed)
         reply->failed = true;
@@ -69,7 +81,7 @@ void reply_note(struct reply *reply, const char *format, ...)
     struct buffer line = {0};
     va_list args;
     va_start(args, format);
-    buffer_vformat(&line, format, args);
+    put_safely(&line, format, args);
     va_end(args);
     buffer_char(&line, '\n');
     write_err(reply, &line);
@@ -81,7 +93,7 @@ void reply_warning(struct reply *reply, const char *format, ...)
     struct buffer line = {0}, out = {0};
     va_list args;
     va_start(args, format);
-    buffer_vformat(&line, format, args);
+    put_safely(&line, format, args);
     va_end(args);
     if (reply->format == FORMAT_JSON) {
         buffer_put(&out, TEXT("{\"kind\":\"warning\",\"text\":"));
@@ -200,9 +212,13 @@ void reply_string(struct reply *reply, const char *key, const char *value)
         reply_null(reply, key);
         return;
     }
+    struct buffer safe = {0};
     put_key(reply, key);
     buffer_json_text(&reply->json, text_of(value));
-    put_cell(reply, key, text_of(value));
+    safe_text(&safe, text_of(value), true);
+    reply->row.failed |= safe.failed;
+    put_cell(reply, key, buffer_text(&safe));
+    buffer_free(&safe);
 }
 
 void reply_real(struct reply *reply, const char *key, double value)

@@ -232,8 +232,9 @@ static bool add_residual(struct drawing *d, const struct recording *recording)
     double *left = arena_array(d->arena, curve->n + 1, sizeof *left);
     if (!left)
         return error_memory(d->error);
+    const double shift = recording->zero - d->session->fit_zero; /* since the fit */
     for (size_t i = 0; i < curve->n; i++)
-        left[i] = curve->y[i] - (fitted ? fit_value(&d->session->fit, curve->x[i]) : run_position(run, curve->x[i]));
+        left[i] = curve->y[i] - (fitted ? fit_value(&d->session->fit, curve->x[i]) - shift : run_position(run, curve->x[i]));
     curve->y = left;
     curve->label = fitted ? "data - fit" : "data - run";
     return true;
@@ -369,6 +370,11 @@ bool session_figure(const struct session *session, const struct figure_request *
             return false;
     if (recording && !(residual ? add_residual : add_recording)(&d, recording))
         return false;
+    size_t points = 0;
+    for (int i = 0; i < d.curves; i++)
+        points += d.curve[i].n;
+    if (points == 0 && !request->follow)
+        return error_set(error, ERROR_COMMAND, "nothing was recorded in this window of time");
     if (!mark_unbounded(&d))
         return false;
 

@@ -27,6 +27,14 @@ static bool starts_uncertainty(struct text text)
     return text_starts(text, TEXT("+-"));
 }
 
+struct text before_option(struct text text)
+{
+    for (size_t i = 1; i + 2 < text.len; i++)
+        if (strchr(" \t", text.at[i - 1]) && text_starts((struct text){text.at + i, text.len - i}, TEXT("--")) && is_name_start(text.at[i + 2]))
+            return (struct text){text.at, i};
+    return text;
+}
+
 /* expr [UNIT] */
 struct part {
     double number;
@@ -39,9 +47,9 @@ static bool parse_part(struct parser *parser, struct part *part, struct error *e
     size_t used;
     skip_blanks(&parser->rest);
     const struct text start = parser->rest;
-    part->expr = expr_compile(start, parser->scope, parser->arena, &used, error);
+    part->expr = expr_compile(before_option(start), parser->scope, parser->arena, &used, error);
     if (!part->expr)
-        return false;
+        return names_explain(parser->session, error);
     while (used > 0 && strchr(" \t", start.at[used - 1]))
         used--;
     part->number = expr_value(part->expr, parser->scope);

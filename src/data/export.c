@@ -109,7 +109,9 @@ void buffer_json_text(struct buffer *out, struct text text)
         const char *special = codepoint < 0x80 && codepoint > 0 ? strchr(escaped, (char)codepoint) : NULL;
         if (special)
             buffer_format(out, "\\%c", letters[special - escaped]);
-        else if (codepoint < 0x20 || codepoint == 0x7F)
+        else if (codepoint > 0xFFFF && codepoint_hidden(codepoint)) /* a pair of surrogates */
+            buffer_format(out, "\\u%04x\\u%04x", (unsigned)(0xD7C0 + (codepoint >> 10)), (unsigned)(0xDC00 + (codepoint & 0x3FF)));
+        else if (codepoint < 0x20 || codepoint == 0x7F || codepoint_hidden(codepoint))
             buffer_format(out, "\\u%04x", (unsigned)codepoint);
         else
             buffer_codepoint(out, codepoint);

@@ -112,6 +112,9 @@ static bool compare_one(const struct compare_request *request, const struct cont
     struct run_target target = {.t = row->run->system.t0 + request->duration, .steps = -1};
     while (run_advance(row->run, &target, 0, request->cancel)) {
     }
+    if (cancelled(request->cancel)) {
+        return true; /* the caller drops the row: nothing more is computed for it */
+    }
     run_errors(row->run, &row->errors);
     run_ledger(row->run, &row->ledger);
     row->energy_factor = row->ledger.final / row->ledger.initial;
@@ -133,13 +136,11 @@ static double observed_order(const struct comparison *coarse, const struct compa
     return fine->run->stop == STOP_END && coarse->run->stop == STOP_END && isfinite(order) ? order : NAN;
 }
 
-bool study_compare(const struct compare_request *request, struct comparison *rows, int *count, struct error *error)
+bool study_compare_plan(const struct compare_request *request, double *steps, double *seconds, struct error *error)
 {
-    *count = 0;
-    bool by_tol = request->tols > 0;
-    int settings = by_tol ? request->tols : request->dts;
-    /* All refusals before any work: a setting that cannot be run would otherwise waste the ones before it. */
+    const bool by_tol = request->tols > 0;
     struct system system;
+    *steps = *seconds = 0;
     if (!scene_bind(request->scene, &system, error)) {
         return false;
     }
@@ -148,7 +149,7 @@ bool study_compare(const struct compare_request *request, struct comparison *row
         if (!method_applies(request->contender[c].method, &system, &drag, error)) {
             return false;
         }
-        for (int s = 0; s < settings; s++) {
+        for (int s = 0; s < (by_tol ? request->tols : request->dts); s++) {
             struct run_settings each = {.dt = request->dt[by_tol ? 0 : s], .drag = drag, .record = request->record};
             if (by_tol && (request->contender[c].method->flags & METHOD_ADAPTIVE)) {
                 each.tol = request->tol[s];
@@ -157,7 +158,22 @@ bool study_compare(const struct compare_request *request, struct comparison *row
             if (!plan_make(&system, request->contender[c].method, &each, request->duration, &plan, error)) {
                 return false;
             }
+            *steps += plan.steps;
+            *seconds += plan.seconds;
         }
+    }
+    return true;
+}
+
+bool study_compare(const struct compare_request *request, struct comparison *rows, int *count, struct error *error)
+{
+    *count = 0;
+    bool by_tol = request->tols > 0;
+    int settings = by_tol ? request->tols : request->dts;
+    /* All refusals before any work: a setting that cannot be run would otherwise waste the ones before it. */
+    double steps, seconds;
+    if (!study_compare_plan(request, &steps, &seconds, error)) {
+        return false;
     }
     for (int c = 0; c < request->contenders; c++) {
         for (int s = 0; s < settings; s++) {

@@ -9,25 +9,25 @@
 #define PASTE_END "\033[201~"
 #define INPUT_MOST (2 * (size_t)LIMIT_LINE) /* [byte] waiting; a longer paste is cut */
 
-void input_read(struct input *input)
+void input_read(struct input *input, bool gone)
 {
     char chunk[4096];
     const ssize_t got = read(STDIN_FILENO, chunk, sizeof chunk);
-    if (got > 0) {
-        if (input->head > 0 && input->head == input->bytes.len) {
-            input->head = 0;
-            buffer_clear(&input->bytes);
-        }
-        if (input->bytes.len - input->head < INPUT_MOST) {
-            buffer_put(&input->bytes, (struct text){chunk, (size_t)got});
-        }
-        if (input->bytes.failed) { /* what was waiting is lost, the keyboard is not */
-            input_free(input);
-        }
-        input->arrived = clock_ns();
-    } else if (got == 0 || (errno != EINTR && errno != EAGAIN)) {
-        input->closed = true;
+    if (got <= 0) {
+        input->closed |= gone || (got < 0 && errno != EINTR && errno != EAGAIN);
+        return;
     }
+    if (input->head > 0 && input->head == input->bytes.len) {
+        input->head = 0;
+        buffer_clear(&input->bytes);
+    }
+    if (input->bytes.len - input->head < INPUT_MOST) {
+        buffer_put(&input->bytes, (struct text){chunk, (size_t)got});
+    }
+    if (input->bytes.failed) { /* what was waiting is lost, the keyboard is not */
+        input_free(input);
+    }
+    input->arrived = clock_ns();
 }
 
 static struct text waiting(const struct input *input)

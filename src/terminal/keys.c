@@ -249,25 +249,22 @@ static const char *sequence(const struct key *key, size_t i)
     return *typed ? typed : NULL;
 }
 
-static bool is_key(const struct key *key)
+/* Readline tells all that was typed, the digits of a prefix argument too: the row with the longest sequence at its end. */
+static const struct key *find_key(const struct key *rows, size_t count, size_t *longest)
 {
-    for (size_t i = 0; i <= COUNT_OF(key->keys); i++) {
-        const char *typed = sequence(key, i);
-        if (typed && strcmp(typed, rl_executing_keyseq) == 0) {
-            return true;
+    const struct key *found = NULL;
+    const size_t typed = strlen(rl_executing_keyseq);
+    for (size_t r = 0; r < count; r++) {
+        for (size_t i = 0; i <= COUNT_OF(rows[r].keys); i++) {
+            const char *key = sequence(&rows[r], i);
+            const size_t len = key ? strlen(key) : 0;
+            if (len > *longest && len <= typed && memcmp(rl_executing_keyseq + typed - len, key, len) == 0) {
+                *longest = len;
+                found = &rows[r];
+            }
         }
     }
-    return false;
-}
-
-static const struct key *find_key(const struct key *rows, size_t count)
-{
-    for (size_t i = 0; i < count; i++) {
-        if (is_key(&rows[i])) {
-            return &rows[i];
-        }
-    }
-    return NULL;
+    return found;
 }
 
 static int on_key(int count, int last)
@@ -276,8 +273,11 @@ static int on_key(int count, int last)
         return last == '\f' ? rl_clear_screen(1, last) : rl_ding();
     }
     struct buffer line = {0};
-    const struct key *key = keys_on_plot() ? find_key(cursor_keys, COUNT_OF(cursor_keys)) : NULL;
-    if (!key && !(key = find_key(keys, COUNT_OF(keys)))) {
+    size_t longest = 0;
+    const struct key *key = find_key(keys, COUNT_OF(keys), &longest);
+    const struct key *on_cursors = keys_on_plot() ? find_key(cursor_keys, COUNT_OF(cursor_keys), &longest) : NULL;
+    key = on_cursors ? on_cursors : key;
+    if (!key) {
         return rl_ding();
     }
     if (key->command) {

@@ -21,6 +21,7 @@
 #define PROMPT "hooke> "
 #define MORE "     > " /* before the further lines of a paste */
 #define LINES_HINT "several lines: Enter runs them, Ctrl-C drops them"
+#define GONE (POLLHUP | POLLERR | POLLNVAL)
 #define FAREWELL_NS 300000000 /* wait for an answer that is still under way before the shell gets to see it */
 
 struct panes *panes_active;
@@ -149,9 +150,7 @@ static void await_answer(struct panes *panes)
         if (left <= 0 || poll(&ready, 1, (int)(left / 1000000) + 1) == 0) {
             break;
         }
-        if (ready.revents) {
-            input_read(&panes->input);
-        }
+        input_read(&panes->input, (ready.revents & GONE) != 0);
     }
     panes->pacing.asked = 0;
 }
@@ -173,7 +172,6 @@ static void clear_line(struct panes *panes)
     rl_free_line_state();
     rl_clear_message();
     rl_replace_line("", 0);
-    input_clear(&panes->input);
     keys_choose(session_of(panes));
     panes->echo_stale = true;
 }
@@ -194,6 +192,10 @@ static void heed_signals(struct panes *panes)
     if (cancelled(&interrupt) && !signals_ending()) {
         atomic_store(&interrupt.requested, 0);
         panes->interrupted = true;
+        /* With Ctrl-C the system has thrown away what was under way in both directions, and rightly what was typed before. */
+        input_clear(&panes->input);
+        panes->pacing.asked = 0;
+        panes_repaint(panes);
         if (!panes->running && !panes->question) {
             clear_line(panes);
         }
@@ -223,10 +225,11 @@ static void wait_event(struct panes *panes, int64_t until)
         timeout = left <= 0 ? 0 : left > 3600000000000 ? 3600000 : (int)((left + 999999) / 1000000);
     }
     struct pollfd ready[2] = {{.fd = STDIN_FILENO, .events = POLLIN}, {.fd = signals_pipe(), .events = POLLIN}};
-    if (poll(ready, 2, timeout) > 0 && ready[0].revents) {
-        input_read(&panes->input);
+    const bool any = poll(ready, 2, timeout) > 0;
+    heed_signals(panes); /* before what was typed after Ctrl-C is read */
+    if (any && ready[0].revents) {
+        input_read(&panes->input, (ready[0].revents & GONE) != 0);
     }
-    heed_signals(panes);
     struct error error;
     if (clock_ns() >= autosave_due(panes->program->autosave) && !autosave_write(panes->program->autosave, &error)) {
         warn(panes, &error);

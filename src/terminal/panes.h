@@ -21,8 +21,8 @@ struct input {
 
 enum input_item { INPUT_NONE, INPUT_BYTE, INPUT_PASTE, INPUT_REPLY };
 
-/* Reads what there is; call it when poll() says so. */
-void input_read(struct input *input);
+/* Reads what there is; gone: poll() says that the terminal has hung up. */
+void input_read(struct input *input, bool gone);
 /* The next item; of a paste, `paste` points at its text until the next call. */
 enum input_item input_next(struct input *input, int64_t now, unsigned char *byte, struct text *paste);
 /* When something held back becomes a byte [clock_ns]; INT64_MAX: nothing is held. */

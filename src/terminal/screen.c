@@ -54,7 +54,7 @@ static void arm_crash(void)
 
 /* ---- modes --------------------------------------------------------------------------------------------------------------------- */
 
-/* Every key arrives as it is typed; only Ctrl-C, Ctrl-Z and Ctrl-\ are still signals. */
+/* Every key arrives as it is typed; only Ctrl-C, Ctrl-Z and Ctrl-\ are still signals. VMIN 0: a read never blocks, whatever poll() said before. */
 static void set_modes(void)
 {
     struct termios modes;
@@ -63,6 +63,7 @@ static void set_modes(void)
     nonl();
     if (tcgetattr(STDIN_FILENO, &modes) == 0) {
         modes.c_iflag &= ~(tcflag_t)(IXON | ICRNL);
+        modes.c_cc[VMIN] = modes.c_cc[VTIME] = 0;
         modes.c_cc[VLNEXT] = modes.c_cc[VDISCARD] = _POSIX_VDISABLE;
         tcsetattr(STDIN_FILENO, TCSADRAIN, &modes);
     }

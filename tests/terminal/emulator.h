@@ -282,6 +282,9 @@ static inline void emulator_feed(struct emulator *e, char c)
         default: break;
         }
     }
+    if (c == '\033' && e->len > 1 && e->sequence[1] != ']') { /* a sequence that was cut off */
+        e->len = 0;
+    }
     if (e->len < sizeof e->sequence - 1) {
         e->sequence[e->len++] = c;
     }

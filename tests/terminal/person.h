@@ -17,7 +17,7 @@
 
 #include "emulator.h"
 
-#define PATIENCE_NS 20000000000 /* what has not come by then will not come; generous for sanitizers on a busy machine */
+#define PATIENCE_NS (getenv("HASTE") ? 3000000000 : 20000000000) /* what has not come by then will not come; generous for sanitizers on a busy machine */
 #define MS 1000000
 
 struct person {
@@ -143,10 +143,14 @@ static inline bool shows(const struct person *p, const char *text)
 
 static inline void show_screen(const struct person *p)
 {
-    struct buffer text = {0};
-    emulator_text(&p->screen, &text);
-    print_message("# the screen:\n%s", text.data);
-    buffer_free(&text);
+    struct buffer row = {0};
+    print_message("# the screen, cursor at %d,%d:\n", p->screen.x, p->screen.y);
+    for (int y = 0; y < p->screen.height; y++) {
+        buffer_clear(&row);
+        emulator_row(&p->screen, y, &row);
+        print_message("# %s\n", row.data);
+    }
+    buffer_free(&row);
 }
 
 static inline void wait_for(struct person *p, const char *text, bool there)

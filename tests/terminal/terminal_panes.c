@@ -600,7 +600,7 @@ static void test_terminals(void **state)
     forget(&p);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
     if (!mkdtemp(state_folder)) {
         return 1;
@@ -628,5 +628,8 @@ int main(void)
         cmocka_unit_test(test_no_color),
         cmocka_unit_test(test_terminals),
     };
+    if (argc > 1) {
+        cmocka_set_test_filter(argv[1]);
+    }
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -127,7 +127,7 @@ static void peaks_and_decrement(void **state)
     bench_close(&b);
 }
 
-static void write_recording(double noise)
+static void write_recording(double noise, double spike)
 {
     struct buffer text = {0};
     uint32_t seed = 1;
@@ -136,7 +136,8 @@ static void write_recording(double noise)
         double sum = 0; /* nearly normal: twelve uniform numbers */
         for (int k = 0; k < 12; k++)
             sum += (double)((seed = seed * 1664525u + 1013904223u) >> 8) / 16777216.0;
-        buffer_format(&text, "%.2f\t%.5f\n", 0.02 * i, 20 + 4.2 * sin(2 * PI * 0.02 * i / 1.9373) + noise * (sum - 6));
+        const double y = 20 + 4.2 * sin(2 * PI * 0.02 * i / 1.9373) + noise * (sum - 6);
+        buffer_format(&text, "%.2f\t%.5f\n", 0.02 * i, i == 60 || i == 420 ? y + spike : y);
     }
     write_file("swing.txt", text.data, text.len);
     buffer_free(&text);
@@ -147,7 +148,7 @@ static void noisy_recording(void **state)
     (void)state;
     struct bench b;
     bench_open(&b, false);
-    write_recording(0.05);
+    write_recording(0.05, 0);
     type_ok(&b, "load swing.txt; cursor");
     const struct cursors *c = cursors(&b);
     assert_true(c->on_data);
@@ -171,6 +172,25 @@ static void noisy_recording(void **state)
     type_ok(&b, "cursor series");
     assert_string_equal(c->of, "data swing");
     bench_close(&b);
+}
+
+/* Missed echoes of a motion sensor cross the level and stand above every peak: they are neither. */
+static void spikes_are_no_places(void **state)
+{
+    (void)state;
+    static const double spikes[] = {15, -15};
+    for (size_t i = 0; i < COUNT_OF(spikes); i++) {
+        struct bench b;
+        bench_open(&b, false);
+        write_recording(0.05, spikes[i]);
+        type_ok(&b, "load swing.txt; cursor; cursor A 1.9; cursor B 9.7");
+        assert_near(read_them(&b).periods, 4, 0);
+        assert_near(read_them(&b).period.value, 1.9373, 0.005);
+        type_ok(&b, "cursor snap peak; cursor A 2.4; cursor B 8.2");
+        assert_near(read_them(&b).periods, 3, 0);
+        assert_near(read_them(&b).period.value, 1.9373, 0.004);
+        bench_close(&b);
+    }
 }
 
 static void follow_what_they_stand_on(void **state)
@@ -203,9 +223,12 @@ static void refusals_leave_them(void **state)
     const struct cursors before = *cursors(&b);
     static const struct {
         const char *line, *says;
-    } wrong[] = {{"cursor A 5 s", "t = 5 s is outside of run 1 (0..3 s)"}, {"cursor periods 40", "has up-crossings up to #4"},
-                 {"cursor other; cursor next", "no up-crossing after"},     {"cursor series", "only one series"},
-                 {"cursor snap peek", "peak"},                              {"cursor A 5 cm", "A needs a time"},
+    } wrong[] = {{"cursor A 5 s", "t = 5 s is outside of run 1 (0..3 s)"},
+                 {"cursor periods 40", "has up-crossings up to #4"},
+                 {"cursor other; cursor next", "no up-crossing after"},
+                 {"cursor series", "only one series"},
+                 {"cursor snap peek", "peak"},
+                 {"cursor A 5 cm", "A needs a time"},
                  {"cursor A 1 s; cursor B 1 s; cursor keep", "show no period"}};
     for (size_t i = 0; i < COUNT_OF(wrong); i++) {
         assert_false(type(&b, wrong[i].line));
@@ -226,11 +249,9 @@ static void refusals_leave_them(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(crossings_of_a_run),
-        cmocka_unit_test(columns_never_stick),
-        cmocka_unit_test(peaks_and_decrement),
-        cmocka_unit_test(noisy_recording),
-        cmocka_unit_test(follow_what_they_stand_on),
+        cmocka_unit_test(crossings_of_a_run),   cmocka_unit_test(columns_never_stick),
+        cmocka_unit_test(peaks_and_decrement),  cmocka_unit_test(noisy_recording),
+        cmocka_unit_test(spikes_are_no_places), cmocka_unit_test(follow_what_they_stand_on),
         cmocka_unit_test(refusals_leave_them),
     };
     return cmocka_run_group_tests(tests, enter_folder, leave_folder);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Runs that a person watches: pace, pauses, what may be typed meanwhile, and that the samples are those of a batch run. */
+/* Runs that a person watches: pace, pauses, what may be typed meanwhile, and that the samples are those of a batch run.
+ */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -19,8 +20,8 @@ struct watcher {
     enum live_state seen; /* during the last call */
     bool failed;          /* a line failed */
     struct cancel cancel;
-    int cancel_at;        /* number of the call that sets it, 0: none */
-    int64_t pause_ns;     /* how long a slice takes */
+    int cancel_at;    /* number of the call that sets it, 0: none */
+    int64_t pause_ns; /* how long a slice takes */
 };
 
 static bool watch(void *context, struct session *session, int64_t until)
@@ -48,7 +49,8 @@ static bool watch(void *context, struct session *session, int64_t until)
 static void watcher_open(struct watcher *w)
 {
     *w = (struct watcher){.lines = 0};
-    const struct front front = {.interactive = true, .watched = true, .context = w, .slice = watch, .cancel = &w->cancel};
+    const struct front front = {
+        .interactive = true, .watched = true, .context = w, .slice = watch, .cancel = &w->cancel};
     w->bench.session = session_create(&front);
     reply_init(&w->bench.reply, (struct sink){bench_out, bench_err, &w->bench});
     assert_non_null(w->bench.session);
@@ -141,7 +143,8 @@ static void adaptive_and_until_go_on_after_a_pause(void **state)
     }
 }
 
-/* At speed 2, 0.3 simulated seconds take about 0.15 s; at most one step more than the clock allows is there at any time. */
+/* At speed 2, 0.3 simulated seconds take about 0.15 s; at most one step more than the clock allows is there at any
+ * time. */
 static void follows_the_clock(void **state)
 {
     (void)state;
@@ -181,8 +184,10 @@ static void says_what_it_achieves(void **state)
 static void refuses_what_would_disturb(void **state)
 {
     (void)state;
-    static const char *const refused[] = {"run 1 s", "scene damped", "method verlet", "source x.hk", "load x.txt", "adopt", "compare euler", "fit",
-                                          "reset", "undo", "redo", "restore", "step", "back", "continue", "drop 1", "drop all", "use 1", "plain"};
+    static const char *const refused[] = {"run 1 s", "scene damped",  "method verlet", "source x.hk", "load x.txt",
+                                          "adopt",   "compare euler", "fit",           "reset",       "undo",
+                                          "redo",    "restore",       "step",          "back",        "continue",
+                                          "drop 1",  "drop all",      "use 1",         "plain"};
     for (size_t i = 0; i < COUNT_OF(refused); i++) {
         struct watcher w;
         watcher_open(&w);
@@ -199,8 +204,20 @@ static void refuses_what_would_disturb(void **state)
 static void allows_what_looks(void **state)
 {
     (void)state;
-    static const char *const allowed[] = {"show k", "print t", "plot position", "layout duo", "focus phase", "help run", "export seen.csv --force",
-                                          "gamma = 0.3", "set dt 5ms", "T0 = 0.7 s", "speed max", "zoom 2", "measure drift", "list methods"};
+    static const char *const allowed[] = {"show k",
+                                          "print t",
+                                          "plot position",
+                                          "layout duo",
+                                          "focus phase",
+                                          "help run",
+                                          "export seen.csv --force",
+                                          "gamma = 0.3",
+                                          "set dt 5ms",
+                                          "T0 = 0.7 s",
+                                          "speed max",
+                                          "zoom 2",
+                                          "measure drift",
+                                          "list methods"};
     for (size_t i = 0; i < COUNT_OF(allowed); i++) {
         struct watcher w;
         watcher_open(&w);
@@ -247,7 +264,8 @@ static void cancel_pauses(void **state)
     bench_close(&w.bench);
 }
 
-/* The rest of a line, of a file and of the file that sourced it waits for the run, and is left out if that is paused. */
+/* The rest of a line, of a file and of the file that sourced it waits for the run, and is left out if that is paused.
+ */
 static void pause_ends_line_and_file(void **state)
 {
     (void)state;
@@ -282,8 +300,10 @@ static void parameter_changes_on_the_way(void **state)
     at(&w, 2, "gamma = 0.5");
     at(&w, 3, "set dt 1ms");
     at(&w, 4, NULL);
+    const int undos = w.bench.session->undos;
     type_ok(&w.bench, "run 5 s");
     assert_false(w.failed);
+    assert_int_equal(w.bench.session->undos, undos + 1);
     assert_says(&w.bench.out, "gamma = 0.5 1/s from t = ");
     const struct session *session = w.bench.session;
     assert_int_equal(session->live.mark_count, 1);
@@ -311,15 +331,15 @@ static void parameter_changes_on_the_way(void **state)
     bench_close(&w.bench);
 }
 
-/* A line typed during a run must not spoil the record that the run makes. */
-static void json_stays_whole(void **state)
+/* A line typed during a run must not spoil what the run says: neither its record nor its form. */
+static void replies_stay_apart(void **state)
 {
     (void)state;
     struct watcher w;
     watcher_open(&w);
-    type_ok(&w.bench, "set format json; dt = 1e-6");
+    type_ok(&w.bench, "set format json; set record every 200; dt = 1e-6");
     at(&w, 2, "print 1 + 1");
-    type_ok(&w.bench, "set record every 200; run 3 s");
+    type_ok(&w.bench, "run 3 s");
     struct text rest = buffer_text(&w.bench.out), line;
     int prints = 0, runs = 0;
     while (text_split(&rest, '\n', &line)) {
@@ -329,6 +349,12 @@ static void json_stays_whole(void **state)
     }
     assert_int_equal(prints, 1);
     assert_int_equal(runs, 1);
+    type_ok(&w.bench, "set format text");
+    at(&w, 1, "set format json");
+    at(&w, 2, "print 1 + 1");
+    type_ok(&w.bench, "run 3 s");
+    assert_says(&w.bench.out, "{\"kind\":\"print\"");
+    assert_says(&w.bench.out, "t = 3 s, 3000000 steps, rk4"); /* it began in text */
     bench_close(&w.bench);
 }
 
@@ -345,7 +371,7 @@ int main(void)
         cmocka_unit_test(cancel_pauses),
         cmocka_unit_test(pause_ends_line_and_file),
         cmocka_unit_test(parameter_changes_on_the_way),
-        cmocka_unit_test(json_stays_whole),
+        cmocka_unit_test(replies_stay_apart),
     };
     return cmocka_run_group_tests(tests, enter_folder, leave_folder);
 }

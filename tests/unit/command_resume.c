@@ -56,7 +56,8 @@ static void resumed_sessions_export_the_same(void **state)
     (void)state;
     static const char *const sessions[] = {
         "run 1.2345 s",
-        "m = 199.9 +- 0.1 g; gamma = 0.07; method rk4; run 3 s; continue 0.777 s; step 5; note first; rename 1 a; k = 20; method verlet dt=3ms; run; use 1",
+        "m = 199.9 +- 0.1 g; gamma = 0.07; method rk4; run 3 s; continue 0.777 s; step 5; note first; rename 1 a; k = "
+        "20; method verlet dt=3ms; run; use 1",
         "method dopri5 tol=1e-9; run 2 s; step 3; continue 1 s; back 4; continue 2 s",
         "method dopri5; run 5 s --steps 17; continue; step; reset; step 3",
         "run until y < 0; continue until v > 0; continue 1 s",
@@ -65,11 +66,13 @@ static void resumed_sessions_export_the_same(void **state)
         "t0 = 2; run to -3; continue 1 s; step 4",
         "compare euler verlet rk4 dt=10ms,5ms; compare dopri5 tol=1e-6,1e-9; drop 2; run; drop 4",
         "method euler; dt = 2; duration = 1e5; compare euler; duration = 10; run 1 s",
-        "gamma = 0.2; method verlet drag=implicit; run 2 s; record all; set record every 3; run 2 s; set record auto; run 1 s",
+        "gamma = 0.2; method verlet drag=implicit; run 2 s; record all; set record every 3; run 2 s; set record auto; "
+        "run 1 s",
         "run 1 s; reset; change gamma 0.2; continue 2 s",
         "run 5 s; back 100; continue 2 s; back 3",
         "run 1 s; reset",
-        "load swing.txt as=x; data window 1:4; data zero 0.2; run 1 s; layout duo; window 5; trail all; focus energy full; range y 0:1mJ",
+        "load swing.txt as=x; data window 1:4; data zero 0.2; run 1 s; layout duo; window 5; trail all; focus energy "
+        "full; range y 0:1mJ",
         "set fps 5; run 1 s; load swing.txt; load swing.txt as=z; data use swing; let A = 4.2 cm; set digits 4",
     };
     write_recording();
@@ -107,7 +110,8 @@ static void resumed_sessions_export_the_same(void **state)
         assert_int_equal(again.session->current_recording, b.session->current_recording);
         assert_int_equal(again.session->view.layout, b.session->view.layout);
         assert_int_equal(again.session->view.full, b.session->view.full);
-        assert_true(again.session->view.trail == b.session->view.trail && again.session->view.window == b.session->view.window);
+        assert_true(again.session->view.trail == b.session->view.trail &&
+                    again.session->view.window == b.session->view.window);
         /* And it saves the same again. */
         save(&again, "second.hk");
         assert_same_files("saved.hk", "second.hk", sessions[i]);

@@ -235,7 +235,7 @@ static void prefixes_and_questions_are_for_the_prompt(void **state)
     b.session->front.context = question;
     b.session->front.confirm = refuse;
     assert_false(type(&b, "run 1e9"));
-    assert_non_null(strstr(question, "this run takes about"));
+    assert_non_null(strstr(question, "this takes about"));
     bench_close(&b);
 }
 

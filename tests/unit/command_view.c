@@ -81,8 +81,12 @@ static void offered_panes(void **state)
     bench_open(&b, false);
     static const struct {
         const char *line, *offered;
-    } steps[] = {{"echo", ""}, {"C = 10; run 1 s", "peuvs"}, {"C = 0; run 1 s", "peuvxs"}, {"load swing.txt; cursor off", "peuvxrs"},
-                 {"data window 2:4", "peuvxs"}, {"drop all", "ps"}};
+    } steps[] = {{"echo", ""},
+                 {"C = 10; run 1 s", "peuvs"},
+                 {"C = 0; run 1 s", "peuvxs"},
+                 {"load swing.txt; cursor off", "peuvxrs"},
+                 {"data window 2:4", "peuvxs"},
+                 {"drop all", "ps"}};
     static const char letters[] = "peuvxrs"; /* of enum pane: position energy phase velocity error residual spectrum */
     struct buffer text = {0};
     buffer_put(&text, TEXT("t\ty\ns\tcm\n"));
@@ -128,7 +132,8 @@ struct drawn {
     enum front_change change;
 };
 
-static bool draw_file(void *context, const struct session *session, const char *path, struct write_policy policy, struct error *error)
+static bool draw_file(void *context, const struct session *session, const char *path, struct write_policy policy,
+                      struct error *error)
 {
     struct drawn *d = context;
     (void)session;

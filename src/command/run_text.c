@@ -1,0 +1,106 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What is said about a run: how it went, and what is wrong with its step. */
+#include "internal.h"
+
+#include <math.h>
+
+void reply_run(const struct session *session, const struct run *run, struct reply *reply)
+{
+    struct ledger ledger;
+    run_ledger(run, &ledger);
+    const int digits = session->setup.settings.digits;
+    struct buffer text = {0};
+    buffer_put(&text, TEXT("t = "));
+    buffer_measured(&text, (struct measured){run->t, 0}, QUANTITY_TIME, digits > 6 ? digits : 6);
+    buffer_format(&text, ", %lld step%s, %s", (long long)run->steps, run->steps == 1 ? "" : "s", run->method->row.name);
+    if (isfinite(ledger.error_max)) {
+        buffer_put(&text, TEXT(", dE/E0 max "));
+        buffer_short(&text, ledger.error_max, 2);
+    }
+    const struct data_distance data = run_data_distance(run, session_recording(session));
+    if (isfinite(data.rms)) {
+        buffer_put(&text, TEXT(", rms(y-data) = "));
+        buffer_quantity(&text, data.rms, QUANTITY_LENGTH, 2);
+        if (data.spikes > 0)
+            buffer_format(&text, " (%zu spike%s left out)", data.spikes, data.spikes == 1 ? "" : "s");
+    }
+    reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+    if (reply->format == FORMAT_TEXT)
+        return;
+    struct run_errors errors;
+    run_errors(run, &errors);
+    reply_begin(reply, "run");
+    reply_int(reply, "run", run->number);
+    reply_string(reply, "method", run->method->row.name);
+    reply_real(reply, "dt", run->plan.adaptive ? NAN : run->settings.dt);
+    reply_real(reply, "tol", run->plan.adaptive ? run->settings.tol : NAN);
+    reply_int(reply, "steps", run->steps);
+    reply_int(reply, "evals", run->cost.evals);
+    reply_real(reply, "t", run->t);
+    reply_real(reply, "y", run->y[0]);
+    reply_real(reply, "v", run->system.order == 2 ? run->y[run->system.n / 2] : NAN);
+    reply_object(reply, "state");
+    for (int i = 0; i < run->system.n; i++)
+        reply_real(reply, system_variable(&run->system, i).name, run->y[i]);
+    reply_close(reply);
+    reply_real(reply, "energy", ledger.final);
+    reply_real(reply, "energy_error", ledger.error_max);
+    reply_real(reply, "error", errors.max);
+    reply_string(reply, "status", stop_name(run->stop));
+    reply_real(reply, "time", run->seconds);
+    reply_end(reply);
+}
+
+void reply_growth(struct run *run, struct reply *reply)
+{
+    struct ledger ledger;
+    const struct oscillator *o = &run->system.oscillator;
+    if (run->warned_growth || !(run->plan.growth > 1) || o->damping < 0 || o->stiffness < 0 ||
+        run->stop == STOP_DIVERGED)
+        return;
+    run_ledger(run, &ledger);
+    if (!(ledger.final > 100 * ledger.initial))
+        return;
+    struct buffer text = {0};
+    buffer_format(&text, "the energy has grown by a factor of ");
+    buffer_short(&text, ledger.final / ledger.initial, 2);
+    buffer_format(&text, ": %s lets the amplitude grow by ", run->method->row.name);
+    buffer_short(&text, run->plan.growth, 6);
+    buffer_put(&text, TEXT(" a step"));
+    if (isfinite(run->plan.limit) && run->plan.limit > 0) {
+        buffer_put(&text, TEXT("; it is stable below dt = "));
+        buffer_measured(&text, (struct measured){run->plan.limit, 0}, QUANTITY_TIME, 3);
+    }
+    reply_warning(reply, "%s", buffer_view(&text));
+    buffer_free(&text);
+    run->warned_growth = true;
+}
+
+void reply_coarse(const struct session *session, const struct run *run, struct reply *reply)
+{
+    const struct row *row = catalog_find(&derived_catalog, TEXT("T0"));
+    const double period = ((const struct derived_row *)(const void *)row)->value(&session->setup.scene).value;
+    const double dt = run->settings.dt;
+    if (run->plan.adaptive || run->method->order == 0 || !(dt > 0.125 * period))
+        return;
+    struct buffer text = {0};
+    buffer_put(&text, TEXT("dt = "));
+    buffer_measured(&text, (struct measured){dt, 0}, QUANTITY_TIME, 4);
+    if (dt < period) {
+        buffer_format(&text, " is %.0f %% of", 100 * dt / period);
+    } else {
+        buffer_put(&text, TEXT(" is "));
+        buffer_short(&text, dt / period, 3);
+        buffer_put(&text, TEXT(" times"));
+    }
+    buffer_put(&text, TEXT(" the period T0 = "));
+    buffer_measured(&text, (struct measured){period, 0}, QUANTITY_TIME, 4);
+    if (isfinite(run->plan.limit) && run->plan.limit > 0) {
+        buffer_format(&text, "; %s needs dt < ", run->method->row.name);
+        buffer_measured(&text, (struct measured){run->plan.limit, 0}, QUANTITY_TIME, 3);
+        buffer_put(&text, TEXT(" to stay stable"));
+    }
+    reply_warning(reply, "%s", buffer_view(&text));
+    buffer_free(&text);
+}
