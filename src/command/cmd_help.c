@@ -160,21 +160,25 @@ static void help_preset(const struct row *row, struct buffer *text)
     buffer_format(text, "\nexamples:\n  scene %s\n  scene %s; plan\nsee also: scene list", row->name, row->name);
 }
 
-static void help_plain(const struct row *row, struct buffer *text)
-{
-    buffer_format(text, "%s: %s%s%s", row->name, row->brief, *row->citation ? "\nsource: " : "", row->citation);
-}
-
 static const struct topic {
     const struct catalog *catalog;
-    void (*help)(const struct row *row, struct buffer *text);
+    void (*help)(const struct row *row, struct buffer *text); /* NULL: a line */
 } topics[] = {
-    {&command_catalog, help_command},   {&param_catalog, help_param},           {&derived_catalog, help_derived}, {&setting_catalog, help_setting},
-    {&method_catalog, help_method},     {&observable_catalog, help_observable}, {&preset_catalog, help_preset},   {&unit_catalog, help_unit},
-    {&quantity_catalog, help_plain},    {&function_catalog, help_plain},        {&plot_catalog, help_plain},      {&fit_catalog, help_plain},
-    {&format_catalog, help_plain},      {&drag_catalog, help_plain},           {&layout_catalog, help_plain},   {&pane_catalog, help_plain},
-    {&snap_catalog, help_plain},
+    {&command_catalog, help_command}, {&param_catalog, help_param},           {&derived_catalog, help_derived}, {&setting_catalog, help_setting},
+    {&method_catalog, help_method},   {&observable_catalog, help_observable}, {&preset_catalog, help_preset},   {&unit_catalog, help_unit},
+    {&quantity_catalog, NULL},        {&function_catalog, NULL},              {&plot_catalog, NULL},            {&fit_catalog, NULL},
+    {&format_catalog, NULL},          {&drag_catalog, NULL},                  {&layout_catalog, NULL},          {&pane_catalog, NULL},
+    {&snap_catalog, NULL},
 };
+
+static void help_topic(const struct topic *topic, const struct row *row, struct buffer *text)
+{
+    buffer_put(text, text->len ? TEXT("\n\n") : TEXT(""));
+    if (topic->help)
+        topic->help(row, text);
+    else
+        buffer_format(text, "%s (%s): %s%s%s", row->name, topic->catalog->kind, row->brief, *row->citation ? "\nsource: " : "", row->citation);
+}
 
 static void help_all(struct reply *reply)
 {
@@ -204,10 +208,8 @@ HANDLER(help)
     struct buffer text = {0};
     for (size_t i = 0; i < COUNT_OF(topics); i++) {
         const struct row *row = catalog_find(topics[i].catalog, near.wanted);
-        if (row) {
-            buffer_put(&text, text.len ? TEXT("\n\n") : TEXT(""));
-            topics[i].help(row, &text);
-        }
+        if (row)
+            help_topic(&topics[i], row, &text);
         for (size_t j = 0; j < topics[i].catalog->count; j++)
             suggestion_offer(&near, catalog_row(topics[i].catalog, j)->name);
     }
@@ -219,6 +221,8 @@ HANDLER(help)
         return true;
     error_at(error, near.wanted, "there is no help on '%.*s'", (int)(near.wanted.len < 64 ? near.wanted.len : 64), near.wanted.at);
     suggestion_hint(&near, error);
+    if (catalog_find(&list_catalog, near.wanted))
+        error_hint(error, "'list %.*s' shows them", (int)near.wanted.len, near.wanted.at);
     return error_hint(error, "('apropos WORD' searches, 'help' lists the commands)");
 }
 
@@ -262,7 +266,11 @@ HANDLER(apropos)
 
 static void list_row(const struct catalog *catalog, const struct row *row, struct reply *reply)
 {
-    reply_line(reply, "%-22s %-7s %s%s%s%s", row->name, row->unit, row->brief, *row->citation ? " (" : "", row->citation, *row->citation ? ")" : "");
+    char value[32] = "";
+    if (catalog == &limit_catalog)
+        snprintf(value, sizeof value, "%16.0f ", ((const struct limit *)(const void *)row)->value);
+    reply_line(reply, "%-22s %s%-7s %s%s%s%s", row->name, value, row->unit, row->brief, *row->citation ? " (" : "", row->citation,
+               *row->citation ? ")" : "");
     reply_begin(reply, catalog->kind);
     reply_string(reply, "name", row->name);
     reply_string(reply, "unit", *row->unit ? row->unit : NULL);

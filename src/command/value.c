@@ -233,6 +233,10 @@ bool refuse_rest(const struct parser *parser, const struct item *number, struct 
         word = rest;
     if (number && !number->unit && is_name_start(word.at[0]))
         return unknown_unit(word, number->quantity, error);
+    if (number && number->unit && strchr("+-*/^", word.at[0])) {
+        error_at(error, word, "unexpected '%.*s'", shown_length(word), word.at);
+        return error_hint(error, "a unit stands after the whole expression: (5 + 0.3) cm");
+    }
     return error_at(error, word, "unexpected '%.*s'", shown_length(word), word.at);
 }
 

@@ -412,6 +412,8 @@ const struct expr *expr_compile(struct text text, const struct expr_scope *scope
     const struct pending *open = innermost(c);
     if (open) {
         error_at(error, open->where, "missing ')' for '%.*s'", (int)open->where.len, open->where.at);
+        if (is_letter(peek(c, 0)))
+            error_hint(error, "a unit stands after the whole expression: (5 + 0.3) cm");
         return NULL;
     }
     if (!reduce(c, 0))

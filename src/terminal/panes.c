@@ -50,6 +50,29 @@ struct sink panes_sink(struct session *session)
     return (struct sink){say, say, session};
 }
 
+/* The first line of a message, for where there is no room for the log. */
+static bool note(void *context, struct text text)
+{
+    struct panes *panes = context;
+    struct text first = TEXT("");
+    if (panes->notice.len == 0 && text_split(&text, '\n', &first)) {
+        safe_text(&panes->notice, first, false);
+    }
+    return true;
+}
+
+static bool say_here(void *context, struct text text)
+{
+    struct panes *panes = context;
+    log_add(&session_of(panes)->log, text);
+    return !keys_on_plot() || note(panes, text); /* the table of the cursors hides the log */
+}
+
+static struct sink sink_of(struct panes *panes)
+{
+    return (struct sink){say_here, say_here, panes};
+}
+
 static void warn(struct panes *panes, const struct error *error)
 {
     reply_warning(panes->program->reply, "%s", error->text);
@@ -83,7 +106,9 @@ static void describe_prompt(const struct panes *panes, struct prompt_line *promp
         buffer_format(room, "%s [y/N] ", panes->question);
         *prompt = (struct prompt_line){.prompt = buffer_text(room)};
     } else if (keys_on_plot()) {
-        *prompt = (struct prompt_line){.prompt = TEXT("cursors (q leaves, : types a command)> ")};
+        prompt->prompt = TEXT("cursors (q leaves, : types a command)> ");
+        prompt->line = TEXT("");
+        prompt->cursor = 0;
     }
 }
 
@@ -357,23 +382,12 @@ static bool say_nothing(void *context, struct text text)
     return true;
 }
 
-/* The first line of a message. */
-static bool take_notice(void *context, struct text text)
-{
-    struct panes *panes = context;
-    struct text first = TEXT("");
-    if (panes->notice.len == 0 && text_split(&text, '\n', &first)) {
-        safe_text(&panes->notice, first, false);
-    }
-    return true;
-}
-
 /* What only looks at the screen says nothing, unless it could not. */
 static void execute_silently(struct panes *panes, struct text line)
 {
     const struct source nobody = {0};
     struct reply reply;
-    reply_init(&reply, (struct sink){say_nothing, take_notice, panes});
+    reply_init(&reply, (struct sink){say_nothing, note, panes});
     command_exec(session_of(panes), line, &(struct source){.parent = &nobody}, &reply);
     reply_free(&reply);
 }
@@ -394,7 +408,7 @@ static void execute_line(struct panes *panes)
     const bool nested = panes->running;
     struct reply own, *outer = program->reply;
     if (nested) {
-        reply_init(&own, panes_sink(session));
+        reply_init(&own, sink_of(panes));
         own.quiet = outer->quiet;
         program->reply = &own;
     } else {
@@ -415,13 +429,19 @@ static void execute_line(struct panes *panes)
     }
     panes->screen_stale = true;
     keys_choose(session);
+    if (from != LINE_SILENT && !keys_on_plot()) {
+        buffer_clear(&panes->notice); /* the log can be read */
+    }
     buffer_free(&line);
 }
 
 /* Everything that has been typed: keys to readline, complete lines to the session, one after the other. */
 static void process(struct panes *panes)
 {
-    while (!is_over(panes)) {
+    if (!panes->running) {
+        panes->interrupted = false; /* heeded: the line is cleared */
+    }
+    while (!is_over(panes) && !panes->interrupted) {
         if (panes->line_waits) {
             execute_line(panes);
             continue;
@@ -590,7 +610,7 @@ void panes_run(struct program *program)
                                     .screenshot = shot_file,
                                     .screen = shot_text,
                                     .change = change};
-    program->reply->sink = panes_sink(session);
+    program->reply->sink = sink_of(&panes);
     take_size(&panes);
     panes_active = &panes;
     take_readline(nowhere);

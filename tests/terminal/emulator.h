@@ -134,7 +134,8 @@ static inline void emulator_modes(struct emulator *e, const int *p, int n, bool 
 {
     for (int i = 0; i < n; i++) {
         if (p[i] == 1049) {
-            e->second_screen = on;
+            e->second_screen = on; /* what the first one showed is not kept */
+            emulator_blank(e, 0, 0, e->width, e->height);
         } else if (p[i] == 2004) {
             e->pasting = on;
         } else if (p[i] == 25) {

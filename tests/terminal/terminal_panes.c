@@ -133,6 +133,7 @@ static void test_interrupt_pauses_a_run(void **state)
     expect(&p, "42");
     type(&p, "print 99"); /* a line that is being typed survives the pause */
     expect_prompt(&p, "hooke> print 99");
+    assert_false(shows(&p, "PAUSED"));
     const int64_t begun = clock_ns();
     type(&p, "\x03");
     expect(&p, "PAUSED");
@@ -210,7 +211,7 @@ static void test_keys(void **state)
     start_panes(&p, (struct start){0});
     type(&p, "method");
     type(&p, "\033OP"); /* F1 */
-    expect(&p, "hooke> help method");
+    expect(&p, "see also: list compare");
     type(&p, CLEAN);
     enter(&p, "speed max");
     type(&p, "\033[15~"); /* F5 */
@@ -242,6 +243,7 @@ static void test_keys(void **state)
     expect(&p, "cursors (q leaves");
     type(&p, "n\t\033[C\r");
     expect(&p, "kept"); /* as a measurement */
+    type(&p, "n\xc2\xa0"); /* no key at all */
     type(&p, ":print 5*11\r");
     expect_prompt(&p, "cursors (q leaves, : types a command)>");
     type(&p, "q");
@@ -400,12 +402,12 @@ static void test_plain_and_back(void **state)
     expect(&p, "42");
     type(&p, "plain\r");
     expect(&p, "Ctrl-D leaves");
-    expect_prompt(&p, ""); /* the prompt stands higher */
+    expect(&p, EMPTY_PROMPT);
     type(&p, "print 5*11\r");
     expect(&p, "55");
     assert_false(p.screen.second_screen);
     type(&p, "panes\r");
-    expect_prompt(&p, EMPTY_PROMPT);
+    expect(&p, "F1 help");
     assert_true(p.screen.second_screen);
     enter(&p, "print 6*11");
     expect(&p, "66");

@@ -100,13 +100,22 @@ static bool check_marks(struct scenario *s, struct text marks)
     return error;
 }
 
-static bool only_marks(struct text line)
+static bool starts_mark(struct text text)
 {
     static const char *const names[] = {"# expect: ", "# error: ", "# warning: ", "# never: "};
     for (size_t i = 0; i < COUNT_OF(names); i++)
-        if (text_starts(line, text_of(names[i])))
+        if (text_starts(text, text_of(names[i])))
             return true;
     return false;
+}
+
+/* The line without its marks: a message quotes the line, and would contain what it is asked for. */
+static struct text without_marks(struct text line)
+{
+    size_t i = 0;
+    while (i < line.len && !starts_mark((struct text){line.at + i, line.len - i}))
+        i++;
+    return text_trim((struct text){line.at, i});
 }
 
 static void run_lines(struct scenario *s, struct text content)
@@ -115,14 +124,14 @@ static void run_lines(struct scenario *s, struct text content)
     while (rest.len > 0 && text_split(&rest, '\n', &line)) {
         const struct source where = {s->file, ++s->number, NULL};
         line = text_trim(line);
-        if (line.len == 0 || only_marks(line))
+        if (line.len == 0 || starts_mark(line))
             continue;
         buffer_clear(&s->capture.out);
         buffer_clear(&s->capture.err);
-        const bool ok = command_exec(s->session, line, &where, &s->reply);
+        const bool ok = command_exec(s->session, without_marks(line), &where, &s->reply);
         bool expected = check_marks(s, line);
         /* Marks on the lines below belong to the same statement. */
-        for (struct text after = rest, next; after.len > 0 && text_split(&after, '\n', &next) && only_marks(text_trim(next));)
+        for (struct text after = rest, next; after.len > 0 && text_split(&after, '\n', &next) && starts_mark(text_trim(next));)
             expected |= check_marks(s, text_trim(next));
         if (ok && expected)
             complain(s, "succeeded:", line);

@@ -183,7 +183,7 @@ static void test_mistakes(void **state)
     expect_mistake("(1 + 2", "missing ')' for '('", "(", "");
     expect_mistake("2*sin(1 + 2", "missing ')' for 'sin('", "sin(", "");
     expect_mistake("(1, 2)", "missing ')' for '('", "(", "");
-    expect_mistake("(5 cm)", "missing ')' for '('", "(", "");
+    expect_mistake("(5 cm)", "missing ')' for '('", "(", "a unit stands after the whole expression");
     expect_mistake("sin()", "sin takes 1 argument", "sin()", "");
     expect_mistake("2 + sin(1, 2) + 3", "sin takes 1 argument", "sin(1,", "");
     expect_mistake("hypot(1)", "hypot takes 2 arguments", "hypot(1)", "");
