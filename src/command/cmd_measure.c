@@ -62,7 +62,8 @@ static void put_theory(struct buffer *text, double value, double theory, enum qu
 static double theory_period(const struct measuring *m)
 {
     const struct scene *scene = subject_scene(m->session, m->subject.run);
-    return scene && (m->subject.run || scene->given[param_index("k")]) ? scene_period(scene) : NAN;
+    const bool known = scene && (m->subject.run || scene->given[param_index("k")]);
+    return known && scene->value[param_index("F0")] == 0 ? scene_period(scene) : NAN; /* a driven motion follows the drive */
 }
 
 static bool say(struct measuring *m, struct buffer *text)

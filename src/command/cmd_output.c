@@ -50,7 +50,7 @@ HANDLER(export)
     for (int i = 0; i < export.table.columns; i++)
         buffer_format(&names, "%s%s", i ? "," : "", export.table.column[i].name);
     safe_text(&shown, file->text, false);
-    reply_line(reply, "%s: %zu rows of %s", buffer_view(&shown), export.table.rows, buffer_view(&names));
+    reply_line(reply, "%s: %zu row%s of %s", buffer_view(&shown), export.table.rows, export.table.rows == 1 ? "" : "s", buffer_view(&names));
     reply_begin(reply, "export");
     reply_string(reply, "file", path);
     reply_int(reply, "rows", (int64_t)export.table.rows);

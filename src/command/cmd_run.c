@@ -212,6 +212,7 @@ HANDLER(run)
         session->next_run = run->number + 1;
     }
     reply_coarse(session, run, reply);
+    reply_tiny(run, reply);
     return new_leg(session, t, INT64_MAX, until, error) &&
            advance(session, given, steps_given(given), true, reply, error);
 }

@@ -222,6 +222,8 @@ bool allow_long(struct session *session, double seconds, double steps, bool forc
 void reply_run(const struct session *session, const struct run *run, struct reply *reply);
 /* Warns of growth that the method made, not the scene: once a run, before it reaches the bounds of a double. */
 void reply_growth(struct run *run, struct reply *reply);
+/* Warns of a state whose squares underflow. */
+void reply_tiny(const struct run *run, struct reply *reply);
 /* Warns of a step that is too coarse for the period. */
 void reply_coarse(const struct session *session, const struct run *run, struct reply *reply);
 /* [m] rms distance of the run from the recording where they overlap in time; NAN: they do not, or it is no length. */

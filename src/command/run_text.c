@@ -4,6 +4,8 @@
 
 #include <math.h>
 
+#define TINY 1.5e-154 /* its square is the least normal number */
+
 void reply_run(const struct session *session, const struct run *run, struct reply *reply)
 {
     struct ledger ledger;
@@ -75,6 +77,15 @@ void reply_growth(struct run *run, struct reply *reply)
     reply_warning(reply, "%s", buffer_view(&text));
     buffer_free(&text);
     run->warned_growth = true;
+}
+
+void reply_tiny(const struct run *run, struct reply *reply)
+{
+    double size = 0;
+    for (int i = 0; i < run->system.n; i++)
+        size = fmax(size, fabs(run->y[i]));
+    if (size > 0 && size < TINY)
+        reply_warning(reply, "the squares of numbers below %g are 0: energies read 0 and nothing can be measured", TINY);
 }
 
 void reply_coarse(const struct session *session, const struct run *run, struct reply *reply)

@@ -93,7 +93,12 @@ static struct saved_list list_saved(const char *folder, bool sweep)
 
 void autosave_begin(struct autosave *autosave, const struct session *session)
 {
-    *autosave = (struct autosave){.session = session, .saved = session->changes};
+    const char *wish = getenv("HOOKE_AUTOSAVE");
+    double seconds;
+    *autosave = (struct autosave){.session = session, .saved = session->changes, .interval = (int64_t)AUTOSAVE_SECONDS * 1000000000};
+    if (wish && real_parse(text_of(wish), &seconds) == REAL_OK && seconds >= 0.1 && seconds <= 86400) {
+        autosave->interval = (int64_t)(seconds * 1e9);
+    }
     char *folder = state_path("", true);
     if (!folder) {
         return;
@@ -135,7 +140,7 @@ int64_t autosave_due(struct autosave *autosave)
     if (!has_changed(autosave)) {
         autosave->due = 0;
     } else if (autosave->due == 0) {
-        autosave->due = clock_ns() + (int64_t)AUTOSAVE_SECONDS * 1000000000;
+        autosave->due = clock_ns() + autosave->interval;
     }
     return autosave->due ? autosave->due : INT64_MAX;
 }

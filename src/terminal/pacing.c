@@ -1,12 +1,20 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "panes.h"
 
+#include <limits.h>
 #include <unistd.h>
 
 #define QUESTION "\033[5n"
 #define PATIENCE_NS 2000000000 /* an answer that has not come by then counts as missing */
 #define MISSING_MOST 2         /* then the terminal is one that does not answer */
 #define BLIND_FRAMES 2         /* frames a second without answers */
+#define SLOW_NS 8000000        /* an answer that takes longer has come over a link that may be slow */
+#define SLOW_ROWS 4            /* of dots: at most 1 kB */
+
+int pacing_rows(const struct pacing *pacing)
+{
+    return pacing->delay > SLOW_NS ? SLOW_ROWS : INT_MAX;
+}
 
 static bool is_asking(const struct pacing *pacing, const struct session *session)
 {
@@ -21,18 +29,18 @@ int64_t pacing_due(const struct pacing *pacing, const struct session *session)
     return waits && patience > pacing->next ? patience : pacing->next;
 }
 
-void pacing_drawn(struct pacing *pacing, const struct session *session, int64_t now, bool sent)
+void pacing_drawn(struct pacing *pacing, const struct session *session, int64_t now, enum shown shown)
 {
     const struct settings *settings = &session->setup.settings;
     const bool blind = settings->sync == SYNC_AUTO && pacing->missing >= MISSING_MOST;
     const double frames = blind && settings->fps > BLIND_FRAMES ? BLIND_FRAMES : settings->fps;
-    pacing->next = now + (int64_t)(1e9 / frames);
+    pacing->next = shown == SHOWN_PART ? now : now + (int64_t)(1e9 / frames);
     if (pacing->asked != 0) {
         pacing->missing++;
     }
     pacing->asked = 0;
     int ignored;
-    if (sent && is_asking(pacing, session) && write_all(STDOUT_FILENO, TEXT(QUESTION), &ignored)) {
+    if (shown != SHOWN_NOTHING && is_asking(pacing, session) && write_all(STDOUT_FILENO, TEXT(QUESTION), &ignored)) {
         pacing->asked = now;
     }
 }

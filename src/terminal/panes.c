@@ -7,6 +7,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -112,22 +113,22 @@ static void describe_prompt(const struct panes *panes, struct prompt_line *promp
     }
 }
 
-/* only_prompt: its row alone, so that an echo costs little on a slow link. False: nothing had to be sent. */
-static bool draw(struct panes *panes, bool only_prompt)
+/* only_prompt: its row alone, so that an echo costs little on a slow link. */
+static enum shown draw(struct panes *panes, bool only_prompt, int rows)
 {
     struct prompt_line prompt;
     struct buffer room = {0};
     int x = 0, y = 0;
     describe_prompt(panes, &prompt, &room);
     struct canvas *canvas = &panes->screen.canvas;
-    bool sent = false;
+    enum shown shown = SHOWN_NOTHING;
     if (!canvas->cell || screen_draw(session_of(panes), &prompt, canvas, &x, &y)) {
-        sent = screen_show(&panes->screen, only_prompt ? panes->screen.height - 1 : 0, x, y);
+        shown = screen_show(&panes->screen, only_prompt ? panes->screen.height - 1 : 0, rows, x, y);
     }
     buffer_free(&room);
     panes->echo_stale = false;
     panes->screen_stale &= only_prompt;
-    return sent;
+    return shown;
 }
 
 /* Draws what has to be seen now. Of a run the frames come when it is their time; what was typed is shown at once. */
@@ -135,12 +136,12 @@ static void draw_due(struct panes *panes, int64_t now)
 {
     struct session *session = session_of(panes);
     if (panes->running && now >= pacing_due(&panes->pacing, session)) {
-        const bool sent = draw(panes, false);
-        pacing_drawn(&panes->pacing, session, now, sent);
+        const enum shown shown = draw(panes, false, panes->screen_stale ? INT_MAX : pacing_rows(&panes->pacing));
+        pacing_drawn(&panes->pacing, session, now, shown);
     } else if (panes->screen_stale) {
-        draw(panes, false);
+        draw(panes, false, INT_MAX);
     } else if (panes->echo_stale) {
-        draw(panes, panes->running);
+        draw(panes, panes->running, INT_MAX);
     }
 }
 
@@ -412,7 +413,7 @@ static void execute_line(struct panes *panes)
         own.quiet = outer->quiet;
         program->reply = &own;
     } else {
-        draw(panes, false); /* what takes long is seen to have begun */
+        draw(panes, false, INT_MAX); /* what takes long is seen to have begun */
     }
     buffer_clear(&panes->notice);
     if (from == LINE_SILENT) {
@@ -497,7 +498,7 @@ static bool confirm(void *context, const char *question)
     panes->interrupted = false;
     panes->question = NULL;
     panes->screen_stale = true;
-    draw(panes, false);
+    draw(panes, false, INT_MAX);
     return item == INPUT_BYTE && (byte == 'y' || byte == 'Y');
 }
 
@@ -582,7 +583,7 @@ static void run_loop(struct panes *panes)
 void panes_run(struct program *program)
 {
     struct session *session = program->session;
-    struct panes panes = {.program = program, .next_byte = -1, .screen_stale = true};
+    struct panes panes = {.program = program, .next_byte = -1, .screen_stale = true, .pacing = PACING_BEGIN};
     const struct front before = session->front;
     FILE *nowhere = fopen("/dev/null", "w");
     program->next = FRONT_END;

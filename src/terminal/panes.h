@@ -38,6 +38,8 @@ void input_free(struct input *input);
  * way, and what is typed is seen at once.
  */
 
+enum shown { SHOWN_NOTHING, SHOWN_PART, SHOWN_ALL };
+
 struct pacing {
     int64_t next;  /* [clock_ns] earliest time of the next animated frame */
     int64_t asked; /* [clock_ns] 0: no question is open */
@@ -45,10 +47,15 @@ struct pacing {
     int missing;   /* questions without an answer, in a row */
 };
 
+/* The link counts as slow until it has answered for the first time. */
+#define PACING_BEGIN {.delay = INT64_MAX}
+
 /* Earliest time of the next animated frame [clock_ns]. */
 int64_t pacing_due(const struct pacing *pacing, const struct session *session);
-/* A frame has been drawn. Asks, where that is wanted, unless nothing had to be sent. */
-void pacing_drawn(struct pacing *pacing, const struct session *session, int64_t now, bool sent);
+/* How many rows one frame may send: over a slow link few, so that what is typed never waits for long. */
+int pacing_rows(const struct pacing *pacing);
+/* A frame, or a part of one, has been drawn. Asks, where that is wanted, unless nothing had to be sent. */
+void pacing_drawn(struct pacing *pacing, const struct session *session, int64_t now, enum shown shown);
 void pacing_replied(struct pacing *pacing, int64_t now);
 
 /* ---- the terminal under ncurses (screen.c) ------------------------------------------------------------------------------------- */
@@ -61,6 +68,7 @@ struct screen {
     int width, height;    /* [cell] */
     struct canvas canvas; /* of that size */
     struct canvas shown;  /* what the terminal shows now */
+    int next;             /* row to go on with after a part */
     bool stale;           /* the terminal may show something else */
 };
 
@@ -75,8 +83,8 @@ void screen_return(struct screen *screen);
 void screen_repaint(struct screen *screen);
 /* Reads the size from the terminal and adapts to it. */
 void screen_resize(struct screen *screen);
-/* Sends what differs from `shown`, from row `from` on. False: nothing did. */
-bool screen_show(struct screen *screen, int from, int cursor_x, int cursor_y);
+/* Sends what differs from `shown`, from row `from` on, at most so many rows: the others come with the next call. */
+enum shown screen_show(struct screen *screen, int from, int rows, int cursor_x, int cursor_y);
 
 /* ---- the front end ------------------------------------------------------------------------------------------------------------------- */
 

@@ -247,23 +247,26 @@ static bool same_cells(const struct cell *a, const struct cell *b, int n)
     return i == n;
 }
 
-bool screen_show(struct screen *screen, int from, int cursor_x, int cursor_y)
+enum shown screen_show(struct screen *screen, int from, int rows, int cursor_x, int cursor_y)
 {
     if (!screen->canvas.cell || !screen->shown.cell) {
         set_size(screen); /* there was no memory for it */
-        return false;
+        return SHOWN_NOTHING;
     }
-    bool any = screen->stale;
-    for (int y = screen->stale ? 0 : from; y < screen->height; y++) {
+    const int all = screen->height - from;
+    int sent = 0, i = 0;
+    for (; i < all && sent < rows; i++) {
+        const int y = from + (screen->next + i) % all; /* goes on where the last part ended */
         const size_t at = (size_t)y * (size_t)screen->width;
         if (screen->stale || !same_cells(screen->canvas.cell + at, screen->shown.cell + at, screen->width)) {
             put_row(screen, y);
             memcpy(screen->shown.cell + at, screen->canvas.cell + at, (size_t)screen->width * sizeof(struct cell));
-            any = true;
+            sent++;
         }
     }
-    screen->stale = false;
+    screen->next = i < all ? (screen->next + i) % all : 0;
+    screen->stale &= i < all;
     move(cursor_y, cursor_x);
     refresh();
-    return any;
+    return i < all ? SHOWN_PART : sent > 0 ? SHOWN_ALL : SHOWN_NOTHING;
 }

@@ -134,12 +134,13 @@ bool history_append(const char *line, struct error *error);
 /* ---- autosave: session-DATE-TIME-PID.hk ------------------------------------------------------------------------------------- */
 
 #define AUTOSAVE_PREFIX "session-"
-#define AUTOSAVE_SECONDS 30
+#define AUTOSAVE_SECONDS 30 /* unless HOOKE_AUTOSAVE says otherwise */
 #define AUTOSAVE_KEPT 5
 
 struct autosave {
     const struct session *session;
     char *path;     /* NULL: no place for it */
+    int64_t interval; /* [ns] */
     uint64_t saved; /* session->changes then */
     int64_t due;    /* [clock_ns] 0: nothing to save */
     bool warned;    /* that it cannot be written: said once */

@@ -16,6 +16,7 @@ struct emulator {
     int width, height, x, y, top, bottom;
     int saved_x, saved_y;
     bool wrap; /* the cursor stands behind the last column */
+    bool eager; /* a terminal that goes to the next row at once instead */
     uint32_t *cell;
     uint32_t last; /* character, for REP */
     bool second_screen, pasting, hidden; /* modes 1049, 2004, 25 */
@@ -105,8 +106,11 @@ static inline void emulator_put(struct emulator *e, uint32_t c)
     e->last = c;
     e->x += width;
     if (e->x >= e->width) {
-        e->x = e->width - 1;
-        e->wrap = true;
+        e->x = e->eager ? 0 : e->width - 1;
+        e->wrap = !e->eager;
+        if (e->eager) {
+            emulator_down(e);
+        }
     }
 }
 

@@ -39,7 +39,6 @@ struct start {
     const char *argument[6];
     int width, height;
     bool silent;
-    bool without_limits; /* no resource limits set */
 };
 
 static char state_folder[] = "/tmp/hooke-panes-XXXXXX";
@@ -50,6 +49,7 @@ static inline void begin(struct person *p, struct start start)
     struct winsize size = {.ws_row = (unsigned short)(start.height ? start.height : 24), .ws_col = (unsigned short)(start.width ? start.width : 80)};
     int slave;
     emulator_size(&p->screen, size.ws_col, size.ws_row);
+    p->screen.eager = start.term && strcmp(start.term, "ansi") == 0;
     assert_int_equal(openpty(&p->fd, &slave, NULL, NULL, &size), 0);
     assert_int_equal(tcgetattr(slave, &p->before), 0);
     p->program = fork();
