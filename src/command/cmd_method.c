@@ -15,6 +15,7 @@ static void reply_method(const struct session *session, struct reply *reply)
     if (settings.tol > 0) {
         buffer_put(&text, TEXT("; adaptive, tol = "));
         buffer_short(&text, settings.tol, 6);
+        put_tol_floor(&text, settings.tol);
     } else {
         buffer_put(&text, TEXT("; dt = "));
         buffer_measured(&text, (struct measured){settings.dt, 0}, QUANTITY_TIME, setup->settings.digits);

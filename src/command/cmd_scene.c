@@ -151,8 +151,11 @@ static void reply_setting(const struct session *session, const struct setting *s
     const struct run_settings now = session_run_settings(session);
     if (strcmp(setting->row.name, "dt") == 0 && now.tol > 0)
         buffer_format(&text, " (the first step: %s chooses its own; 'tol = off' for fixed steps)", method->row.name);
-    if (strcmp(setting->row.name, "tol") == 0 && !(method->flags & METHOD_ADAPTIVE))
-        buffer_format(&text, " (for methods that adapt; %s has fixed steps)", method->row.name);
+    if (strcmp(setting->row.name, "tol") == 0) {
+        put_tol_floor(&text, now.tol);
+        if (!(method->flags & METHOD_ADAPTIVE))
+            buffer_format(&text, " (for methods that adapt; %s has fixed steps)", method->row.name);
+    }
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
 }

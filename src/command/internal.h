@@ -218,6 +218,8 @@ void undo_clear(struct session *session);
 
 /* A prediction above a minute is refused, or asked about at the prompt, unless --force was given. */
 bool allow_long(struct session *session, double seconds, double steps, bool force, struct error *error);
+/* What a tolerance below 10 eps is really taken as; nothing for others. */
+void put_tol_floor(struct buffer *text, double tol);
 /* The line and the record of a run as it is now. */
 void reply_run(const struct session *session, const struct run *run, struct reply *reply);
 /* Warns of growth that the method made, not the scene: once a run, before it reaches the bounds of a double. */

@@ -2,6 +2,7 @@
 /* The settings that are not part of the scene: one row each. */
 #include "internal.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -59,6 +60,13 @@ static bool parse_tol(struct settings *settings, struct text value, struct error
     }
     settings->tol = tol;
     return true;
+}
+
+void put_tol_floor(struct buffer *text, double tol)
+{
+    const double floor = 10 * DBL_EPSILON;
+    if (tol > 0 && tol < floor)
+        buffer_format(text, " (below rounding: %.2g is used)", floor);
 }
 
 static void show_tol(const struct settings *settings, struct buffer *text)

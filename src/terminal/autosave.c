@@ -188,7 +188,7 @@ bool autosave_write(struct autosave *autosave, struct error *error)
 static bool is_allowed(struct text line)
 {
     static const char *const allowed[] = {"scene", "set",    "unset", "let",   "method",  "load",  "data",  "run",   "continue",
-                                          "change", "step",  "back",  "use",   "rename",  "note",  "force", "var",   "param",
+                                          "change", "step",  "back",  "reset", "use",   "rename",  "note",  "force", "var",   "param",
                                           "observe", "event", "potential", "layout", "focus", "range", "window", "trail"};
     size_t name = 0;
     while (name < line.len && !strchr(" \t='", line.at[name])) {

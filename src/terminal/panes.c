@@ -552,7 +552,6 @@ static void take_readline(FILE *nowhere)
     rl_prep_term_function = enter_modes;
     rl_deprep_term_function = leave_modes;
     rl_completion_display_matches_hook = list_matches;
-    rl_signal_event_hook = NULL;
     rl_catch_sigwinch = 0;
 }
 

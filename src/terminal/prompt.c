@@ -2,7 +2,7 @@
 /* The plain prompt: readline for editing, history and completion; everything typed goes to command_exec(). */
 #include "terminal.h"
 
-#include <errno.h>
+#include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,9 +22,10 @@ static void save_when_due(void)
     }
 }
 
-/* Ctrl-C clears the line and never leaves; a hang-up ends the loop; Ctrl-Z leaves the terminal as it was; the alarm is for the autosave. */
-static int on_signal(void)
+/* Ctrl-C clears the line and never leaves; Ctrl-Z leaves the terminal as it was; the alarm is for the autosave. */
+static void heed_signals(void)
 {
+    signals_drain();
     if (signals_happened(HAPPENED_ALARM)) {
         save_when_due();
     }
@@ -34,9 +35,7 @@ static int on_signal(void)
         rl_prep_terminal(1);
         rl_forced_update_display();
     }
-    if (signals_ending()) {
-        rl_done = 1;
-    } else if (cancelled(&interrupt)) {
+    if (cancelled(&interrupt) && !signals_ending()) {
         atomic_store(&interrupt.requested, 0);
         rl_callback_sigcleanup();
         rl_free_line_state();
@@ -46,7 +45,22 @@ static int on_signal(void)
         rl_on_new_line();
         rl_redisplay();
     }
-    return 0;
+}
+
+/* Waits for a key or a signal, whichever comes first and whenever it came: a read could miss the signal that precedes it. */
+static int get_key(FILE *stream)
+{
+    struct pollfd ready[2] = {{.fd = fileno(stream), .events = POLLIN}, {.fd = signals_pipe(), .events = POLLIN}};
+    while (!signals_ending()) {
+        const int count = poll(ready, 2, -1);
+        rl_check_signals(); /* readline's own: the size of the window */
+        if (count < 0 || ready[1].revents) {
+            heed_signals();
+        } else {
+            return rl_getc(stream);
+        }
+    }
+    return EOF;
 }
 
 /* ---- what a long run shows --------------------------------------------------------------------------------------------------- */
@@ -186,9 +200,10 @@ void prompt_run(struct program *program)
     program->reply->sink = streams_sink(program->streams);
     at_prompt = program;
     set_front(program);
+    signals_pipe();
     line_begin(session);
     rl_catch_sigwinch = 1;
-    rl_signal_event_hook = on_signal;
+    rl_getc_function = get_key;
     crash_modes();
     crash_arm(TEXT("\033[?2004l\r\n")); /* what readline switches on */
     if (!program->reply->quiet) {
@@ -208,6 +223,7 @@ void prompt_run(struct program *program)
         execute(program, typed);
         free(typed);
     }
+    rl_getc_function = rl_getc;
     crash_disarm();
     session->front = before;
 }

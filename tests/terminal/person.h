@@ -21,7 +21,8 @@
 #define MS 1000000
 
 struct person {
-    pid_t program;
+    pid_t program;      /* or the shell that stands before it */
+    int stopped;        /* a byte comes from here whenever the program has stopped */
     int fd;
     struct emulator screen;
     struct buffer raw;  /* everything the program sent */
@@ -39,9 +40,41 @@ struct start {
     const char *argument[6];
     int width, height;
     bool silent;
+    bool shell; /* a shell stands between that sees the program stop: without one the system ignores Ctrl-Z */
 };
 
 static char state_folder[] = "/tmp/hooke-panes-XXXXXX";
+
+/* The least of a shell: starts the program in the foreground, says when it stops, continues it on SIGUSR1, ends as it does. */
+static inline void be_shell(int report)
+{
+    sigset_t usr1;
+    int status = 0;
+    sigemptyset(&usr1);
+    sigaddset(&usr1, SIGUSR1);
+    sigprocmask(SIG_BLOCK, &usr1, NULL);
+    signal(SIGTTOU, SIG_IGN);
+    const pid_t program = fork();
+    if (program == 0) {
+        setpgid(0, 0);
+        tcsetpgrp(STDIN_FILENO, getpid());
+        signal(SIGTTOU, SIG_DFL);
+        sigprocmask(SIG_UNBLOCK, &usr1, NULL);
+        return;
+    }
+    setpgid(program, program);
+    while (waitpid(program, &status, WUNTRACED) == program && WIFSTOPPED(status)) {
+        tcsetpgrp(STDIN_FILENO, getpid());
+        if (write(report, "", 1) != 1) {
+            break;
+        }
+        int number;
+        sigwait(&usr1, &number);
+        tcsetpgrp(STDIN_FILENO, program);
+        kill(program, SIGCONT);
+    }
+    _exit(WIFEXITED(status) ? WEXITSTATUS(status) : 126);
+}
 
 static inline void begin(struct person *p, struct start start)
 {
@@ -52,11 +85,19 @@ static inline void begin(struct person *p, struct start start)
     p->screen.eager = start.term && strcmp(start.term, "ansi") == 0;
     assert_int_equal(openpty(&p->fd, &slave, NULL, NULL, &size), 0);
     assert_int_equal(tcgetattr(slave, &p->before), 0);
+    int report[2];
+    assert_int_equal(pipe(report), 0);
+    p->stopped = report[0];
     p->program = fork();
     assert_true(p->program >= 0);
     if (p->program == 0) {
         close(p->fd);
+        close(report[0]);
         login_tty(slave);
+        if (start.shell) {
+            be_shell(report[1]);
+        }
+        close(report[1]);
         if (start.term && !*start.term) {
             unsetenv("TERM");
         } else {
@@ -79,6 +120,7 @@ static inline void begin(struct person *p, struct start start)
         _exit(127);
     }
     close(slave);
+    close(report[1]);
 }
 
 static inline void type(struct person *p, const char *keys)
@@ -233,11 +275,26 @@ static inline void same_modes(const struct person *p)
 
 static inline void forget(struct person *p)
 {
+    close(p->stopped);
     if (p->fd >= 0) {
         close(p->fd);
     }
     buffer_free(&p->raw);
     emulator_free(&p->screen);
+}
+
+/* Waits until the program has stopped and its last words have come. */
+static inline void expect_stop(struct person *p)
+{
+    struct pollfd stop = {.fd = p->stopped, .events = POLLIN};
+    const int64_t deadline = clock_ns() + PATIENCE_NS;
+    char byte;
+    while (poll(&stop, 1, 0) == 0 && clock_ns() < deadline) {
+        pump(p, 50);
+    }
+    assert_int_equal(poll(&stop, 1, 0), 1);
+    assert_int_equal(read(p->stopped, &byte, 1), 1);
+    settle(p, 50);
 }
 
 /* Waits for the end of the program; returns its wait status. */

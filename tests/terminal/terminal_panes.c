@@ -324,22 +324,18 @@ static void test_suspend(void **state)
 {
     (void)state;
     struct person p;
-    int status;
-    start_panes(&p, (struct start){0});
+    start_panes(&p, (struct start){.shell = true});
     enter(&p, "print 6*7");
     expect(&p, "42");
     type(&p, "print 5"); /* half a line */
     expect_prompt(&p, "hooke> print 5");
     type(&p, "\x1a");
-    settle(&p, 200);
-    assert_int_equal(waitpid(p.program, &status, WUNTRACED), p.program);
-    assert_true(WIFSTOPPED(status));
-    settle(&p, 100);
+    expect_stop(&p);
     same_modes(&p);
     assert_false(p.screen.second_screen);
     assert_false(p.screen.pasting);
     resize(&p, 100, 30);
-    kill(p.program, SIGCONT);
+    kill(p.program, SIGUSR1);
     expect_prompt(&p, "hooke> print 5");
     assert_true(p.screen.second_screen);
     assert_true(p.screen.pasting);
