@@ -99,10 +99,18 @@ static void talk(struct program *program, enum front_kind kind)
     autosave_end(&autosave);
 }
 
-static bool begin_session(struct session **session, const struct options *options, struct reply *reply)
+static void print_log(const struct session *session, struct streams *streams)
+{
+    for (int i = session->log.count - 1; i >= 0; i--) {
+        buffer_put(&streams->out, text_of(log_line(&session->log, i)));
+        buffer_char(&streams->out, '\n');
+    }
+}
+
+static bool begin_session(struct session **session, const struct options *options, struct buffer *told)
 {
     struct error error = {0};
-    if (options->resume && !autosave_resume(session, options->resume_name, reply, &error)) {
+    if (options->resume && !autosave_resume(session, options->resume_name, told, &error)) {
         fprintf(stderr, "hooke: error: %s%s%s; nothing was restored\n", error.text, *error.hint ? "; " : "", error.hint);
         return false;
     }
@@ -129,9 +137,13 @@ static int run(const struct options *options)
     reply.quiet = options->quiet;
 
     int status = ERROR_USAGE;
-    if (begin_session(&session, options, &reply)) {
+    struct buffer told = {0};
+    if (begin_session(&session, options, &told)) {
         if (kind == FRONT_IS_PANES) {
             reply.sink = panes_sink(session); /* what is said from now on stands in the log */
+        }
+        if (told.len > 0) {
+            reply_note(&reply, "%s", told.data);
         }
         if (!options->norc && (kind != FRONT_END || options->rc)) {
             rc_run(session, &reply);
@@ -141,8 +153,11 @@ static int run(const struct options *options)
         status = session->status; /* what is typed at the prompt afterwards has been answered there */
         if (kind != FRONT_END && !session->quit && !signals_ending()) {
             talk(&(struct program){.session = session, .options = options, .streams = &streams, .reply = &reply}, kind);
+        } else {
+            print_log(session, &streams); /* a file left before the panes came */
         }
     }
+    buffer_free(&told);
     bool written = streams_flush(&streams);
     if (!written) {
         fprintf(stderr, "hooke: error: cannot write standard output: %s\n", strerror(streams.failure));

@@ -282,7 +282,7 @@ static char *choose_saved(const char *folder, const char *name, struct error *er
     return path.data;
 }
 
-bool autosave_resume(struct session **session, const char *name, struct reply *reply, struct error *error)
+bool autosave_resume(struct session **session, const char *name, struct buffer *told, struct error *error)
 {
     char *folder = state_path("", false);
     if (!folder) {
@@ -302,9 +302,8 @@ bool autosave_resume(struct session **session, const char *name, struct reply *r
         ok = execute(restored, shown, buffer_text(&content), error);
     }
     if (ok) {
-        reply_note(reply, "%s restored: %d command%s, %d run%s, %d recording%s", shown, restored->commands,
-                   restored->commands == 1 ? "" : "s", restored->runs, restored->runs == 1 ? "" : "s", restored->recordings,
-                   restored->recordings == 1 ? "" : "s");
+        buffer_format(told, "%s restored: %d run%s, %d recording%s", shown, restored->runs, restored->runs == 1 ? "" : "s",
+                      restored->recordings, restored->recordings == 1 ? "" : "s");
         session_destroy(*session);
         *session = restored;
     } else {

@@ -9,6 +9,8 @@
 #include <termios.h>
 #include <unistd.h>
 
+#define RESERVE ((size_t)1 << 19)
+
 /* All of it is static: a handler may neither allocate nor trust the stack or the heap. */
 static struct {
     volatile sig_atomic_t known, armed; /* the modes; the text too */
@@ -16,6 +18,7 @@ static struct {
     char text[512];
     size_t len;
     void (*last_act)(void);
+    void *reserve; /* memory for it */
     char stack[1 << 16];
 } rescue;
 
@@ -77,6 +80,8 @@ void *xrealloc(void *old, size_t size);
 void crash_last_act(void (*act)(void))
 {
     rescue.last_act = act;
+    free(rescue.reserve);
+    rescue.reserve = act ? malloc(RESERVE) : NULL;
 }
 
 static void *checked(void *memory)
@@ -86,6 +91,8 @@ static void *checked(void *memory)
     }
     void (*act)(void) = rescue.last_act;
     rescue.last_act = NULL; /* it may end up here again */
+    free(rescue.reserve);
+    rescue.reserve = NULL;
     if (act) {
         act();
     }

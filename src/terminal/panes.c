@@ -7,6 +7,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <langinfo.h>
 #include <limits.h>
 #include <poll.h>
 #include <stdio.h>
@@ -121,6 +122,8 @@ static enum shown draw(struct panes *panes, bool only_prompt, int rows)
     int x = 0, y = 0;
     describe_prompt(panes, &prompt, &room);
     struct canvas *canvas = &panes->screen.canvas;
+    const int choice = session_of(panes)->setup.settings.color;
+    screen_color(&panes->screen, choice == COLOR_ALWAYS || (choice == COLOR_AUTO && panes->color));
     enum shown shown = SHOWN_NOTHING;
     if (!canvas->cell || screen_draw(session_of(panes), &prompt, canvas, &x, &y)) {
         shown = screen_show(&panes->screen, only_prompt ? panes->screen.height - 1 : 0, rows, x, y);
@@ -214,6 +217,8 @@ static void heed_signals(struct panes *panes)
     }
     if (signals_happened(HAPPENED_CONTINUE)) {
         panes_repaint(panes);
+        screen_resize(&panes->screen);
+        take_size(panes);
     }
     if (cancelled(&interrupt) && !signals_ending()) {
         atomic_store(&interrupt.requested, 0);
@@ -416,11 +421,13 @@ static void execute_line(struct panes *panes)
         draw(panes, false, INT_MAX); /* what takes long is seen to have begun */
     }
     buffer_clear(&panes->notice);
+    const bool busy = signals_busy(true);
     if (from == LINE_SILENT) {
         execute_silently(panes, buffer_text(&line));
     } else {
         typed_run(session, buffer_text(&line), program->reply);
     }
+    signals_busy(busy);
     if (nested) {
         program->reply = outer;
         reply_free(&own);
@@ -470,12 +477,14 @@ static bool slice(void *context, struct session *session, int64_t until)
 {
     struct panes *panes = context;
     (void)session;
+    signals_busy(false);
     panes->running = true;
     do {
         wait_event(panes, until);
         process(panes);
     } while (clock_ns() < until && !is_over(panes) && !panes->interrupted);
     panes->running = false;
+    signals_busy(true);
     const bool go_on = !is_over(panes) && !panes->interrupted;
     panes->interrupted = false;
     return go_on;
@@ -487,6 +496,7 @@ static bool confirm(void *context, const char *question)
     enum input_item item = INPUT_NONE;
     unsigned char byte = 0;
     struct text paste;
+    const bool busy = signals_busy(false);
     panes->question = question;
     panes->screen_stale = true;
     panes->interrupted = false;
@@ -495,6 +505,7 @@ static bool confirm(void *context, const char *question)
         while ((item = input_next(&panes->input, clock_ns(), &byte, &paste)) == INPUT_PASTE || item == INPUT_REPLY) {
         }
     }
+    signals_busy(busy);
     panes->interrupted = false;
     panes->question = NULL;
     panes->screen_stale = true;
@@ -587,8 +598,8 @@ void panes_run(struct program *program)
     FILE *nowhere = fopen("/dev/null", "w");
     program->next = FRONT_END;
     line_begin(session); /* before ncurses: both look the terminal up */
-    panes.screen.color_wanted = before.color;
-    panes.screen.utf8 = before.utf8;
+    panes.color = before.color;
+    panes.screen.utf8 = strcmp(nl_langinfo(CODESET), "UTF-8") == 0;
     if (!nowhere || signals_pipe() < 0 || !screen_begin(&panes.screen)) {
         if (nowhere) {
             fclose(nowhere);

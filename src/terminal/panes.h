@@ -62,7 +62,7 @@ void pacing_replied(struct pacing *pacing, int64_t now);
 
 struct screen {
     void *handle;         /* SCREEN of ncurses, NULL: not shown */
-    bool color_wanted;    /* colour may be used: set from NO_COLOR and the options */
+    bool color_wanted;
     bool color_begun;
     bool utf8;
     int width, height;    /* [cell] */
@@ -79,6 +79,7 @@ void screen_end(struct screen *screen);
 /* Gives the terminal back for a while, and takes it again. */
 void screen_leave(struct screen *screen);
 void screen_return(struct screen *screen);
+void screen_color(struct screen *screen, bool wanted);
 /* The next screen_show sends everything. */
 void screen_repaint(struct screen *screen);
 /* Reads the size from the terminal and adapts to it. */
@@ -100,6 +101,7 @@ struct panes {
     int next_byte;        /* taken from the input for readline, -1: none */
     struct pacing pacing;
     struct screen screen;
+    bool color;           /* the terminal shows colours, and NO_COLOR is not set */
     struct buffer line;   /* a complete line that waits to be executed */
     enum line_from line_from;
     bool line_waits;

@@ -162,7 +162,8 @@ void screen_return(struct screen *screen)
 
 void screen_repaint(struct screen *screen)
 {
-    reset_prog_mode(); /* somebody else may have changed it: a shell after a SIGSTOP */
+    reset_prog_mode(); /* somebody else may have changed it: a shell, after the program was stopped */
+    send(screen_capability("smcup"));
     send(screen_capability("BE"));
     clearok(stdscr, TRUE);
     screen->stale = true;
@@ -203,6 +204,12 @@ static bool begin_colors(struct screen *screen)
         screen->color_begun = true;
     }
     return screen->color_begun;
+}
+
+void screen_color(struct screen *screen, bool wanted)
+{
+    screen->stale |= wanted != screen->color_wanted;
+    screen->color_wanted = wanted;
 }
 
 /* What the C library and we count differently would shift the rest of the row. */

@@ -12,6 +12,7 @@
 struct cancel interrupt;
 static volatile sig_atomic_t ending;
 static volatile sig_atomic_t happened[HAPPENED_COUNT];
+static volatile sig_atomic_t busy;
 static int ends[2] = {-1, -1};
 
 static const int number_of[HAPPENED_COUNT] = {
@@ -57,6 +58,11 @@ static void on_ending(int number)
 
 static void on_happening(int number)
 {
+    if (number == SIGTSTP && busy) {
+        crash_restore();
+        signals_stop();
+        return;
+    }
     for (int i = 0; i < HAPPENED_COUNT; i++) {
         if (number_of[i] == number) {
             happened[i] = 1;
@@ -101,6 +107,13 @@ void signals_watch(unsigned set)
             handle(number_of[i], set & 1u << i ? on_happening : SIG_DFL);
         }
     }
+}
+
+bool signals_busy(bool now)
+{
+    const bool before = busy;
+    busy = now;
+    return before;
 }
 
 bool signals_happened(enum happening what)

@@ -57,6 +57,8 @@ enum happening { HAPPENED_RESIZE, HAPPENED_SUSPEND, HAPPENED_CONTINUE, HAPPENED_
 /* Installs the handlers of those in the set (bits 1 << enum happening), gives the others back to the system. */
 void signals_watch(unsigned set);
 bool signals_happened(enum happening what); /* and forgets it */
+/* While nobody looks because a command takes long, Ctrl-Z stops the program from inside the handler. Returns what it was. */
+bool signals_busy(bool now);
 /* A descriptor that becomes readable with every signal; -1: no pipe could be made. Reading it empty is signals_drain(). */
 int signals_pipe(void);
 void signals_drain(void);
@@ -153,7 +155,7 @@ void autosave_end(struct autosave *autosave);
 int64_t autosave_due(struct autosave *autosave);
 /* Writes now if anything changed. False, once a session: it cannot be written, and why. */
 bool autosave_write(struct autosave *autosave, struct error *error);
-/* Replaces the session by a saved one; unchanged unless all of it could be restored. name NULL: the newest. */
-bool autosave_resume(struct session **session, const char *name, struct reply *reply, struct error *error);
+/* Replaces the session by a saved one; unchanged unless all of it could be restored. name NULL: the newest. told: what was done. */
+bool autosave_resume(struct session **session, const char *name, struct buffer *told, struct error *error);
 
 #endif

@@ -105,15 +105,15 @@ static void test_interrupt(void **state)
     type(&p, "\x03");
     expect_prompt(&p, EMPTY_PROMPT);
     type(&p, "\x03\x03"); /* at an empty prompt: does not leave */
-    enter(&p, "print 2*11");
-    expect(&p, "22");
+    enter(&p, "print 111*222");
+    expect(&p, "24642");
     type(&p, "\x12"
              "pri");
     expect(&p, "reverse-i-search");
     type(&p, "\x03");
     expect_prompt(&p, EMPTY_PROMPT);
-    enter(&p, "print 3*11"); /* the search is over */
-    expect(&p, "33");
+    enter(&p, "print 111*333"); /* the search is over */
+    expect(&p, "36963");
     type(&p, "e\t\t");
     expect(&p, "export");
     type(&p, "\x03");
@@ -129,8 +129,8 @@ static void test_interrupt_pauses_a_run(void **state)
     enter(&p, "method verlet");
     enter(&p, "run 1000 s");
     expect(&p, "RUNNING");
-    enter(&p, "print 6*7"); /* commands are executed on the way */
-    expect(&p, "42");
+    enter(&p, "print 321*321"); /* commands are executed on the way */
+    expect(&p, "103041");
     type(&p, "print 99"); /* a line that is being typed survives the pause */
     expect_prompt(&p, "hooke> print 99");
     assert_false(shows(&p, "PAUSED"));
@@ -159,8 +159,8 @@ static void test_interrupt_stops_long_commands(void **state)
     expect(&p, "hooke> compare");
     const int64_t begun = clock_ns();
     type(&p, "\x03");
-    enter(&p, "print 4*11");
-    expect(&p, "44");
+    type(&p, "print 123*1001\r");
+    expect(&p, "123123");
     print_message("# Ctrl-C stops compare after %.1f ms\n", (double)(clock_ns() - begun) * 1e-6);
     quit(&p);
 }
@@ -343,6 +343,30 @@ static void test_suspend(void **state)
     expect_true_screen(&p);
     type(&p, "*5\r");
     expect(&p, "25");
+    quit(&p);
+}
+
+/* Nobody looks at the terminal then: the handler does it. */
+static void test_suspend_in_a_long_command(void **state)
+{
+    (void)state;
+    struct person p;
+    start_panes(&p, (struct start){.shell = true});
+    enter(&p, "set duration 20000 s; timing full");
+    type(&p, "compare euler verlet rk4 dt=1ms,0.5ms,0.2ms\r");
+    expect(&p, "hooke> compare");
+    type(&p, "\x1a");
+    expect_stop(&p);
+    same_modes(&p);
+    assert_false(p.screen.second_screen);
+    assert_false(p.screen.pasting);
+    resize(&p, 90, 20);
+    kill(p.program, SIGUSR1);
+    type(&p, "\x03");
+    expect_prompt(&p, EMPTY_PROMPT);
+    assert_true(p.screen.second_screen);
+    assert_true(p.screen.pasting);
+    expect_true_screen(&p);
     quit(&p);
 }
 
@@ -615,6 +639,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(test_inputrc_wins),
         cmocka_unit_test(test_sizes),
         cmocka_unit_test(test_suspend),
+        cmocka_unit_test(test_suspend_in_a_long_command),
         cmocka_unit_test(test_signals_give_the_terminal_back),
         cmocka_unit_test(test_end_of_input_leaves),
         cmocka_unit_test(test_plain_and_back),
