@@ -111,7 +111,8 @@ static bool begin_session(struct session **session, const struct options *option
 {
     struct error error = {0};
     if (options->resume && !autosave_resume(session, options->resume_name, told, &error)) {
-        fprintf(stderr, "hooke: error: %s%s%s; nothing was restored\n", error.text, *error.hint ? "; " : "", error.hint);
+        fprintf(stderr, "hooke: error: %s%s%s; nothing was restored\n", error.text, *error.hint ? "; " : "",
+                error.hint);
         return false;
     }
     return option_setting(*session, "charset", options->charset) && option_setting(*session, "color", options->color) &&

@@ -211,6 +211,8 @@ bool session_cursor_reading(const struct session *session, struct cursor_reading
 /* The same in four lines for people, as `cursor` prints them; without a newline at the end. */
 void session_cursor_lines(const struct session *session, struct buffer *text);
 
+#define LIMIT_OVERLAY 4 /* as many as have marks of their own */
+
 struct view {
     enum layout layout;
     enum pane focus;      /* the pane that commands and zooming act on */
@@ -220,6 +222,8 @@ struct view {
     double trail;         /* periods of the phase trail; HUGE_VAL: all */
     int scroll;           /* lines the log is scrolled up */
     bool paging;          /* the live view sweeps, then pages; otherwise it scrolls by whole cells */
+    int overlay[LIMIT_OVERLAY]; /* numbers of the runs drawn besides the present one; those that are gone are passed over */
+    int overlays;
     struct cursors cursors;
 };
 

@@ -76,6 +76,7 @@ HANDLER(plot)
     struct figure_request request = {.kind = (enum plot_kind)given_for(given, "KIND")->item->index,
                                      .window = {NAN, NAN},
                                      .charset = session_charset(session),
+                                     .trail = session->view.trail,
                                      .log = is_given(given, "log")};
     struct figure figure;
     int width, height;

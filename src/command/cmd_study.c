@@ -208,6 +208,14 @@ static bool keep_runs(struct session *session, struct comparison *rows, int coun
     return ok;
 }
 
+/* The panes show what was compared on the same axes: the last as the present run, those before it over it. */
+static void overlay_runs(struct view *view, const struct comparison *rows, int count)
+{
+    view->overlays = 0;
+    for (int i = count > LIMIT_OVERLAY ? count - 1 - LIMIT_OVERLAY : 0; i + 1 < count; i++)
+        view->overlay[view->overlays++] = rows[i].run->number;
+}
+
 static void reply_saved(const struct comparison *rows, int count, struct reply *reply)
 {
     struct buffer numbers = {0};
@@ -251,6 +259,7 @@ HANDLER(compare)
     if (!keep_runs(session, rows, count, error))
         return false;
     if (count > 0) {
+        overlay_runs(&session->view, rows, count);
         reply_table(session, rows, count, given->arena, reply);
         for (int i = 0; i < count && reply->format != FORMAT_TEXT; i++)
             reply_comparison(&rows[i], reply);

@@ -217,6 +217,36 @@ HANDLER(window)
     return changed(session);
 }
 
+HANDLER(overlay)
+{
+    const struct given *runs = given_for(given, "run");
+    struct view *view = &session->view;
+    int number[LIMIT_OVERLAY] = {0}, count = 0;
+    for (int r = 0; r < session->runs; r++) {
+        bool wanted = false;
+        for (int i = 0; i < runs->count; i++)
+            wanted |= runs->item[i].index < 0 || runs->item[i].index == r;
+        if (!wanted || r == session->current_run)
+            continue;
+        if (count == LIMIT_OVERLAY)
+            return error_at(error, runs->where, "at most %d runs can be laid over the present one", LIMIT_OVERLAY);
+        number[count++] = session->run[r]->run->number;
+    }
+    if (runs->count || is_given(given, "off")) {
+        memcpy(view->overlay, number, sizeof number);
+        view->overlays = count;
+    }
+    struct buffer text = {0};
+    buffer_put(&text, TEXT("overlay"));
+    for (int i = 0; i < view->overlays; i++)
+        buffer_format(&text, "%s %d", i ? "" : " run", view->overlay[i]);
+    if (view->overlays == 0)
+        buffer_put(&text, TEXT(" off"));
+    reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+    return changed(session);
+}
+
 HANDLER(trail)
 {
     UNUSED(error);
@@ -322,6 +352,12 @@ COMMAND(window, .row = {"window", "", "how much time the panes show", "", NULL},
         .see = "range trail zoom", .flags = COMMAND_ANYTIME,
         ARGUMENTS(WORD("auto", TYPE_NONE, .group = 1),
                   PLACE("TIME", TYPE_VALUE, .quantity = QUANTITY_TIME, .group = 1)))
+
+COMMAND(overlay, .row = {"overlay", "", "draw other runs over the present one in the panes", "", NULL}, .group = "PLOT",
+        .text = "Up to 4 of them, each with its mark; off takes them away. compare lays its runs over one another by itself, a new run\n"
+                "stands alone. 'plot KIND run N..' draws any runs once.",
+        .examples = "run; run; overlay run 1\noverlay off", .see = "compare plot runs use", .flags = COMMAND_ANYTIME,
+        ARGUMENTS(WORD("off", TYPE_NONE, .group = 1), WORD("run", TYPE_RUN, .flags = ARG_MANY | ARG_ALL, .group = 1)))
 
 COMMAND(trail, .row = {"trail", "", "how many periods the phase pane shows", "", NULL}, .group = "PLOT",
         .text = "2 in a new session.", .examples = "trail 5\ntrail all", .see = "window layout",

@@ -99,6 +99,7 @@ bool session_add_run(struct session *session, struct run *run, struct error *err
         return false;
     }
     run->number = session->next_run++;
+    session->view.overlays = 0; /* a new run stands alone */
     session->run[session->runs] = held;
     session->current_run = session->runs++;
     session->data_is_latest = false;

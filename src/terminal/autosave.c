@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Sessions saved on their own. A file is named after the process that writes it, so that those of living sessions are left alone. It is replaced
- * whole, and restored whole or not at all, from nothing but commands that recreate a session.
+ * Sessions saved on their own. A file is named after the process that writes it, so that those of living sessions are
+ * left alone. It is replaced whole, and restored whole or not at all, from nothing but commands that recreate a
+ * session.
  */
 #include "terminal.h"
 
@@ -19,7 +20,7 @@
 #define SAVED_BYTES ((size_t)64 << 20)
 #define STALE_SECONDS 60 /* a temporary file of this age belongs to nobody */
 
-/* ---- the files there are ----------------------------------------------------------------------------------------------- */
+/* ---- the files there are ---------------------------------------------------------------------------------- */
 
 struct saved {
     char name[64];
@@ -37,8 +38,9 @@ static bool read_name(const char *name, struct saved *saved)
 {
     long pid;
     int used = 0;
-    if (strlen(name) >= sizeof saved->name || sscanf(name, AUTOSAVE_PREFIX "%*8[0-9]-%*6[0-9]-%9ld.hk%n", &pid, &used) != 1 ||
-        used == 0 || name[used] != '\0' || pid <= 0) {
+    if (strlen(name) >= sizeof saved->name ||
+        sscanf(name, AUTOSAVE_PREFIX "%*8[0-9]-%*6[0-9]-%9ld.hk%n", &pid, &used) != 1 || used == 0 ||
+        name[used] != '\0' || pid <= 0) {
         return false;
     }
     snprintf(saved->name, sizeof saved->name, "%s", name);
@@ -73,7 +75,8 @@ static struct saved_list list_saved(const char *folder, bool sweep)
         if (sweep && is_stale_temporary(entry->d_name, &status)) {
             unlinkat(dirfd(directory), entry->d_name, 0);
         }
-        struct saved *more = read_name(entry->d_name, &saved) ? realloc(list.item, (size_t)(list.count + 1) * sizeof *more) : NULL;
+        struct saved *more =
+            read_name(entry->d_name, &saved) ? realloc(list.item, (size_t)(list.count + 1) * sizeof *more) : NULL;
         if (more) {
             list.item = more;
             saved.time = status.st_mtime;
@@ -89,13 +92,14 @@ static struct saved_list list_saved(const char *folder, bool sweep)
     return list;
 }
 
-/* ---- writing --------------------------------------------------------------------------------------------------------------- */
+/* ---- writing ---------------------------------------------------------------------------------------------- */
 
 void autosave_begin(struct autosave *autosave, const struct session *session)
 {
     const char *wish = getenv("HOOKE_AUTOSAVE");
     double seconds;
-    *autosave = (struct autosave){.session = session, .saved = session->changes, .interval = (int64_t)AUTOSAVE_SECONDS * 1000000000};
+    *autosave = (struct autosave){
+        .session = session, .saved = session->changes, .interval = (int64_t)AUTOSAVE_SECONDS * 1000000000};
     if (wish && real_parse(text_of(wish), &seconds) == REAL_OK && seconds >= 0.1 && seconds <= 86400) {
         autosave->interval = (int64_t)(seconds * 1e9);
     }
@@ -153,7 +157,8 @@ static bool write_session(struct autosave *autosave, struct error *error)
     struct buffer text = {0};
     struct writer writer;
     session_autosave(autosave->session, &text);
-    bool ok = text.failed ? error_memory(error) : writer_open(&writer, autosave->path, (struct write_policy){.force = true}, error);
+    bool ok = text.failed ? error_memory(error)
+                          : writer_open(&writer, autosave->path, (struct write_policy){.force = true}, error);
     if (ok) {
         writer_put(&writer, buffer_text(&text));
         ok = writer_commit(&writer, error);
@@ -182,19 +187,20 @@ bool autosave_write(struct autosave *autosave, struct error *error)
     return !tell;
 }
 
-/* ---- restoring -------------------------------------------------------------------------------------------------------------- */
+/* ---- restoring -------------------------------------------------------------------------------------------- */
 
 /* The commands that session_save writes; nothing else may stand in a saved session. */
 static bool is_allowed(struct text line)
 {
-    static const char *const allowed[] = {"scene", "set",    "unset", "let",   "method",  "load",  "data",  "run",   "continue",
-                                          "change", "step",  "back",  "reset", "use",   "rename",  "note",  "force", "var",   "param",
-                                          "observe", "event", "potential", "layout", "focus", "range", "window", "trail"};
+    static const char *const allowed[] = {"scene",     "set",      "unset",  "let",   "method", "load",    "data",
+                                          "run",       "continue", "change", "step",  "back",   "reset",   "use",
+                                          "rename",    "note",     "force",  "var",   "param",  "observe", "event",
+                                          "potential", "layout",   "focus",  "range", "window", "trail"};
     size_t name = 0;
     while (name < line.len && !strchr(" \t='", line.at[name])) {
         name++;
     }
-    size_t after = name + strspn(line.at + name, " \t'"); /* the text is NUL-terminated behind the line */
+    size_t after = name + strspn(line.at + name, " \t'");   /* the text is NUL-terminated behind the line */
     bool known = after < line.len && line.at[after] == '='; /* an assignment or an equation */
     for (size_t i = 0; i < COUNT_OF(allowed); i++) {
         known |= text_is((struct text){line.at, name}, allowed[i]);
@@ -244,7 +250,8 @@ static bool execute(struct session *session, const char *name, struct text conte
         }
         buffer_clear(&said);
         if (!is_allowed(line)) {
-            ok = error_set(error, ERROR_COMMAND, "%s:%d: this command does not belong into a saved session", name, where.line);
+            ok = error_set(error, ERROR_COMMAND, "%s:%d: this command does not belong into a saved session", name,
+                           where.line);
         } else if (!command_exec(session, line, &where, &reply)) {
             struct text rest = text_trim(buffer_text(&said)), first = TEXT("");
             text_split(&rest, '\n', &first);
@@ -302,8 +309,8 @@ bool autosave_resume(struct session **session, const char *name, struct buffer *
         ok = execute(restored, shown, buffer_text(&content), error);
     }
     if (ok) {
-        buffer_format(told, "%s restored: %d run%s, %d recording%s", shown, restored->runs, restored->runs == 1 ? "" : "s",
-                      restored->recordings, restored->recordings == 1 ? "" : "s");
+        buffer_format(told, "%s restored: %d run%s, %d recording%s", shown, restored->runs,
+                      restored->runs == 1 ? "" : "s", restored->recordings, restored->recordings == 1 ? "" : "s");
         session_destroy(*session);
         *session = restored;
     } else {

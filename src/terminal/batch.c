@@ -16,7 +16,8 @@ static void show(struct reply *reply, struct text line)
 }
 
 /* Standard input line by line, so that results of the first line are out before the second arrives. */
-static void run_input(struct session *session, const struct options *options, struct reply *reply, struct streams *streams)
+static void run_input(struct session *session, const struct options *options, struct reply *reply,
+                      struct streams *streams)
 {
     struct script script;
     script_begin(&script, session, "-", NULL);
@@ -75,7 +76,8 @@ static void run_text(struct session *session, const struct options *options, con
     script_end(&script, session, reply);
 }
 
-void batch_run(struct session *session, const struct options *options, bool input, struct reply *reply, struct streams *streams)
+void batch_run(struct session *session, const struct options *options, bool input, struct reply *reply,
+               struct streams *streams)
 {
     for (int i = 0; i < options->tasks && !session->quit; i++) {
         const struct task *task = &options->task[i];

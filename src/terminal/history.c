@@ -28,7 +28,8 @@ static int open_locked(const char *path)
         struct stat there;
         while (flock(fd, LOCK_EX) != 0 && errno == EINTR) {
         }
-        if (fstat(fd, &mine) == 0 && stat(path, &there) == 0 && mine.st_ino == there.st_ino && mine.st_dev == there.st_dev) {
+        if (fstat(fd, &mine) == 0 && stat(path, &there) == 0 && mine.st_ino == there.st_ino &&
+            mine.st_dev == there.st_dev) {
             return fd;
         }
         close(fd);

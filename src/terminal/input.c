@@ -32,7 +32,8 @@ void input_read(struct input *input, bool gone)
 
 static struct text waiting(const struct input *input)
 {
-    return input->bytes.data ? (struct text){input->bytes.data + input->head, input->bytes.len - input->head} : TEXT("");
+    return input->bytes.data ? (struct text){input->bytes.data + input->head, input->bytes.len - input->head}
+                             : TEXT("");
 }
 
 /* The text begins with the sequence, or could become it with what is still to come. */
@@ -90,7 +91,8 @@ bool input_pending(const struct input *input)
 bool input_strip_reply(struct input *input)
 {
     const struct text text = waiting(input);
-    char *reply = text.len ? memmem(input->bytes.data + input->head, text.len, REPLY_TEXT, sizeof REPLY_TEXT - 1) : NULL;
+    char *reply =
+        text.len ? memmem(input->bytes.data + input->head, text.len, REPLY_TEXT, sizeof REPLY_TEXT - 1) : NULL;
     if (reply) {
         const char *after = reply + sizeof REPLY_TEXT - 1;
         input->bytes.len -= sizeof REPLY_TEXT - 1;

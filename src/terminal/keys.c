@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Keys: a row each, and each a command line. Readline's keymaps find them, so that the inputrc can bind them otherwise. */
+/* Keys: a row each, and each a command line. Readline's keymaps find them, so that the inputrc can bind them otherwise.
+ */
 #include "panes.h"
 
 #include <stdio.h>
@@ -9,7 +10,8 @@
 
 #define CX "\030" /* C-x */
 
-/* Appends the command line; none: the key has done what it does by itself. count: the prefix argument, 1 without one. */
+/* Appends the command line; none: the key has done what it does by itself. count: the prefix argument, 1 without one.
+ */
 typedef void make(const struct session *session, int count, struct buffer *line);
 
 static void say_help(const struct session *session, int count, struct buffer *line)
@@ -42,7 +44,8 @@ static void say_step(const struct session *session, int count, struct buffer *li
 static void say_charset(const struct session *session, int count, struct buffer *line)
 {
     (void)count;
-    static const char *const after[] = {[CHARSET_BRAILLE] = "block", [CHARSET_BLOCK] = "ascii", [CHARSET_ASCII] = "braille"};
+    static const char *const after[] = {
+        [CHARSET_BRAILLE] = "block", [CHARSET_BLOCK] = "ascii", [CHARSET_ASCII] = "braille"};
     buffer_format(line, "set charset %s", after[session_charset(session)]);
 }
 
@@ -118,7 +121,7 @@ static void say_fourth(const struct session *session, int count, struct buffer *
     fill(session, PANE_ENERGY, line);
 }
 
-/* ---- on the plot ------------------------------------------------------------------------------------------------------------- */
+/* ---- on the plot ------------------------------------------------------------------------------------------ */
 
 static void move_cursor(const struct session *session, const char *where, int count, struct buffer *line)
 {
@@ -178,14 +181,14 @@ static void type_command(const struct session *session, int count, struct buffer
     type("");
 }
 
-/* ---- the table ------------------------------------------------------------------------------------------------------------------ */
+/* ---- the table -------------------------------------------------------------------------------------------- */
 
 static const struct key {
     const char *keys[4];    /* what the terminal sends */
     const char *capability; /* or what terminfo says; NULL: nothing more */
     const char *command;    /* NULL: made by `make` */
     make *make;
-    bool silent;            /* looks at the screen only: neither shown in the log nor remembered */
+    bool silent; /* looks at the screen only: neither shown in the log nor remembered */
 } keys[] = {
     {{CX "h"}, "kf1", NULL, say_help, false},
     {{CX "r"}, "kf5", NULL, say_run, false},
@@ -231,7 +234,7 @@ static const struct key cursor_keys[] = {
     {{"q", "\004"}, NULL, "cursor off", NULL, false},
 };
 
-/* ---- from a key to its row: readline only says what was typed ---------------------------------------------------------------------- */
+/* ---- from a key to its row: readline only says what was typed --------------------------------------------- */
 
 static Keymap on_plot; /* while the cursors have the keys */
 
@@ -249,7 +252,8 @@ static const char *sequence(const struct key *key, size_t i)
     return *typed ? typed : NULL;
 }
 
-/* Readline tells all that was typed, the digits of a prefix argument too: the row with the longest sequence at its end. */
+/* Readline tells all that was typed, the digits of a prefix argument too: the row with the longest sequence at its end.
+ */
 static const struct key *find_key(const struct key *rows, size_t count, size_t *longest)
 {
     const struct key *found = NULL;

@@ -16,7 +16,10 @@ static const struct option_row {
     size_t offset;     /* of a bool (VALUE_NONE) or a string (VALUE_WORD) in struct options */
     const char *brief;
 } rows[] = {
-#define FLAG(letter, name, field, brief) {letter, name, VALUE_NONE, "", offsetof(struct options, field), brief}
+#define FLAG(letter, name, field, brief)                                                                               \
+    {                                                                                                                  \
+        letter, name, VALUE_NONE, "", offsetof(struct options, field), brief                                           \
+    }
     {'f', "file", VALUE_FILE, " FILE", 0, "run a command file (\"-\" = standard input); repeatable, in order with -c"},
     {'c', "command", VALUE_TEXT, " TEXT", 0, "run commands (\";\" separates); repeatable"},
     FLAG('i', "interactive", interactive, "go to the prompt after -f, -c, FILE"),
@@ -52,8 +55,9 @@ void options_help(struct buffer *text)
             buffer_format(text, "      %-20s %s\n", name, rows[i].brief);
         }
     }
-    buffer_format(text, "\nexit status: 0 done, 1 a command failed, 2 bad option or script not readable, 3 numerical failure,\n"
-                        "4 input or output failed, 129 130 143 ended by a signal\n");
+    buffer_format(
+        text, "\nexit status: 0 done, 1 a command failed, 2 bad option or script not readable, 3 numerical failure,\n"
+              "4 input or output failed, 129 130 143 ended by a signal\n");
 }
 
 static bool complain(const char *what, const char *word)
@@ -72,8 +76,8 @@ static bool take_size(struct options *options, const char *value)
     size_t used;
     struct text text = text_of(value);
     if (real_scan(text, '.', &width, &used) == REAL_OK && used + 1 < text.len && value[used] == 'x' &&
-        real_parse((struct text){value + used + 1, text.len - used - 1}, &height) == REAL_OK && width >= 1 && width <= 1000 &&
-        height >= 1 && height <= 1000 && width == floor(width) && height == floor(height)) {
+        real_parse((struct text){value + used + 1, text.len - used - 1}, &height) == REAL_OK && width >= 1 &&
+        width <= 1000 && height >= 1 && height <= 1000 && width == floor(width) && height == floor(height)) {
         options->width = (int)width;
         options->height = (int)height;
         return true;
@@ -81,7 +85,8 @@ static bool take_size(struct options *options, const char *value)
     return complain("--size wants WIDTHxHEIGHT in characters (1 to 1000), such as 80x24, not", value);
 }
 
-/* Does a value follow? That of --resume may be left out; the names of saved sessions are told from files by their beginning. */
+/* Does a value follow? That of --resume may be left out; the names of saved sessions are told from files by their
+ * beginning. */
 static bool wants_next(const struct option_row *row, const char *next)
 {
     if (row->value == VALUE_RESUME) {

@@ -5,8 +5,11 @@
 
 #include "terminal.h"
 
-/* ---- what the terminal sends (input.c) -------------------------------------------------------------------------------------
- * Bytes wait here undecoded. Two things are taken out before readline sees them: pastes, and the reply to our question.
+#include <stdio.h>
+
+/* ---- what the terminal sends (input.c)
+ * ------------------------------------------------------------------------------------- Bytes wait here undecoded. Two
+ * things are taken out before readline sees them: pastes, and the reply to our question.
  */
 
 #define REPLY_TEXT "\033[0n"
@@ -33,9 +36,10 @@ bool input_strip_reply(struct input *input);
 void input_clear(struct input *input);
 void input_free(struct input *input);
 
-/* ---- how often it is drawn (pacing.c) -----------------------------------------------------------------------------------------
- * After an animated frame the terminal is asked ESC[5n; the next one waits for its answer. So a slow link never has more than one frame under
- * way, and what is typed is seen at once.
+/* ---- how often it is drawn (pacing.c)
+ * ----------------------------------------------------------------------------------------- After an animated frame the
+ * terminal is asked ESC[5n; the next one waits for its answer. So a slow link never has more than one frame under way,
+ * and what is typed is seen at once.
  */
 
 enum shown { SHOWN_NOTHING, SHOWN_PART, SHOWN_ALL };
@@ -48,7 +52,10 @@ struct pacing {
 };
 
 /* The link counts as slow until it has answered for the first time. */
-#define PACING_BEGIN {.delay = INT64_MAX}
+#define PACING_BEGIN                                                                                                   \
+    {                                                                                                                  \
+        .delay = INT64_MAX                                                                                             \
+    }
 
 /* Earliest time of the next animated frame [clock_ns]. */
 int64_t pacing_due(const struct pacing *pacing, const struct session *session);
@@ -58,10 +65,10 @@ int pacing_rows(const struct pacing *pacing);
 void pacing_drawn(struct pacing *pacing, const struct session *session, int64_t now, enum shown shown);
 void pacing_replied(struct pacing *pacing, int64_t now);
 
-/* ---- the terminal under ncurses (screen.c) ------------------------------------------------------------------------------------- */
+/* ---- the terminal under ncurses (screen.c) ---------------------------------------------------------------- */
 
 struct screen {
-    void *handle;         /* SCREEN of ncurses, NULL: not shown */
+    void *handle; /* SCREEN of ncurses, NULL: not shown */
     bool color_wanted;
     bool color_begun;
     bool utf8;
@@ -80,6 +87,8 @@ void screen_end(struct screen *screen);
 void screen_leave(struct screen *screen);
 void screen_return(struct screen *screen);
 void screen_color(struct screen *screen, bool wanted);
+/* Takes the terminal back from somebody who had it while the program was stopped. */
+void screen_retake(struct screen *screen);
 /* The next screen_show sends everything. */
 void screen_repaint(struct screen *screen);
 /* Reads the size from the terminal and adapts to it. */
@@ -87,7 +96,7 @@ void screen_resize(struct screen *screen);
 /* Sends what differs from `shown`, from row `from` on, at most so many rows: the others come with the next call. */
 enum shown screen_show(struct screen *screen, int from, int rows, int cursor_x, int cursor_y);
 
-/* ---- the front end ------------------------------------------------------------------------------------------------------------------- */
+/* ---- the front end ---------------------------------------------------------------------------------------- */
 
 enum line_from {
     LINE_TYPED,
@@ -98,11 +107,11 @@ enum line_from {
 struct panes {
     struct program *program;
     struct input input;
-    int next_byte;        /* taken from the input for readline, -1: none */
+    int next_byte; /* taken from the input for readline, -1: none */
     struct pacing pacing;
     struct screen screen;
-    bool color;           /* the terminal shows colours, and NO_COLOR is not set */
-    struct buffer line;   /* a complete line that waits to be executed */
+    bool color;         /* the terminal shows colours, and NO_COLOR is not set */
+    struct buffer line; /* a complete line that waits to be executed */
     enum line_from line_from;
     bool line_waits;
     struct buffer notice; /* what a key could not do: shown instead of the numbers until the next line */
@@ -114,15 +123,45 @@ struct panes {
     const char *question; /* asked at the prompt, NULL: none */
 };
 
+#define PANES_PROMPT "hooke> "
+
+static inline struct session *panes_session(const struct panes *panes)
+{
+    return panes->program->session;
+}
+
+bool panes_over(const struct panes *panes);
+/* Draws, waits for something to happen, at most until then [clock_ns], and reads what there is. */
+void panes_wait(struct panes *panes, int64_t until);
+/* Everything that has been typed: keys to readline, complete lines to the session, one after the other. */
+void panes_process(struct panes *panes);
+/* A command line to be executed as soon as readline has returned. */
+void panes_enqueue(struct panes *panes, struct text line, enum line_from from);
+/* The lowest row as it is now; `room` holds a text it may need. */
+void panes_prompt(const struct panes *panes, struct prompt_line *prompt, struct buffer *room);
+/* only_prompt: its row alone, so that an echo costs little on a slow link. At most so many rows. */
+enum shown panes_show(struct panes *panes, bool only_prompt, int rows);
+/* Everything is sent again, whatever the terminal shows. */
+void panes_repaint(struct panes *panes);
+void panes_warn(struct panes *panes, const struct error *error);
+
+/* ---- readline (edit.c) ------------------------------------------------------------------------------------ */
+
 /* The one that is running; readline's callbacks have no context. NULL: none. */
 extern struct panes *panes_active;
 
-/* A command line to be executed as soon as readline has returned. */
-void panes_enqueue(struct panes *panes, struct text line, enum line_from from);
-/* Everything is sent again, whatever the terminal shows. */
-void panes_repaint(struct panes *panes);
+void edit_begin(FILE *nowhere); /* what readline wants to write goes nowhere */
+void edit_end(void);
+/* Whatever is being edited: gone, with every state readline may be in. */
+void edit_clear(struct panes *panes);
+/* A paste goes into the line as it is and waits for Enter; in the middle of a search it means nothing. */
+void edit_paste(struct panes *panes, struct text paste);
 
-/* ---- keys (keys.c) ---------------------------------------------------------------------------------------------------------------------- */
+/* ---- what the session asks for (watch.c) ------------------------------------------------------------------ */
+
+void watch_offer(struct panes *panes, struct front *front);
+
+/* ---- keys (keys.c) ---------------------------------------------------------------------------------------- */
 
 /* Binds them in every keymap of readline; the inputrc, read afterwards, may bind them differently. */
 void keys_bind(void);

@@ -10,7 +10,7 @@
 
 #include <readline/readline.h>
 
-/* ---- signals while editing -------------------------------------------------------------------------------------------------- */
+/* ---- signals while editing -------------------------------------------------------------------------------- */
 
 static struct program *at_prompt; /* readline asks without a context */
 
@@ -47,7 +47,8 @@ static void heed_signals(void)
     }
 }
 
-/* Waits for a key or a signal, whichever comes first and whenever it came: a read could miss the signal that precedes it. */
+/* Waits for a key or a signal, whichever comes first and whenever it came: a read could miss the signal that precedes
+ * it. */
 static int get_key(FILE *stream)
 {
     struct pollfd ready[2] = {{.fd = fileno(stream), .events = POLLIN}, {.fd = signals_pipe(), .events = POLLIN}};
@@ -63,7 +64,7 @@ static int get_key(FILE *stream)
     return EOF;
 }
 
-/* ---- what a long run shows --------------------------------------------------------------------------------------------------- */
+/* ---- what a long run shows -------------------------------------------------------------------------------- */
 
 static struct progress {
     int64_t begun, shown; /* [ns] */
@@ -132,7 +133,7 @@ static bool change(void *context, enum front_change change, struct error *error)
     return true;
 }
 
-/* ---- the loop ----------------------------------------------------------------------------------------------------------------- */
+/* ---- the loop --------------------------------------------------------------------------------------------- */
 
 void typed_run(struct session *session, struct text typed, struct reply *reply)
 {

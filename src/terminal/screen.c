@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The terminal under ncurses: its modes, its size, and cells on it. ncurses only draws; it never reads and catches no signal. */
+/* The terminal under ncurses: its modes, its size, and cells on it. ncurses only draws; it never reads and catches no
+ * signal. */
 #include "panes.h"
 
 #include <stdlib.h>
@@ -13,7 +14,7 @@
 #include <curses.h>
 #include <term.h>
 
-/* ---- the terminal's own sequences ------------------------------------------------------------------------------------------ */
+/* ---- the terminal's own sequences ------------------------------------------------------------------------- */
 
 const char *screen_capability(const char *name)
 {
@@ -52,9 +53,10 @@ static void arm_crash(void)
     buffer_free(&gathered);
 }
 
-/* ---- modes --------------------------------------------------------------------------------------------------------------------- */
+/* ---- modes ------------------------------------------------------------------------------------------------ */
 
-/* Every key arrives as it is typed; only Ctrl-C, Ctrl-Z and Ctrl-\ are still signals. VMIN 0: a read never blocks, whatever poll() said before. */
+/* Every key arrives as it is typed; only Ctrl-C, Ctrl-Z and Ctrl-\ are still signals. VMIN 0: a read never blocks,
+ * whatever poll() said before. */
 static void set_modes(void)
 {
     struct termios modes;
@@ -160,11 +162,16 @@ void screen_return(struct screen *screen)
     send(screen_capability("BE"));
 }
 
-void screen_repaint(struct screen *screen)
+void screen_retake(struct screen *screen)
 {
-    reset_prog_mode(); /* somebody else may have changed it: a shell, after the program was stopped */
+    reset_prog_mode();
     send(screen_capability("smcup"));
     send(screen_capability("BE"));
+    screen_resize(screen);
+}
+
+void screen_repaint(struct screen *screen)
+{
     clearok(stdscr, TRUE);
     screen->stale = true;
 }
@@ -175,7 +182,7 @@ void screen_resize(struct screen *screen)
     clearok(stdscr, TRUE);
 }
 
-/* ---- cells ------------------------------------------------------------------------------------------------------------------------- */
+/* ---- cells ------------------------------------------------------------------------------------------------ */
 
 /* The terminal's own palette, the same as that of printed figures; backgrounds are never painted. */
 static const struct look {

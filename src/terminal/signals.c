@@ -15,8 +15,10 @@ static volatile sig_atomic_t happened[HAPPENED_COUNT];
 static volatile sig_atomic_t busy;
 static int ends[2] = {-1, -1};
 
-static const int number_of[HAPPENED_COUNT] = {
-    [HAPPENED_RESIZE] = SIGWINCH, [HAPPENED_SUSPEND] = SIGTSTP, [HAPPENED_CONTINUE] = SIGCONT, [HAPPENED_ALARM] = SIGALRM};
+static const int number_of[HAPPENED_COUNT] = {[HAPPENED_RESIZE] = SIGWINCH,
+                                              [HAPPENED_SUSPEND] = SIGTSTP,
+                                              [HAPPENED_CONTINUE] = SIGCONT,
+                                              [HAPPENED_ALARM] = SIGALRM};
 
 static void wake(void)
 {

@@ -51,8 +51,26 @@ static bool has_time_range(const struct view *view)
     return is_range(view->x) && pane_is_timed(view->focus);
 }
 
+/* The present run, then those laid over it. */
+static int shown_runs(const struct session *session, int place[1 + LIMIT_OVERLAY])
+{
+    int count = 0;
+    if (session_run(session)) {
+        place[count++] = session->current_run;
+    }
+    for (int i = 0; count > 0 && i < session->view.overlays; i++) {
+        for (int r = 0; r < session->runs; r++) {
+            if (session->run[r]->run->number == session->view.overlay[i] && r != session->current_run) {
+                place[count++] = r;
+            }
+        }
+    }
+    return count;
+}
+
 /* `width` [cell] decides how much time is shown: the same for all panes of a screen. */
-static struct figure_request make_request(const struct screen *screen, const struct place *place, int width)
+static struct figure_request make_request(const struct screen *screen, const struct place *place, int width,
+                                          int runs[1 + LIMIT_OVERLAY])
 {
     const struct session *session = screen->session;
     const struct view *view = &session->view;
@@ -60,8 +78,8 @@ static struct figure_request make_request(const struct screen *screen, const str
     enum plot_kind kind = kinds[place->pane].plot;
     struct figure_request request = {
         .kind = kind,
-        .run = &session->current_run,
-        .runs = run != NULL,
+        .run = runs,
+        .runs = shown_runs(session, runs),
         .recording = figure_recording(session, kind),
         .window = {NAN, NAN},
         .width = width,
@@ -239,7 +257,8 @@ static const char *numbered_title(struct screen *screen, const struct place *pla
 static bool make_figure(struct screen *screen, const struct place *place, int width, struct figure *figure)
 {
     const struct pane_kind *kind = &kinds[place->pane];
-    struct figure_request request = make_request(screen, place, width);
+    int runs[1 + LIMIT_OVERLAY];
+    struct figure_request request = make_request(screen, place, width, runs);
     struct error error = {0};
 
     if (!request.runs && request.recording < 0) {

@@ -15,14 +15,14 @@
 struct emulator {
     int width, height, x, y, top, bottom;
     int saved_x, saved_y;
-    bool wrap; /* the cursor stands behind the last column */
+    bool wrap;  /* the cursor stands behind the last column */
     bool eager; /* a terminal that goes to the next row at once instead */
     uint32_t *cell;
-    uint32_t last; /* character, for REP */
+    uint32_t last;                       /* character, for REP */
     bool second_screen, pasting, hidden; /* modes 1049, 2004, 25 */
-    int questions;  /* ESC[5n */
-    int colors;     /* SGR parameters that choose a colour */
-    int unknown;    /* sequences that it does not know */
+    int questions;                       /* ESC[5n */
+    int colors;                          /* SGR parameters that choose a colour */
+    int unknown;                         /* sequences that it does not know */
     char unknown_text[64];
     char sequence[64]; /* escape sequence or UTF-8 character under way */
     size_t len;
@@ -71,10 +71,12 @@ static inline void emulator_roll(struct emulator *e, int from, int to, int n)
     const int rows = to - from + 1, by = abs(n) < rows ? abs(n) : rows;
     const size_t w = (size_t)e->width;
     if (n > 0) {
-        memmove(e->cell + (size_t)from * w, e->cell + (size_t)(from + by) * w, (size_t)(rows - by) * w * sizeof *e->cell);
+        memmove(e->cell + (size_t)from * w, e->cell + (size_t)(from + by) * w,
+                (size_t)(rows - by) * w * sizeof *e->cell);
         emulator_blank(e, 0, to + 1 - by, e->width, to + 1);
     } else {
-        memmove(e->cell + (size_t)(from + by) * w, e->cell + (size_t)from * w, (size_t)(rows - by) * w * sizeof *e->cell);
+        memmove(e->cell + (size_t)(from + by) * w, e->cell + (size_t)from * w,
+                (size_t)(rows - by) * w * sizeof *e->cell);
         emulator_blank(e, 0, from, e->width, from + by);
     }
 }
@@ -189,13 +191,26 @@ static inline void emulator_control(struct emulator *e)
         e->wrap = false;
     }
     switch (final) {
-    case 'A': e->y = emulator_clamp(e->y - one, low); break;
-    case 'B': e->y = emulator_clamp(e->y + one, low); break;
-    case 'C': e->x = emulator_clamp(e->x + one, right); break;
-    case 'D': e->x = emulator_clamp(e->x - one, right); break;
-    case 'G': e->x = emulator_clamp(one - 1, right); break;
-    case 'd': e->y = emulator_clamp(one - 1, low); break;
-    case 'H': case 'f':
+    case 'A':
+        e->y = emulator_clamp(e->y - one, low);
+        break;
+    case 'B':
+        e->y = emulator_clamp(e->y + one, low);
+        break;
+    case 'C':
+        e->x = emulator_clamp(e->x + one, right);
+        break;
+    case 'D':
+        e->x = emulator_clamp(e->x - one, right);
+        break;
+    case 'G':
+        e->x = emulator_clamp(one - 1, right);
+        break;
+    case 'd':
+        e->y = emulator_clamp(one - 1, low);
+        break;
+    case 'H':
+    case 'f':
         e->y = emulator_clamp(one - 1, low);
         e->x = emulator_clamp((p[1] > 0 ? p[1] : 1) - 1, right);
         break;
@@ -213,14 +228,30 @@ static inline void emulator_control(struct emulator *e)
     case 'K':
         emulator_blank(e, p[0] == 0 ? e->x : 0, e->y, p[0] == 1 ? e->x + 1 : e->width, e->y + 1);
         break;
-    case 'X': emulator_blank(e, e->x, e->y, emulator_clamp(e->x + one, e->width), e->y + 1); break;
-    case '@': emulator_shift(e, one); break;
-    case 'P': emulator_shift(e, -one); break;
-    case 'L': emulator_roll(e, e->y, e->bottom, -one); break;
-    case 'M': emulator_roll(e, e->y, e->bottom, one); break;
-    case 'S': emulator_roll(e, e->top, e->bottom, one); break;
-    case 'T': emulator_roll(e, e->top, e->bottom, -one); break;
-    case 'Z': e->x = emulator_clamp((e->x - 1) / 8 * 8, right); break;
+    case 'X':
+        emulator_blank(e, e->x, e->y, emulator_clamp(e->x + one, e->width), e->y + 1);
+        break;
+    case '@':
+        emulator_shift(e, one);
+        break;
+    case 'P':
+        emulator_shift(e, -one);
+        break;
+    case 'L':
+        emulator_roll(e, e->y, e->bottom, -one);
+        break;
+    case 'M':
+        emulator_roll(e, e->y, e->bottom, one);
+        break;
+    case 'S':
+        emulator_roll(e, e->top, e->bottom, one);
+        break;
+    case 'T':
+        emulator_roll(e, e->top, e->bottom, -one);
+        break;
+    case 'Z':
+        e->x = emulator_clamp((e->x - 1) / 8 * 8, right);
+        break;
     case 'b':
         for (int i = 0; i < one; i++) {
             emulator_put(e, e->last);
@@ -231,10 +262,18 @@ static inline void emulator_control(struct emulator *e)
         e->bottom = p[1] > 0 ? emulator_clamp(p[1] - 1, low) : low;
         e->x = e->y = 0;
         break;
-    case 'm': emulator_colors(e, p, n); break;
-    case 'n': e->questions += p[0] == 5; break;
-    case 'h': case 'l': case 't': break;
-    default: emulator_unknown(e);
+    case 'm':
+        emulator_colors(e, p, n);
+        break;
+    case 'n':
+        e->questions += p[0] == 5;
+        break;
+    case 'h':
+    case 'l':
+    case 't':
+        break;
+    default:
+        emulator_unknown(e);
     }
 }
 
@@ -257,8 +296,15 @@ static inline bool emulator_escape(struct emulator *e)
         return final == '\a' || (e->len > 2 && final == '\\' && e->sequence[e->len - 2] == '\033');
     }
     switch (kind) {
-    case '7': e->saved_x = e->x; e->saved_y = e->y; break;
-    case '8': e->x = e->saved_x; e->y = e->saved_y; e->wrap = false; break;
+    case '7':
+        e->saved_x = e->x;
+        e->saved_y = e->y;
+        break;
+    case '8':
+        e->x = e->saved_x;
+        e->y = e->saved_y;
+        e->wrap = false;
+        break;
     case 'M':
         if (e->y == e->top) {
             emulator_roll(e, e->top, e->bottom, -1);
@@ -266,10 +312,20 @@ static inline bool emulator_escape(struct emulator *e)
             e->y--;
         }
         break;
-    case 'D': emulator_down(e); break;
-    case 'E': e->x = 0; emulator_down(e); break;
-    case '=': case '>': case 'H': case 'c': break;
-    default: emulator_unknown(e);
+    case 'D':
+        emulator_down(e);
+        break;
+    case 'E':
+        e->x = 0;
+        emulator_down(e);
+        break;
+    case '=':
+    case '>':
+    case 'H':
+    case 'c':
+        break;
+    default:
+        emulator_unknown(e);
     }
     return true;
 }
@@ -278,13 +334,32 @@ static inline void emulator_feed(struct emulator *e, char c)
 {
     if (e->len == 0 || e->sequence[0] != '\033') {
         switch (c) {
-        case '\033': e->sequence[0] = c; e->len = 1; return;
-        case '\r': e->x = 0; e->wrap = false; return;
-        case '\n': emulator_down(e); e->wrap = false; return;
-        case '\b': e->x = emulator_clamp(e->x - 1, e->width - 1); e->wrap = false; return;
-        case '\t': e->x = emulator_clamp((e->x / 8 + 1) * 8, e->width - 1); return;
-        case '\a': case '\016': case '\017': case '\0': return;
-        default: break;
+        case '\033':
+            e->sequence[0] = c;
+            e->len = 1;
+            return;
+        case '\r':
+            e->x = 0;
+            e->wrap = false;
+            return;
+        case '\n':
+            emulator_down(e);
+            e->wrap = false;
+            return;
+        case '\b':
+            e->x = emulator_clamp(e->x - 1, e->width - 1);
+            e->wrap = false;
+            return;
+        case '\t':
+            e->x = emulator_clamp((e->x / 8 + 1) * 8, e->width - 1);
+            return;
+        case '\a':
+        case '\016':
+        case '\017':
+        case '\0':
+            return;
+        default:
+            break;
         }
     }
     if (c == '\033' && e->len > 1 && e->sequence[1] != ']') { /* a sequence that was cut off */

@@ -17,19 +17,22 @@
 
 #include "emulator.h"
 
-#define PATIENCE_NS (getenv("HASTE") ? 3000000000 : 20000000000) /* what has not come by then will not come; generous for sanitizers on a busy machine */
+#define PATIENCE_NS                                                                                                    \
+    (getenv("HASTE")                                                                                                   \
+         ? 3000000000                                                                                                  \
+         : 20000000000) /* what has not come by then will not come; generous for sanitizers on a busy machine */
 #define MS 1000000
 
 struct person {
-    pid_t program;      /* or the shell that stands before it */
-    int stopped;        /* a byte comes from here whenever the program has stopped */
+    pid_t program; /* or the shell that stands before it */
+    int stopped;   /* a byte comes from here whenever the program has stopped */
     int fd;
     struct emulator screen;
-    struct buffer raw;  /* everything the program sent */
-    bool silent;        /* the terminal does not answer questions */
+    struct buffer raw; /* everything the program sent */
+    bool silent;       /* the terminal does not answer questions */
     int answered;
-    long rate;          /* [byte/s] of the link, 0: as fast as can be */
-    int64_t link_free;  /* [clock_ns] when the link can carry the next byte */
+    long rate;         /* [byte/s] of the link, 0: as fast as can be */
+    int64_t link_free; /* [clock_ns] when the link can carry the next byte */
     bool hung_up;
     struct termios before;
 };
@@ -45,7 +48,8 @@ struct start {
 
 static char state_folder[] = "/tmp/hooke-panes-XXXXXX";
 
-/* The least of a shell: starts the program in the foreground, says when it stops, continues it on SIGUSR1, ends as it does. */
+/* The least of a shell: starts the program in the foreground, says when it stops, continues it on SIGUSR1, ends as it
+ * does. */
 static inline void be_shell(int report)
 {
     sigset_t usr1;
@@ -79,7 +83,8 @@ static inline void be_shell(int report)
 static inline void begin(struct person *p, struct start start)
 {
     *p = (struct person){.fd = -1, .silent = start.silent};
-    struct winsize size = {.ws_row = (unsigned short)(start.height ? start.height : 24), .ws_col = (unsigned short)(start.width ? start.width : 80)};
+    struct winsize size = {.ws_row = (unsigned short)(start.height ? start.height : 24),
+                           .ws_col = (unsigned short)(start.width ? start.width : 80)};
     int slave;
     emulator_size(&p->screen, size.ws_col, size.ws_row);
     p->screen.eager = start.term && strcmp(start.term, "ansi") == 0;
@@ -200,7 +205,8 @@ static inline void wait_for(struct person *p, const char *text, bool there)
     const int64_t deadline = clock_ns() + PATIENCE_NS;
     while (shows(p, text) != there) {
         if (clock_ns() > deadline || p->hung_up) {
-            print_message("# waited in vain for '%s' to %s%s\n", text, there ? "appear" : "go", p->hung_up ? ": the program has ended" : "");
+            print_message("# waited in vain for '%s' to %s%s\n", text, there ? "appear" : "go",
+                          p->hung_up ? ": the program has ended" : "");
             show_screen(p);
             fail();
         }
@@ -239,6 +245,12 @@ static inline void expect_prompt(struct person *p, const char *text)
 }
 
 #define EMPTY_PROMPT "hooke>"
+
+static inline void start_panes(struct person *p, struct start start)
+{
+    begin(p, start);
+    expect_prompt(p, EMPTY_PROMPT);
+}
 
 /* Types a line and waits until it has been taken. */
 static inline void enter(struct person *p, const char *line)
@@ -328,7 +340,8 @@ static inline int end(struct person *p)
     assert_false(p->screen.pasting);
     assert_false(p->screen.hidden);
     if (p->screen.unknown > 0) {
-        fail_msg("the emulator does not know %d sequences, the last is ESC%s", p->screen.unknown, p->screen.unknown_text + 1);
+        fail_msg("the emulator does not know %d sequences, the last is ESC%s", p->screen.unknown,
+                 p->screen.unknown_text + 1);
     }
     forget(p);
     return status;

@@ -21,7 +21,8 @@
 
 #include "../../src/terminal/terminal.h"
 
-#define PATIENCE_MS 20000 /* a text that has not come by then will not come; generous for sanitizers on a busy machine */
+#define PATIENCE_MS                                                                                                    \
+    20000 /* a text that has not come by then will not come; generous for sanitizers on a busy machine */
 
 struct person {
     pid_t program;
@@ -83,7 +84,8 @@ static void expect(struct person *p, const char *text)
             return;
         }
         if (clock_ns() > deadline || !pump(p, PATIENCE_MS)) {
-            print_message("# waited in vain for '%s', saw: %s\n", text, p->seen.data ? p->seen.data + p->read_up_to : "");
+            print_message("# waited in vain for '%s', saw: %s\n", text,
+                          p->seen.data ? p->seen.data + p->read_up_to : "");
             kill(p->program, SIGKILL);
             waitpid(p->program, NULL, 0);
             fail();
@@ -355,16 +357,11 @@ int main(void)
         return 1;
     }
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_types_and_answers),
-        cmocka_unit_test(test_interrupt_clears_the_line),
-        cmocka_unit_test(test_interrupt_stops_a_run),
-        cmocka_unit_test(test_completion),
-        cmocka_unit_test(test_history_is_kept),
-        cmocka_unit_test(test_paste_stops_at_the_error),
-        cmocka_unit_test(test_multibyte_text),
-        cmocka_unit_test(test_hangup_and_terminate),
-        cmocka_unit_test(test_end_of_input_leaves),
-        cmocka_unit_test(test_history_under_a_lock),
+        cmocka_unit_test(test_types_and_answers),     cmocka_unit_test(test_interrupt_clears_the_line),
+        cmocka_unit_test(test_interrupt_stops_a_run), cmocka_unit_test(test_completion),
+        cmocka_unit_test(test_history_is_kept),       cmocka_unit_test(test_paste_stops_at_the_error),
+        cmocka_unit_test(test_multibyte_text),        cmocka_unit_test(test_hangup_and_terminate),
+        cmocka_unit_test(test_end_of_input_leaves),   cmocka_unit_test(test_history_under_a_lock),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

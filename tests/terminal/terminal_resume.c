@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Sessions that save themselves: a terminal that is closed, a program that is killed, files that are not what they should be. */
+/* Sessions that save themselves: a terminal that is closed, a program that is killed, files that are not what they
+ * should be. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

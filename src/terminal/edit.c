@@ -1,0 +1,160 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Readline under the panes: it takes its bytes from our input, draws nothing and leaves the terminal's modes alone. Its
+ * callbacks have no context: panes_active is it.
+ */
+#include "panes.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include <readline/readline.h>
+
+struct panes *panes_active;
+
+/* Blocks in the middle of a key sequence; an end or Ctrl-C gets it out. */
+static int get_byte(FILE *ignored)
+{
+    (void)ignored;
+    struct panes *panes = panes_active;
+    int byte = panes->next_byte;
+    panes->next_byte = -1;
+    while (byte < 0 && !panes_over(panes) && !panes->interrupted) {
+        unsigned char next;
+        struct text paste; /* in the middle of a key sequence it means nothing */
+        const enum input_item item = input_next(&panes->input, clock_ns(), &next, &paste);
+        if (item == INPUT_BYTE) {
+            byte = next;
+        } else if (item == INPUT_REPLY) {
+            pacing_replied(&panes->pacing, clock_ns());
+        } else if (item == INPUT_NONE) {
+            panes_wait(panes, INT64_MAX);
+        }
+    }
+    return byte < 0 ? EOF : byte;
+}
+
+static int is_pending(void)
+{
+    return panes_active->next_byte >= 0 || input_pending(&panes_active->input);
+}
+
+static void redisplay(void)
+{
+    panes_active->echo_stale = true;
+}
+
+static void leave_modes(void)
+{
+}
+
+static void enter_modes(int ignored)
+{
+    (void)ignored;
+}
+
+void panes_enqueue(struct panes *panes, struct text line, enum line_from from)
+{
+    panes->line_from = from;
+    buffer_clear(&panes->line);
+    buffer_put(&panes->line, line);
+    panes->line_waits = !panes->line.failed;
+    if (panes->line.failed) {
+        buffer_free(&panes->line);
+    }
+}
+
+static void on_line(char *typed)
+{
+    struct panes *panes = panes_active;
+    struct error error;
+    panes->echo_stale = true;
+    if (!typed) {
+        panes_enqueue(panes, TEXT("quit"), LINE_KEY);
+    } else if (text_trim(text_of(typed)).len > 0) {
+        if (!history_append(typed, &error) && !panes->history_told) {
+            panes->history_told = true;
+            panes_warn(panes, &error);
+        }
+        panes_enqueue(panes, text_of(typed), LINE_TYPED);
+    }
+    free(typed);
+}
+
+/* What can be completed goes into the log, in columns. */
+static void list_matches(char **match, int count, int longest)
+{
+    struct panes *panes = panes_active;
+    const int column = longest + 2;
+    const int columns = panes->screen.width / column > 1 ? panes->screen.width / column : 1;
+    const int rows = (count + columns - 1) / columns;
+    for (int row = 0; row < rows; row++) {
+        struct buffer line = {0};
+        for (int i = row; i < count; i += rows) {
+            const char *slash = rl_filename_completion_desired ? strrchr(match[i + 1], '/') : NULL;
+            const struct text name = text_of(slash && slash[1] ? slash + 1 : match[i + 1]);
+            buffer_put(&line, name);
+            for (int pad = text_width(name); pad < column && i + rows < count; pad++) {
+                buffer_char(&line, ' ');
+            }
+        }
+        log_add(&panes_session(panes)->log, buffer_text(&line));
+        buffer_free(&line);
+    }
+    panes->screen_stale = true;
+}
+
+void edit_paste(struct panes *panes, struct text paste)
+{
+    if (RL_ISSTATE(RL_STATE_ISEARCH | RL_STATE_NSEARCH | RL_STATE_MULTIKEY | RL_STATE_CHARSEARCH | RL_STATE_VIMOTION)) {
+        return;
+    }
+    char *text = strndup(paste.at, paste.len);
+    if (!text) {
+        return;
+    }
+    for (char *c = text; *c; c++) {
+        *c = *c == '\r' ? '\n' : *c;
+    }
+    rl_insert_text(text);
+    free(text);
+    panes->echo_stale = true;
+}
+
+/* Whatever is being edited: gone, with every state readline may be in. */
+void edit_clear(struct panes *panes)
+{
+    rl_callback_sigcleanup();
+    rl_free_line_state();
+    rl_clear_message();
+    rl_replace_line("", 0);
+    keys_choose(panes_session(panes));
+    panes->echo_stale = true;
+}
+
+/* ---- beginning and end ------------------------------------------------------------------------------------ */
+
+void edit_begin(FILE *nowhere)
+{
+    rl_outstream = nowhere;
+    rl_getc_function = get_byte;
+    rl_input_available_hook = is_pending;
+    rl_redisplay_function = redisplay;
+    rl_prep_term_function = enter_modes;
+    rl_deprep_term_function = leave_modes;
+    rl_completion_display_matches_hook = list_matches;
+    rl_catch_sigwinch = 0;
+    rl_callback_handler_install(PANES_PROMPT, on_line);
+}
+
+void edit_end(void)
+{
+    rl_callback_handler_remove();
+    rl_outstream = stdout;
+    rl_getc_function = rl_getc;
+    rl_input_available_hook = NULL;
+    rl_redisplay_function = rl_redisplay;
+    rl_prep_term_function = rl_prep_terminal;
+    rl_deprep_term_function = rl_deprep_terminal;
+    rl_completion_display_matches_hook = NULL;
+}

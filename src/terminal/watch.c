@@ -1,0 +1,101 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the session asks of the panes: to look after the terminal between two slices of a run, to ask, to draw into a
+ * file. */
+#include "panes.h"
+
+#include <limits.h>
+
+static bool slice(void *context, struct session *session, int64_t until)
+{
+    struct panes *panes = context;
+    (void)session;
+    signals_busy(false);
+    panes->running = true;
+    do {
+        panes_wait(panes, until);
+        panes_process(panes);
+    } while (clock_ns() < until && !panes_over(panes) && !panes->interrupted);
+    panes->running = false;
+    signals_busy(true);
+    const bool go_on = !panes_over(panes) && !panes->interrupted;
+    panes->interrupted = false;
+    return go_on;
+}
+
+static bool confirm(void *context, const char *question)
+{
+    struct panes *panes = context;
+    enum input_item item = INPUT_NONE;
+    unsigned char byte = 0;
+    struct text paste;
+    const bool busy = signals_busy(false);
+    panes->question = question;
+    panes->screen_stale = true;
+    panes->interrupted = false;
+    while (item != INPUT_BYTE && !panes_over(panes) && !panes->interrupted) {
+        panes_wait(panes, INT64_MAX);
+        while ((item = input_next(&panes->input, clock_ns(), &byte, &paste)) == INPUT_PASTE || item == INPUT_REPLY) {
+        }
+    }
+    signals_busy(busy);
+    panes->interrupted = false;
+    panes->question = NULL;
+    panes->screen_stale = true;
+    panes_show(panes, false, INT_MAX);
+    return item == INPUT_BYTE && (byte == 'y' || byte == 'Y');
+}
+
+static void clear(void *context)
+{
+    log_clear(&panes_session(context)->log);
+}
+
+static bool shot_text(void *context, const struct session *session, struct buffer *text, struct error *error)
+{
+    struct panes *panes = context;
+    struct prompt_line prompt;
+    struct buffer room = {0};
+    panes_prompt(panes, &prompt, &room);
+    return screenshot_text(session, &prompt, panes->screen.width, panes->screen.height, text, error);
+}
+
+static bool shot_file(void *context, const struct session *session, const char *path, struct write_policy policy,
+                      struct error *error)
+{
+    struct panes *panes = context;
+    struct prompt_line prompt;
+    struct buffer room = {0};
+    panes_prompt(panes, &prompt, &room);
+    return screenshot_file(session, &prompt, panes->screen.width, panes->screen.height, path, policy, error);
+}
+
+static bool change(void *context, enum front_change change, struct error *error)
+{
+    struct panes *panes = context;
+    switch (change) {
+    case FRONT_PLAIN:
+        panes->program->next = FRONT_IS_PLAIN;
+        return true;
+    case FRONT_REDRAW:
+        panes_repaint(panes);
+        return true;
+    case FRONT_PANES:
+        break;
+    }
+    return error_set(error, ERROR_COMMAND, "the panes are shown already");
+}
+
+void watch_offer(struct panes *panes, struct front *front)
+{
+    *front = (struct front){.interactive = true,
+                            .utf8 = front->utf8,
+                            .cancel = &interrupt,
+                            .context = panes,
+                            .confirm = confirm,
+                            .clear = clear,
+                            .watched = true,
+                            .slice = slice,
+                            .screenshot = shot_file,
+                            .screen = shot_text,
+                            .change = change};
+}
