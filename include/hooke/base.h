@@ -23,7 +23,7 @@
 
 #define PRINTF_LIKE(position, first) __attribute__((__format__(__printf__, position, first)))
 
-/* ---- text: a slice that somebody else owns ------------------------------------------------------------------------ */
+/* ---- text: a slice that somebody else owns ---- */
 
 struct text {
     const char *at; /* not NUL-terminated */
@@ -36,10 +36,11 @@ struct text text_of(const char *z); /* NULL gives the empty text */
 bool text_equal(struct text a, struct text b);
 bool text_is(struct text a, const char *z);
 bool text_starts(struct text a, struct text prefix);
-struct text text_trim(struct text a);                            /* without blanks, tabs, CR at both ends */
+struct text text_trim(struct text a);                                  /* without blanks, tabs, CR at both ends */
 bool text_split(struct text *rest, char separator, struct text *head); /* cuts the head off; false: nothing left */
 
-/* ---- memory ---------------------------------------------------------------------------------------------------------
+/* ---- memory ----
+ *
  * An arena hands out memory that is freed all at once. Every function that allocates may return NULL; the caller then
  * reports error_memory() and leaves its object as it was.
  */
@@ -48,10 +49,10 @@ struct arena {
     struct arena_block *blocks;
 };
 
-void *arena_alloc(struct arena *arena, size_t size); /* zeroed, aligned for any type; NULL: no memory */
+void *arena_alloc(struct arena *arena, size_t size);               /* zeroed, aligned for any type; NULL: no memory */
 void *arena_array(struct arena *arena, size_t count, size_t size); /* overflow-checked */
-char *arena_text(struct arena *arena, struct text text); /* NUL-terminated copy */
-void arena_reset(struct arena *arena);                   /* frees everything; the arena can be used again */
+char *arena_text(struct arena *arena, struct text text);           /* NUL-terminated copy */
+void arena_reset(struct arena *arena);                             /* frees everything; the arena can be used again */
 
 /* Text that grows. After a failed allocation `failed` is set and later writes are ignored: check once at the end. */
 struct buffer {
@@ -69,7 +70,8 @@ void buffer_clear(struct buffer *buffer);
 void buffer_free(struct buffer *buffer);
 struct text buffer_text(const struct buffer *buffer);
 
-/* ---- errors ---------------------------------------------------------------------------------------------------------
+/* ---- errors ----
+ *
  * A fallible function returns bool and fills a caller-owned error: a sentence for the user that names the input and
  * what is allowed. The values of the codes are the exit statuses of the program.
  */
@@ -93,11 +95,13 @@ struct error {
 /* All return false, so that `return error_set(…)` reads well. */
 bool error_set(struct error *error, enum error_code code, const char *format, ...) PRINTF_LIKE(3, 4);
 bool error_at(struct error *error, struct text where, const char *format, ...) PRINTF_LIKE(3, 4); /* ERROR_COMMAND */
-bool error_hint(struct error *error, const char *format, ...) PRINTF_LIKE(2, 3); /* adds the hint to an error already set */
-bool error_memory(struct error *error);                                          /* "out of memory …" */
+bool error_hint(struct error *error, const char *format, ...)
+    PRINTF_LIKE(2, 3);                        /* adds the hint to an error already set */
+bool error_memory(struct error *error);       /* "out of memory …" */
 const char *error_name(enum error_code code); /* "command", "usage", "numerical", "io", "cancelled": the JSON `code` */
 
-/* ---- catalogs: everything that can be chosen by name is a row in a table ---------------------------------------------
+/* ---- catalogs: everything that can be chosen by name is a row in a table ----
+ *
  * Every row struct starts with a struct row; find, completion, help and suggestions are written once, here.
  */
 
@@ -115,7 +119,10 @@ struct catalog {
     size_t count, stride;
 };
 
-#define CATALOG(kind_name, array) {(kind_name), (array), COUNT_OF(array), sizeof((array)[0])}
+#define CATALOG(kind_name, array)                                                                                      \
+    {                                                                                                                  \
+        (kind_name), (array), COUNT_OF(array), sizeof((array)[0])                                                      \
+    }
 
 const struct row *catalog_row(const struct catalog *catalog, size_t i);
 const struct row *catalog_find(const struct catalog *catalog, struct text name); /* exact name or alias; NULL: none */
@@ -124,7 +131,8 @@ const struct row *catalog_prefix(const struct catalog *catalog, struct text name
 /* "unknown KIND 'name'" with up to three suggestions ("did you mean …?") in the hint; always returns false. */
 bool catalog_unknown(const struct catalog *catalog, struct text name, struct error *error);
 
-/* Optimal string alignment distance (Damerau–Levenshtein with adjacent transpositions), bytes; beyond LIMIT_NAME: the length. */
+/* Optimal string alignment distance (Damerau–Levenshtein with adjacent transpositions), bytes; beyond LIMIT_NAME: the
+ * length. */
 int text_distance(struct text a, struct text b);
 
 /* Suggestions over any set of names: offer candidates one by one, then read the best (INTERFACE.md section 10). */
@@ -138,7 +146,8 @@ struct suggestion {
 void suggestion_offer(struct suggestion *suggestion, const char *name);
 void suggestion_hint(const struct suggestion *suggestion, struct error *error); /* appends nothing when none is near */
 
-/* ---- numbers --------------------------------------------------------------------------------------------------------
+/* ---- numbers ----
+ *
  * One reader and one writer, independent of the locale. The reader rounds correctly; hexadecimal, nan and inf, trailing
  * garbage, overflow and a decimal comma are refused. The writer gives the shortest decimal that reads back to the same
  * double (at most 17 digits, plain for 1e-4 <= |x| < 1e17, else 1.5e-7), `nan`, `inf`, `-inf` for the rest.
@@ -146,15 +155,24 @@ void suggestion_hint(const struct suggestion *suggestion, struct error *error); 
 
 #define REAL_TEXT_SIZE 32
 
-enum real_status { REAL_OK, REAL_EMPTY, REAL_MALFORMED, REAL_OVERFLOW, REAL_UNDERFLOW /* value is kept (denormal or 0) */ };
+enum real_status {
+    REAL_OK,
+    REAL_EMPTY,
+    REAL_MALFORMED,
+    REAL_OVERFLOW,
+    REAL_UNDERFLOW /* value is kept (denormal or 0) */
+};
 
-/* Reads the longest number at the start of `text`; *used [byte] says how long it was (0: none). `decimal` is '.' or ','. */
+/* Reads the longest number at the start of `text`; *used [byte] says how long it was (0: none). `decimal` is '.' or
+ * ','. */
 enum real_status real_scan(struct text text, char decimal, double *value, size_t *used);
 enum real_status real_parse(struct text text, double *value); /* the whole text is the number, decimal point */
 size_t real_format(double value, char out[REAL_TEXT_SIZE]);   /* length without the NUL */
 void buffer_real(struct buffer *buffer, double value);        /* shortest round trip */
-void buffer_short(struct buffer *buffer, double value, int digits); /* for people: `digits` significant, no trailing zeros */
-/* "1.9373 +- 0.0002": the uncertainty to 1 digit (2 if it starts with 1), the value to match; no uncertainty: 6 digits. */
+void buffer_short(struct buffer *buffer, double value,
+                  int digits); /* for people: `digits` significant, no trailing zeros */
+/* "1.9373 +- 0.0002": the uncertainty to 1 digit (2 if it starts with 1), the value to match; no uncertainty: 6 digits.
+ */
 void buffer_uncertain(struct buffer *buffer, double value, double uncertainty);
 
 /* A measured number. uncertainty: one standard uncertainty, >= 0, NAN if unknown. */
@@ -162,14 +180,32 @@ struct measured {
     double value, uncertainty;
 };
 
-/* ---- units ----------------------------------------------------------------------------------------------------------
- * A closed table. A quantity is a kind of number (mass, length …); a unit belongs to one quantity and has a factor to SI.
+/* ---- units ----
+ *
+ * A closed table. A quantity is a kind of number (mass, length …); a unit belongs to one quantity and has a factor to
+ * SI.
  */
 
 enum quantity {
-    QUANTITY_NUMBER, QUANTITY_LENGTH, QUANTITY_MASS, QUANTITY_TIME, QUANTITY_FORCE, QUANTITY_STIFFNESS, QUANTITY_RATE,
-    QUANTITY_MASS_RATE, QUANTITY_VELOCITY, QUANTITY_ACCELERATION, QUANTITY_AREA, QUANTITY_DENSITY, QUANTITY_VISCOSITY,
-    QUANTITY_ANGLE, QUANTITY_ANGULAR_FREQUENCY, QUANTITY_FREQUENCY, QUANTITY_ENERGY, QUANTITY_POWER, QUANTITY_OTHER,
+    QUANTITY_NUMBER,
+    QUANTITY_LENGTH,
+    QUANTITY_MASS,
+    QUANTITY_TIME,
+    QUANTITY_FORCE,
+    QUANTITY_STIFFNESS,
+    QUANTITY_RATE,
+    QUANTITY_MASS_RATE,
+    QUANTITY_VELOCITY,
+    QUANTITY_ACCELERATION,
+    QUANTITY_AREA,
+    QUANTITY_DENSITY,
+    QUANTITY_VISCOSITY,
+    QUANTITY_ANGLE,
+    QUANTITY_ANGULAR_FREQUENCY,
+    QUANTITY_FREQUENCY,
+    QUANTITY_ENERGY,
+    QUANTITY_POWER,
+    QUANTITY_OTHER,
     QUANTITY_COUNT
 };
 
@@ -186,11 +222,12 @@ struct unit {
 
 extern const struct catalog unit_catalog;
 
-const char *quantity_name(enum quantity quantity); /* "mass" */
-const char *quantity_unit(enum quantity quantity); /* SI unit "kg", "" for a pure number */
+const char *quantity_name(enum quantity quantity);                 /* "mass" */
+const char *quantity_unit(enum quantity quantity);                 /* SI unit "kg", "" for a pure number */
 void quantity_units(enum quantity quantity, struct buffer *names); /* "kg, g, mg" */
-const struct unit *unit_match(struct text text);   /* longest unit at the start of text (not followed by a letter); NULL: none */
-const struct unit *unit_find(struct text name);    /* exact name */
+const struct unit *
+unit_match(struct text text); /* longest unit at the start of text (not followed by a letter); NULL: none */
+const struct unit *unit_find(struct text name); /* exact name */
 /*
  * The one place that decides whether a unit fits a quantity: its own, and Hz for rad/s or back by 2 pi. Decimal factors
  * are exact: 5.7 cm gives the double nearest to 0.057.
@@ -198,16 +235,19 @@ const struct unit *unit_find(struct text name);    /* exact name */
 bool unit_convert(const struct unit *unit, enum quantity wanted, double number, double *si);
 /* The unit that shows `value` (SI) with 1 to 999 before the point where there is one: 0.2 kg as g, 0.05 m as cm. */
 const struct unit *unit_display(enum quantity quantity, double value);
-/* "200 g", "5 cm", "15 N/m": `digits` significant. Never writes a decimal that reads back differently if digits is 0 (shortest). */
+/* "200 g", "5 cm", "15 N/m": `digits` significant. Never writes a decimal that reads back differently if digits is 0
+ * (shortest). */
 void buffer_quantity(struct buffer *buffer, double value, enum quantity quantity, int digits);
 
-/* ---- text that came from outside -----------------------------------------------------------------------------------
+/* ---- text that came from outside ----
+ *
  * Appends `text` with everything that could command a terminal made visible: C0, DEL, C1, invalid UTF-8, line and
  * paragraph separators, bidirectional and zero-width controls become \xNN or <U+NNNN>. Newline and tab too, unless
  * keep_layout.
  */
 void safe_text(struct buffer *out, struct text text, bool keep_layout);
-bool codepoint_hidden(uint32_t codepoint); /* no letter: steers how the rest is shown, or is not seen at all (from U+0080) */
+bool codepoint_hidden(
+    uint32_t codepoint); /* no letter: steers how the rest is shown, or is not seen at all (from U+0080) */
 
 #define CODEPOINT_INVALID 0xFFFDu /* the replacement character */
 
@@ -216,24 +256,26 @@ uint32_t text_codepoint(struct text text, size_t *used);
 int codepoint_width(uint32_t codepoint); /* columns on a terminal: 0, 1 or 2; a table of its own, no locale */
 int text_width(struct text text);        /* columns */
 
-/* ---- files ----------------------------------------------------------------------------------------------------------
- * Reading: appends the whole file, up to `limit` bytes, from regular files, pipes and links; a failure leaves `content` as
- * it was, a signal ends it with ERROR_CANCELLED (its handler must be without SA_RESTART). Writing: into an unnamed temporary
- * file of the same folder, put in place by writer_commit after flush, fsync and close all succeeded. An existing name is
- * refused without `force`; a link, a directory or a device is never written through. A killed program leaves the old file or none.
+/* ---- files ----
+ *
+ * Reading: appends the whole file, up to `limit` bytes, from regular files, pipes and links; a failure leaves `content`
+ * as it was, a signal ends it with ERROR_CANCELLED (its handler must be without SA_RESTART). Writing: into an unnamed
+ * temporary file of the same folder, put in place by writer_commit after flush, fsync and close all succeeded. An
+ * existing name is refused without `force`; a link, a directory or a device is never written through. A killed program
+ * leaves the old file or none.
  */
 
 bool file_read(const char *path, size_t limit, struct buffer *content, struct error *error);
 
 struct writer {
-    int fd, folder;      /* -1: closed */
-    char *path;          /* as the user gave it */
-    char *base;          /* last component (points into path) */
-    char temporary[64];  /* name in the folder, "" while unnamed */
+    int fd, folder;     /* -1: closed */
+    char *path;         /* as the user gave it */
+    char *base;         /* last component (points into path) */
+    char temporary[64]; /* name in the folder, "" while unnamed */
     bool force, failed;
-    char *chunk;         /* write-behind buffer */
+    char *chunk; /* write-behind buffer */
     size_t used;
-    int failure;         /* errno of the first failure */
+    int failure; /* errno of the first failure */
 };
 
 struct write_policy {
@@ -242,11 +284,12 @@ struct write_policy {
 };
 
 bool writer_open(struct writer *writer, const char *path, struct write_policy policy, struct error *error);
-void writer_put(struct writer *writer, struct text text); /* a failure is remembered and reported by commit */
+void writer_put(struct writer *writer, struct text text);       /* a failure is remembered and reported by commit */
 bool writer_commit(struct writer *writer, struct error *error); /* closes in every case */
 void writer_abandon(struct writer *writer);
 
-/* ---- cancellation ---------------------------------------------------------------------------------------------------
+/* ---- cancellation ----
+ *
  * Set from a signal handler or another thread; long work asks between slices.
  */
 struct cancel {
@@ -258,21 +301,21 @@ static inline bool cancelled(const struct cancel *cancel)
     return cancel && atomic_load_explicit(&((struct cancel *)(uintptr_t)cancel)->requested, memory_order_relaxed) != 0;
 }
 
-/* ---- limits: one table, shown in the man page ----------------------------------------------------------------------- */
+/* ---- limits: one table, shown in the man page ---- */
 
-#define LIMIT_LINE (1u << 20)    /* bytes in a command line */
-#define LIMIT_TOKENS 4096        /* words in a statement */
-#define LIMIT_EXPR_DEPTH 200     /* parentheses and operators nested in an expression */
-#define LIMIT_EXPR_SIZE 4096     /* operations in an expression */
-#define LIMIT_SOURCE_DEPTH 16    /* files that source files */
-#define LIMIT_NAME 63            /* bytes in a name */
-#define LIMIT_RUNS 256           /* runs kept */
-#define LIMIT_RECORDINGS 64      /* recordings kept */
-#define LIMIT_UNDO 200           /* undo levels */
-#define LIMIT_VARIABLES 64       /* state variables of a scene */
-#define LIMIT_COLUMNS 1024       /* columns of a data file */
-#define LIMIT_FILE (1u << 30)    /* bytes of a data file */
-#define LIMIT_SAMPLES (1u << 20) /* samples of a trace before it is decimated */
+#define LIMIT_LINE (1u << 20)          /* bytes in a command line */
+#define LIMIT_TOKENS 4096              /* words in a statement */
+#define LIMIT_EXPR_DEPTH 200           /* parentheses and operators nested in an expression */
+#define LIMIT_EXPR_SIZE 4096           /* operations in an expression */
+#define LIMIT_SOURCE_DEPTH 16          /* files that source files */
+#define LIMIT_NAME 63                  /* bytes in a name */
+#define LIMIT_RUNS 256                 /* runs kept */
+#define LIMIT_RECORDINGS 64            /* recordings kept */
+#define LIMIT_UNDO 200                 /* undo levels */
+#define LIMIT_VARIABLES 64             /* state variables of a scene */
+#define LIMIT_COLUMNS 1024             /* columns of a data file */
+#define LIMIT_FILE (1u << 30)          /* bytes of a data file */
+#define LIMIT_SAMPLES (1u << 20)       /* samples of a trace before it is decimated */
 #define LIMIT_STEPS 9007199254740992.0 /* 2^53: t0 + i dt is exact in i up to here */
 
 struct limit {

@@ -2,17 +2,20 @@
 /*
  * command: the session and the language that changes it.
  *
- * A session changes only by executing command lines: scripts, keys, options, saved sessions and tests all go through command_exec(). Handlers
- * never print: they speak through a struct reply, which the front end connects to streams, a log pane or a buffer.
+ * A session changes only by executing command lines: scripts, keys, options, saved sessions and tests all go through
+ * command_exec(). Handlers never print: they speak through a struct reply, which the front end connects to streams, a
+ * log pane or a buffer.
  */
 #ifndef HOOKE_COMMAND_H
 #define HOOKE_COMMAND_H
 
 #include <hooke/study.h>
 
-/* ---- reply: what a command says ------------------------------------------------------------------------------------------
- * Lines are for people, records for programs. FORMAT_TEXT writes lines and ignores records; FORMAT_JSON writes one object a line, and the lines of
- * a command that made no record as {kind, text}; FORMAT_CSV writes rows with a header whenever the kind changes, lines without a record as comments.
+/* ---- reply: what a command says ----
+ *
+ * Lines are for people, records for programs. FORMAT_TEXT writes lines and ignores records; FORMAT_JSON writes one
+ * object a line, and the lines of a command that made no record as {kind, text}; FORMAT_CSV writes rows with a header
+ * whenever the kind changes, lines without a record as comments.
  */
 
 enum output_format { FORMAT_TEXT, FORMAT_CSV, FORMAT_JSON };
@@ -29,15 +32,15 @@ struct sink {
 
 struct reply {
     struct sink sink;
-    bool quiet;           /* lines are left out (option -q); records, warnings and errors stay */
-    enum output_format format;   /* follows the session's setting, statement by statement */
-    bool failed;          /* the sink refused results; nothing more is written there */
-    struct buffer json;   /* the record under construction */
+    bool quiet;                /* lines are left out (option -q); records, warnings and errors stay */
+    enum output_format format; /* follows the session's setting, statement by statement */
+    bool failed;               /* the sink refused results; nothing more is written there */
+    struct buffer json;        /* the record under construction */
     struct buffer header, row; /* its CSV form */
-    struct buffer lines;  /* lines of a command that may yet make a record */
+    struct buffer lines;       /* lines of a command that may yet make a record */
     struct buffer last_header; /* what stands above the last CSV row */
-    bool recorded;        /* this command made a record */
-    int depth;            /* objects and arrays open in the record */
+    bool recorded;             /* this command made a record */
+    int depth;                 /* objects and arrays open in the record */
     struct {
         const char *key;
         bool array, empty;
@@ -46,10 +49,12 @@ struct reply {
 
 void reply_init(struct reply *reply, struct sink sink);
 void reply_free(struct reply *reply);
-void reply_line(struct reply *reply, const char *format, ...) PRINTF_LIKE(2, 3); /* one or more lines, without the last newline */
-void reply_text(struct reply *reply, struct text text);                          /* the same, ready-made */
+void reply_line(struct reply *reply, const char *format, ...)
+    PRINTF_LIKE(2, 3);                                  /* one or more lines, without the last newline */
+void reply_text(struct reply *reply, struct text text); /* the same, ready-made */
 void reply_warning(struct reply *reply, const char *format, ...) PRINTF_LIKE(2, 3);
-void reply_note(struct reply *reply, const char *format, ...) PRINTF_LIKE(2, 3); /* a message on the error stream, as it is */
+void reply_note(struct reply *reply, const char *format, ...)
+    PRINTF_LIKE(2, 3); /* a message on the error stream, as it is */
 
 /* A record. key NULL: the next element of an array. Numbers that are not finite become null. */
 void reply_begin(struct reply *reply, const char *kind);
@@ -64,7 +69,7 @@ void reply_array(struct reply *reply, const char *key);
 void reply_close(struct reply *reply); /* the innermost object or array */
 void reply_end(struct reply *reply);   /* the record */
 
-/* ---- where a line comes from ----------------------------------------------------------------------------------------------- */
+/* ---- where a line comes from ---- */
 
 struct source {
     const char *name;            /* "lab1.hk", "-c", "-" ; NULL: typed at the prompt */
@@ -72,7 +77,7 @@ struct source {
     const struct source *parent; /* who sourced it */
 };
 
-/* ---- settings ---------------------------------------------------------------------------------------------------------------- */
+/* ---- settings ---- */
 
 enum charset_choice { CHOOSE_AUTO, CHOOSE_ASCII, CHOOSE_BLOCK, CHOOSE_BRAILLE };
 enum color_choice { COLOR_AUTO, COLOR_ALWAYS, COLOR_NEVER };
@@ -85,8 +90,8 @@ struct settings {
     double tol;      /* 0: off */
     double duration; /* [s] */
     struct recording_rule record;
-    int width, height; /* [cell] of plots, 0: the front end's */
-    int digits;        /* significant, in text */
+    int width, height;                              /* [cell] of plots, 0: the front end's */
+    int digits;                                     /* significant, in text */
     int charset, color, format, timing, phase_axes; /* the enums above, enum output_format, enum timing */
     int sync, view;
     double fps; /* frames a second of the live view */
@@ -95,10 +100,10 @@ struct settings {
 struct setting {
     struct row row;
     enum quantity quantity;
-    size_t offset;         /* of the field in struct settings */
-    bool display;          /* how results look, not part of the experiment: neither saved nor undone */
+    size_t offset;                 /* of the field in struct settings */
+    bool display;                  /* how results look, not part of the experiment: neither saved nor undone */
     const struct catalog *choices; /* the field is an int at the choice's place; NULL: a double */
-    double least, most;    /* of a number: allowed are least < x <= most; most 0: not a number */
+    double least, most;            /* of a number: allowed are least < x <= most; most 0: not a number */
     /* For those that are neither; NULL otherwise. */
     bool (*parse)(struct settings *settings, struct text value, struct error *error);
     void (*show)(const struct settings *settings, struct buffer *text);
@@ -106,10 +111,10 @@ struct setting {
 
 extern const struct catalog setting_catalog;
 
-/* ---- the session --------------------------------------------------------------------------------------------------------------- */
+/* ---- the session ---- */
 
-#define LIMIT_LET 128         /* variables made by let */
-#define LIMIT_RESULTS 128     /* names of results: measured_period, fit_gamma … */
+#define LIMIT_LET 128     /* variables made by let */
+#define LIMIT_RESULTS 128 /* names of results: measured_period, fit_gamma … */
 #define LIMIT_CHECKPOINTS 64
 
 struct named_value {
@@ -122,8 +127,8 @@ struct named_value {
 struct setup {
     struct scene scene;
     const struct method *method;
-    enum drag drag;   /* DRAG_DEFAULT: the method's own */
-    bool fixed;       /* dt= was given with the method: fixed steps although it could adapt */
+    enum drag drag; /* DRAG_DEFAULT: the method's own */
+    bool fixed;     /* dt= was given with the method: fixed steps although it could adapt */
     struct settings settings;
     struct named_value let[LIMIT_LET];
     int lets;
@@ -135,7 +140,7 @@ struct leg; /* private: one thing that was asked of a run (go there, change a pa
 struct held_run {
     struct run *run;
     int references;
-    char *note; /* NULL: none */
+    char *note;      /* NULL: none */
     struct leg *leg; /* [legs] what was asked of the run since its start: enough to recreate it bit for bit */
     int legs;
 };
@@ -150,21 +155,31 @@ struct measurement {
     char quantity[24];
     struct measured value;
     enum quantity unit;
-    double periods; /* NAN: does not apply */
+    double periods;           /* NAN: does not apply */
     char of[LIMIT_NAME + 16]; /* "run 1", "data swing3" */
 };
 
 struct session;
 
-/* ---- what the screen shows: changed by commands only, drawn by the view layer ------------------------------------------------- */
+/* ---- what the screen shows: changed by commands only, drawn by the view layer ---- */
 
 enum layout { LAYOUT_TRIO, LAYOUT_DUO, LAYOUT_SINGLE, LAYOUT_STACK, LAYOUT_QUAD, LAYOUT_PLOT, LAYOUT_LOG };
 
 extern const struct catalog layout_catalog; /* struct row at the enum's place */
 
-enum pane { PANE_POSITION, PANE_ENERGY, PANE_PHASE, PANE_VELOCITY, PANE_ERROR, PANE_RESIDUAL, PANE_SPECTRUM, PANE_COUNT };
+enum pane {
+    PANE_POSITION,
+    PANE_ENERGY,
+    PANE_PHASE,
+    PANE_VELOCITY,
+    PANE_ERROR,
+    PANE_RESIDUAL,
+    PANE_SPECTRUM,
+    PANE_COUNT
+};
 
-/* A pane is a kind of plot. `offered`: whether it makes sense for this session (no error pane where nothing exact is known). */
+/* A pane is a kind of plot. `offered`: whether it makes sense for this session (no error pane where nothing exact is
+ * known). */
 struct pane_row {
     struct row row; /* name, unit of the vertical axis, brief */
     bool (*offered)(const struct session *session);
@@ -177,21 +192,21 @@ enum snap { SNAP_CROSSING, SNAP_PEAK, SNAP_SAMPLE, SNAP_NONE };
 extern const struct catalog snap_catalog; /* struct row at the enum's place */
 
 struct cursors {
-    bool shown;           /* the two cursors stand on the plot */
-    bool on_data;         /* they stand on the recording, else on the current run */
-    int active;           /* 0: A, 1: B */
-    bool locked;          /* both move together */
+    bool shown;   /* the two cursors stand on the plot */
+    bool on_data; /* they stand on the recording, else on the current run */
+    int active;   /* 0: A, 1: B */
+    bool locked;  /* both move together */
     struct {
         bool set;
         double t, t_uncertainty, y; /* [s] [s] SI */
-        int crossing;     /* number of the up-crossing, 0: not on one */
-        double amplitude; /* of the motion there; NAN: not known */
+        int crossing;               /* number of the up-crossing, 0: not on one */
+        double amplitude;           /* of the motion there; NAN: not known */
     } at[2];
     enum snap snap;
-    double periods;       /* between A and B, as counted; NAN: not known */
+    double periods;           /* between A and B, as counted; NAN: not known */
     char of[LIMIT_NAME + 16]; /* what they stand on: "run 2", "data swing3" */
-    size_t samples;       /* it had then */
-    enum quantity quantity; /* of y */
+    size_t samples;           /* it had then */
+    enum quantity quantity;   /* of y */
 };
 
 /* What the two cursors say, made from what struct cursors holds. NAN: not known. */
@@ -215,14 +230,15 @@ void session_cursor_lines(const struct session *session, struct buffer *text);
 
 struct view {
     enum layout layout;
-    enum pane focus;      /* the pane that commands and zooming act on */
-    bool full;            /* the focused pane alone */
-    double x[2], y[2];    /* fixed ranges of the focused pane (time [s], SI); NAN: automatic */
-    double window;        /* [s] of time shown; 0: automatic */
-    double trail;         /* periods of the phase trail; HUGE_VAL: all */
-    int scroll;           /* lines the log is scrolled up */
-    bool paging;          /* the live view sweeps, then pages; otherwise it scrolls by whole cells */
-    int overlay[LIMIT_OVERLAY]; /* numbers of the runs drawn besides the present one; those that are gone are passed over */
+    enum pane focus;            /* the pane that commands and zooming act on */
+    bool full;                  /* the focused pane alone */
+    double x[2], y[2];          /* fixed ranges of the focused pane (time [s], SI); NAN: automatic */
+    double window;              /* [s] of time shown; 0: automatic */
+    double trail;               /* periods of the phase trail; HUGE_VAL: all */
+    int scroll;                 /* lines the log is scrolled up */
+    bool paging;                /* the live view sweeps, then pages; otherwise it scrolls by whole cells */
+    int overlay[LIMIT_OVERLAY]; /* numbers of the runs drawn besides the present one; those that are gone are passed
+                                   over */
     int overlays;
     struct cursors cursors;
 };
@@ -235,7 +251,7 @@ struct log {
     int first, count;
 };
 
-void log_add(struct log *log, struct text text); /* one or more lines; without memory they are dropped */
+void log_add(struct log *log, struct text text);    /* one or more lines; without memory they are dropped */
 const char *log_line(const struct log *log, int i); /* i = 0: the newest */
 void log_clear(struct log *log);
 
@@ -249,8 +265,8 @@ struct live {
     double fraction;  /* of the way to the target, < 0: unknown */
     double marks[32]; /* [s] times at which parameters were changed during the run */
     int mark_count;
-    bool pausing;     /* asked to pause at the next look */
-    bool changing;    /* private: the present command changes the current run */
+    bool pausing;                /* asked to pause at the next look */
+    bool changing;               /* private: the present command changes the current run */
     struct buffer record, typed; /* private: what `record` writes instead of the present statement, and after it */
 };
 
@@ -266,17 +282,20 @@ struct front {
     const struct cancel *cancel;
     void *context;
     bool (*confirm)(void *context, const char *question);
-    void (*progress)(void *context, const struct run *run, double fraction); /* between slices; fraction < 0: unknown; > 1: over, erase */
+    void (*progress)(void *context, const struct run *run,
+                     double fraction); /* between slices; fraction < 0: unknown; > 1: over, erase */
     void (*clear)(void *context);
     /*
-     * Live runs. `watched`: a person watches a screen of panes. Then run and continue advance in slices of at most 10 ms and call `slice` between
-     * them: it polls the terminal, executes what was typed (command_exec may be called again from inside; what would disturb the run is
-     * refused) and draws. It returns at the latest at `until` [clock_ns]; false: pause.
+     * Live runs. `watched`: a person watches a screen of panes. Then run and continue advance in slices of at most 10
+     * ms and call `slice` between them: it polls the terminal, executes what was typed (command_exec may be called
+     * again from inside; what would disturb the run is refused) and draws. It returns at the latest at `until`
+     * [clock_ns]; false: pause.
      */
     bool watched;
     bool (*slice)(void *context, struct session *session, int64_t until);
     /* Draws the present screen into a file, as ncurses would show it (batch: of front.width x height). */
-    bool (*screenshot)(void *context, const struct session *session, const char *path, struct write_policy policy, struct error *error);
+    bool (*screenshot)(void *context, const struct session *session, const char *path, struct write_policy policy,
+                       struct error *error);
     /* The same as lines of text, for `screenshot` without a file. */
     bool (*screen)(void *context, const struct session *session, struct buffer *text, struct error *error);
     /* Changes of the front end itself; false: not possible here, with the reason. */
@@ -291,7 +310,7 @@ struct session {
     int next_run;          /* number of the next run */
     struct held_recording *recording[LIMIT_RECORDINGS];
     int recordings, current_recording; /* index, -1: none */
-    bool data_is_latest;   /* the recording is more recent than the run: measure acts on it */
+    bool data_is_latest;               /* the recording is more recent than the run: measure acts on it */
 
     struct named_value result[LIMIT_RESULTS]; /* of measurements and fits */
     int results;
@@ -332,23 +351,26 @@ void session_destroy(struct session *session);
 /* Appends the commands that recreate the set-up; sourcing them gives the same state. */
 void session_save(const struct session *session, struct buffer *text);
 /*
- * The same with recordings by absolute path, the runs and the view: sourcing it in a new session gives the same exports. Runs that took 2 s or more
- * of computing, and those that stopped at a condition on names that are not saved, are only mentioned in a comment. Measurements are not kept.
+ * The same with recordings by absolute path, the runs and the view: sourcing it in a new session gives the same
+ * exports. Runs that took 2 s or more of computing, and those that stopped at a condition on names that are not saved,
+ * are only mentioned in a comment. Measurements are not kept.
  */
 void session_autosave(const struct session *session, struct buffer *text);
 /* Short state for a prompt or a state line: "spring m=200 g k=15 N/m | euler dt=10 ms | t=9.6 s". */
 void session_state_line(const struct session *session, struct buffer *text);
 
-/* ---- executing ------------------------------------------------------------------------------------------------------------------- */
+/* ---- executing ---- */
 
 /*
- * Executes one line, which may hold several statements. Each statement is atomic: everything is checked before the session changes. The first
- * error ends the line: it is written to the reply, session->status is set, and the result is false. May be called again from inside front.slice;
- * what would disturb the run that goes on is then refused. A run that was paused ends the line too, with a note if something stands after it.
+ * Executes one line, which may hold several statements. Each statement is atomic: everything is checked before the
+ * session changes. The first error ends the line: it is written to the reply, session->status is set, and the result is
+ * false. May be called again from inside front.slice; what would disturb the run that goes on is then refused. A run
+ * that was paused ends the line too, with a note if something stands after it.
  */
 bool command_exec(struct session *session, struct text line, const struct source *where, struct reply *reply);
 
-/* A script that arrives line by line: joins lines that end in a backslash, counts, stops at the first error unless keep_going. */
+/* A script that arrives line by line: joins lines that end in a backslash, counts, stops at the first error unless
+ * keep_going. */
 struct script {
     struct source where;
     struct buffer pending;
@@ -365,19 +387,21 @@ bool script_end(struct script *script, struct session *session, struct reply *re
 /* A whole file, "-" is not special here. ERROR_USAGE if it cannot be read or holds a NUL byte. */
 bool script_file(struct session *session, const char *path, const struct source *parent, struct reply *reply);
 
-/* Writes an error the way users see it: position, line, caret, hint; or as JSON. where may be NULL, line may be empty. */
+/* Writes an error the way users see it: position, line, caret, hint; or as JSON. where may be NULL, line may be empty.
+ */
 void reply_error(struct reply *reply, const struct error *error, const struct source *where, struct text line);
 
-/* ---- completion -------------------------------------------------------------------------------------------------------------------- */
+/* ---- completion ---- */
 
 /*
- * Candidates for the word that ends at `cursor`, by the type of the argument that stands there. *start: where that word begins [byte]. `offer` gets
- * each candidate with a line of explanation ("" if none). Returns false where a file name is wanted: the front end completes it.
+ * Candidates for the word that ends at `cursor`, by the type of the argument that stands there. *start: where that word
+ * begins [byte]. `offer` gets each candidate with a line of explanation ("" if none). Returns false where a file name
+ * is wanted: the front end completes it.
  */
 bool command_complete(struct session *session, struct text line, size_t cursor, size_t *start,
                       void (*offer)(void *context, const char *candidate, const char *brief), void *context);
 
-/* ---- figures of the session --------------------------------------------------------------------------------------------------- */
+/* ---- figures of the session ---- */
 
 static inline struct run *session_run(const struct session *session)
 {
@@ -399,27 +423,28 @@ struct figure_request {
     enum plot_kind kind;
     const int *run; /* places in the session */
     int runs;
-    int recording;  /* place, -1: none */
+    int recording;    /* place, -1: none */
     double window[2]; /* [s] NAN: choose */
     int width;        /* [cell] that will be drawn on */
     bool log;         /* vertical axis */
     enum charset charset;
-    double trail;     /* periods of the phase plot, 0: 2; HUGE_VAL: all */
+    double trail; /* periods of the phase plot, 0: 2; HUGE_VAL: all */
     /* Of a view that lasts: the newest part instead of the first, its time axis fixed. */
     bool follow;
-    bool running;     /* the end moves: nothing that is written depends on it */
-    double span;      /* [s] of time shown, 0: as much as the width can show */
-    int pages;        /* the window moves on by span / pages */
-    double until;     /* [s] the axis reaches to here at least, where known; NAN */
+    bool running; /* the end moves: nothing that is written depends on it */
+    double span;  /* [s] of time shown, 0: as much as the width can show */
+    int pages;    /* the window moves on by span / pages */
+    double until; /* [s] the axis reaches to here at least, where known; NAN */
 };
 
 /* Builds the figure; all memory from the arena. */
 bool session_figure(const struct session *session, const struct figure_request *request, struct arena *arena,
                     struct figure *figure, struct error *error);
-/* Place of the recording that belongs into such a plot without being asked for: the current one, where it overlaps the run; -1: none. */
+/* Place of the recording that belongs into such a plot without being asked for: the current one, where it overlaps the
+ * run; -1: none. */
 int figure_recording(const struct session *session, enum plot_kind kind);
 
-/* ---- the catalog of commands: the man page and the README are made from it ----------------------------------------------------------- */
+/* ---- the catalog of commands: the man page and the README are made from it ---- */
 
 struct argument;  /* private: what may stand after the name */
 struct arguments; /* private: what stood there */

@@ -7,7 +7,7 @@
 
 #include <hooke/run.h>
 
-/* ---- series: what analysis works on, whether measured or simulated ---------------------------------------------------- */
+/* ---- series: what analysis works on, whether measured or simulated ---- */
 
 struct series {
     const double *t; /* [s] increasing */
@@ -16,14 +16,14 @@ struct series {
     enum quantity quantity; /* of y */
 };
 
-/* ---- recordings --------------------------------------------------------------------------------------------------------- */
+/* ---- recordings ---- */
 
 struct column {
-    char name[LIMIT_NAME + 1];  /* as in the file, made safe: "distance", "Dist Error" */
-    char unit[16];              /* as in the file, "" if it says nothing */
-    enum quantity quantity;     /* QUANTITY_OTHER: unit unknown, values taken as they are */
-    double factor;              /* SI value = number in the file * factor */
-    double *value;              /* [rows] numbers as in the file; NAN: missing */
+    char name[LIMIT_NAME + 1]; /* as in the file, made safe: "distance", "Dist Error" */
+    char unit[16];             /* as in the file, "" if it says nothing */
+    enum quantity quantity;    /* QUANTITY_OTHER: unit unknown, values taken as they are */
+    double factor;             /* SI value = number in the file * factor */
+    double *value;             /* [rows] numbers as in the file; NAN: missing */
 };
 
 enum time_source { TIME_COLUMN, TIME_INDEX /* an index column and rate= */, TIME_RATE /* no column at all */ };
@@ -31,35 +31,35 @@ enum time_source { TIME_COLUMN, TIME_INDEX /* an index column and rate= */, TIME
 struct recording {
     char name[LIMIT_NAME + 1]; /* what users call it */
     char *path;
-    char format[32];           /* the row that read it */
-    size_t rows;               /* after what was dropped */
-    size_t dropped;            /* rows in the file that could not be used */
+    char format[32]; /* the row that read it */
+    size_t rows;     /* after what was dropped */
+    size_t dropped;  /* rows in the file that could not be used */
     struct column *column;
     int columns;
-    int time, value;           /* chosen columns; time -1: TIME_RATE */
+    int time, value; /* chosen columns; time -1: TIME_RATE */
     enum time_source source;
-    double rate;               /* [1/s] 1/dt */
-    double dt;                 /* [s] (t_last - t_first)/(rows - 1) */
+    double rate; /* [1/s] 1/dt */
+    double dt;   /* [s] (t_last - t_first)/(rows - 1) */
     int header_lines;
-    char separator;            /* '\t' ',' ';' ' ', '\n': a single column */
-    char decimal;              /* '.' ',' */
-    char **warning;            /* sentences: what is odd about the file, with counts and line numbers */
-    int warnings;              /* at most 10, and one that says how many more kinds there are */
-    int unsaid;                /* these */
-    double window[2];          /* [s] the part in use, in the file's time; the whole file by default */
-    double zero;               /* SI, subtracted from the value; 0 by default */
-    double *t;                 /* [rows] time [s], rising; NAN never */
-    double *y;                 /* [rows] chosen value in SI, zero not yet subtracted; NAN: missing */
-    uint32_t *line;            /* [rows] line of the file, counted from 1 */
-    struct arena arena;        /* owns all of it */
+    char separator;     /* '\t' ',' ';' ' ', '\n': a single column */
+    char decimal;       /* '.' ',' */
+    char **warning;     /* sentences: what is odd about the file, with counts and line numbers */
+    int warnings;       /* at most 10, and one that says how many more kinds there are */
+    int unsaid;         /* these */
+    double window[2];   /* [s] the part in use, in the file's time; the whole file by default */
+    double zero;        /* SI, subtracted from the value; 0 by default */
+    double *t;          /* [rows] time [s], rising; NAN never */
+    double *y;          /* [rows] chosen value in SI, zero not yet subtracted; NAN: missing */
+    uint32_t *line;     /* [rows] line of the file, counted from 1 */
+    struct arena arena; /* owns all of it */
 };
 
 struct load_options {
-    struct text time, value;   /* column name, or number counted from 1; empty: choose */
+    struct text time, value;             /* column name, or number counted from 1; empty: choose */
     const struct unit *unit, *time_unit; /* NULL: what the file says */
-    double rate;               /* [Hz] 0: not given */
-    char decimal, separator;   /* 0: find out */
-    struct text name;          /* as=NAME; empty: from the file name */
+    double rate;                         /* [Hz] 0: not given */
+    char decimal, separator;             /* 0: find out */
+    struct text name;                    /* as=NAME; empty: from the file name */
 };
 
 /* One format = one file in src/data ending in its row. */
@@ -73,18 +73,20 @@ struct format {
 
 extern const struct catalog format_catalog;
 
-/* Reads a file. Binary files, files without a table, without time and rate are refused with the reason and what to type. */
+/* Reads a file. Binary files, files without a table, without time and rate are refused with the reason and what to
+ * type. */
 struct recording *recording_load(const char *path, const struct load_options *options, struct error *error);
 void recording_destroy(struct recording *recording);
 /* "swing3.txt: distance [cm], 480 rows, 0..9.58 s, 50 Hz; tab, 2 header lines" and the warnings, a line each. */
 void recording_describe(const struct recording *recording, struct buffer *text);
 bool recording_window(struct recording *recording, double from, double to, struct error *error);
 void recording_restore(struct recording *recording); /* whole file, zero 0 */
-/* The part in use without missing values, zero subtracted; arrays from `arena`. At least `least` samples or an error. */
+/* The part in use without missing values, zero subtracted; arrays from `arena`. At least `least` samples or an error.
+ */
 bool recording_series(const struct recording *recording, struct arena *arena, size_t least, struct series *series,
                       struct error *error);
 
-/* ---- tables out ---------------------------------------------------------------------------------------------------------- */
+/* ---- tables out ---- */
 
 enum table_format { TABLE_CSV, TABLE_TSV, TABLE_JSON };
 
@@ -108,7 +110,8 @@ struct table {
 
 extern const struct catalog table_format_catalog; /* struct row at the enum's place: csv, tsv, json */
 
-/* Every double reads back bit for bit; `.` and newline whatever the locale. Text cells that could be a formula or contain the separator are quoted. */
+/* Every double reads back bit for bit; `.` and newline whatever the locale. Text cells that could be a formula or
+ * contain the separator are quoted. */
 void table_format(const struct table *table, enum table_format format, struct buffer *out);
 bool table_write(const struct table *table, enum table_format format, const char *path, struct write_policy policy,
                  struct error *error);

@@ -2,16 +2,26 @@
 /*
  * figure: a plot as data, then as cells: ranges, ticks, axes, polylines, legends, ASCII and braille raster.
  *
- * Screen panes and the `plot` command draw through the same functions; a cell canvas is all that a terminal needs to know.
+ * Screen panes and the `plot` command draw through the same functions; a cell canvas is all that a terminal needs to
+ * know.
  */
 #ifndef HOOKE_FIGURE_H
 #define HOOKE_FIGURE_H
 
 #include <hooke/analysis.h>
 
-/* ---- canvas: a rectangle of character cells ------------------------------------------------------------------------------ */
+/* ---- canvas: a rectangle of character cells ---- */
 
-enum style { STYLE_PLAIN, STYLE_DIM, STYLE_BOLD, STYLE_CURVE_1, STYLE_CURVE_2, STYLE_CURVE_3, STYLE_CURVE_4, STYLE_ALERT };
+enum style {
+    STYLE_PLAIN,
+    STYLE_DIM,
+    STYLE_BOLD,
+    STYLE_CURVE_1,
+    STYLE_CURVE_2,
+    STYLE_CURVE_3,
+    STYLE_CURVE_4,
+    STYLE_ALERT
+};
 
 struct cell {
     uint32_t codepoint; /* 0: right half of a wide character */
@@ -26,7 +36,8 @@ struct canvas {
 bool canvas_init(struct canvas *canvas, int width, int height); /* blanks; false: no memory */
 void canvas_free(struct canvas *canvas);
 void canvas_put(struct canvas *canvas, int x, int y, uint32_t codepoint, enum style style); /* outside: ignored */
-int canvas_text(struct canvas *canvas, int x, int y, struct text text, enum style style);   /* returns the column after it; clipped */
+int canvas_text(struct canvas *canvas, int x, int y, struct text text,
+                enum style style); /* returns the column after it; clipped */
 /* Lines without trailing blanks; colour escapes only when `color`. */
 void canvas_print(const struct canvas *canvas, bool color, struct buffer *out);
 
@@ -34,23 +45,24 @@ enum charset { CHARSET_ASCII, CHARSET_BLOCK, CHARSET_BRAILLE };
 
 extern const struct catalog charset_catalog; /* struct row at the enum's place: ascii, block, braille */
 
-/* ---- figures --------------------------------------------------------------------------------------------------------------- */
+/* ---- figures ---- */
 
 struct axis {
-    const char *label;  /* "y", "t", "v" */
-    const char *unit;   /* what is printed in brackets, "" for none */
-    double factor;      /* number shown = value / factor; 0 counts as 1 */
-    double from, to;    /* range in values; used if fixed */
+    const char *label; /* "y", "t", "v" */
+    const char *unit;  /* what is printed in brackets, "" for none */
+    double factor;     /* number shown = value / factor; 0 counts as 1 */
+    double from, to;   /* range in values; used if fixed */
     bool fixed, log;
 };
 
 struct curve {
-    const char *label;  /* legend: "verlet", "data" */
+    const char *label;   /* legend: "verlet", "data" */
     const double *x, *y; /* [n] NaN is a gap */
     size_t n;
-    bool points;        /* data: marks instead of a line, drawn last */
-    bool unbounded;     /* a diverging run: does not take part in the automatic range, leaves through the frame with an arrow */
-    char mark;          /* glyph of this overlay in ASCII ('#', 'o', 'x', '+'); 0: choose by position */
+    bool points;    /* data: marks instead of a line, drawn last */
+    bool unbounded; /* a diverging run: does not take part in the automatic range, leaves through the frame with an
+                       arrow */
+    char mark;      /* glyph of this overlay in ASCII ('#', 'o', 'x', '+'); 0: choose by position */
 };
 
 struct figure {
@@ -58,9 +70,9 @@ struct figure {
     struct axis x, y;
     const struct curve *curve;
     int curves;
-    bool equal;          /* same length for a unit on both axes (phase plot) */
+    bool equal; /* same length for a unit on both axes (phase plot) */
     bool zero_line;
-    bool has_point;      /* the current point is marked */
+    bool has_point; /* the current point is marked */
     double point[2];
     double aspect;       /* height over width of a cell; 0 counts as 2 */
     const char *note;    /* left end of the lower frame, or NULL: "14 periods: envelope" */
@@ -70,7 +82,8 @@ struct figure {
 
 /*
  * Tick positions by the extended Wilkinson algorithm (Talbot, Lin, Hanrahan 2010): about `want`, at most `most`, all
- * inside [from, to], labels with `decimals` decimals. Steps are 1, 2, 2.5, 3, 4 or 5 times a power of ten. count 0: no range.
+ * inside [from, to], labels with `decimals` decimals. Steps are 1, 2, 2.5, 3, 4 or 5 times a power of ten. count 0: no
+ * range.
  */
 struct ticks {
     double first, step;
@@ -84,7 +97,7 @@ void tick_label(const struct ticks *ticks, int i, bool log, struct buffer *out);
 
 /* Where a value lies between the two ends of an axis. Never overflows, whatever the values. */
 struct scale {
-    double from, to;           /* values at the ends */
+    double from, to; /* values at the ends */
     bool log;
     double unit, origin, gain; /* fraction = (value * unit - origin) * gain; for log the value is its log10 */
 };
@@ -96,12 +109,12 @@ double scale_value(const struct scale *scale, double fraction);
 struct figure_layout {
     enum charset charset;
     bool frame, x_labels, y_labels;
-    int gutter;                     /* width of the y labels */
-    int left, top, columns, rows;   /* [cell] the plot, in the rectangle */
+    int gutter;                   /* width of the y labels */
+    int left, top, columns, rows; /* [cell] the plot, in the rectangle */
     struct scale x, y;
-    struct ticks x_ticks, y_ticks;  /* in numbers shown (value / factor) */
-    bool x_decades, y_decades;      /* ticks are powers of ten */
-    size_t hidden;                  /* values <= 0 that a log axis cannot show */
+    struct ticks x_ticks, y_ticks; /* in numbers shown (value / factor) */
+    bool x_decades, y_decades;     /* ticks are powers of ten */
+    size_t hidden;                 /* values <= 0 that a log axis cannot show */
 };
 void figure_layout(const struct figure *figure, int width, int height, enum charset charset,
                    struct figure_layout *layout);
@@ -109,8 +122,10 @@ void figure_layout(const struct figure *figure, int width, int height, enum char
 bool figure_cell(const struct figure_layout *layout, double x, double y, int *column, int *row);
 
 /* Draws into the rectangle; false only without memory. Anything from 1x1 up is drawn as well as it fits. */
-bool figure_draw(const struct figure *figure, struct canvas *canvas, int x, int y, int width, int height, enum charset charset);
+bool figure_draw(const struct figure *figure, struct canvas *canvas, int x, int y, int width, int height,
+                 enum charset charset);
 /* The whole figure as text lines. */
-bool figure_print(const struct figure *figure, int width, int height, enum charset charset, bool color, struct buffer *out);
+bool figure_print(const struct figure *figure, int width, int height, enum charset charset, bool color,
+                  struct buffer *out);
 
 #endif

@@ -50,14 +50,14 @@ struct step {
 
 enum method_flag {
     METHOD_IMPLICIT = 1,
-    METHOD_SYMPLECTIC = 2,   /* for separable conservative scenes */
-    METHOD_SYMMETRIC = 4,    /* a step of h, then one of -h, restores the state */
-    METHOD_ENERGY = 8,       /* keeps the energy of an undamped linear oscillator exactly */
+    METHOD_SYMPLECTIC = 2, /* for separable conservative scenes */
+    METHOD_SYMMETRIC = 4,  /* a step of h, then one of -h, restores the state */
+    METHOD_ENERGY = 8,     /* keeps the energy of an undamped linear oscillator exactly */
     METHOD_A_STABLE = 16,
     METHOD_L_STABLE = 32,
-    METHOD_ADAPTIVE = 64,    /* has an error estimate */
+    METHOD_ADAPTIVE = 64,      /* has an error estimate */
     METHOD_SECOND_ORDER = 128, /* only for q'' = a(t, q, q') */
-    METHOD_EXACT = 256,      /* propagates the exact solution: needs system_has_exact() */
+    METHOD_EXACT = 256,        /* propagates the exact solution: needs system_has_exact() */
 };
 
 struct tableau;   /* Runge–Kutta coefficients, private */
@@ -70,8 +70,8 @@ struct method {
     int embedded;        /* order of the error estimator's companion, 0: none */
     int evals;           /* force evaluations a step (once warm) */
     unsigned flags;
-    enum drag drag;      /* default; DRAG_DEFAULT: drag is part of the right-hand side and has no variants */
-    unsigned drags;      /* bit 1 << enum drag for each variant offered */
+    enum drag drag; /* default; DRAG_DEFAULT: drag is part of the right-hand side and has no variants */
+    unsigned drags; /* bit 1 << enum drag for each variant offered */
     enum step_status (*step)(const struct method *method, struct step *step);
     size_t (*work)(const struct method *method, int n); /* doubles */
     /* State at t + theta h (0 <= theta <= 1) after a successful step; NULL: cubic Hermite through both ends. */
@@ -90,7 +90,8 @@ enum step_status method_step(const struct method *method, struct step *step);
 /* State inside the last step: [t - h, t]. before [n]: state at its start. */
 void method_dense(const struct method *method, const struct step *step, const double *before, double theta, double *y);
 
-/* ---- step-size control ----------------------------------------------------------------------------------------------
+/* ---- step-size control ----
+ *
  * One accepted step of an adaptive method with |error_i| <= tol * max(scale_i, |y_i|) in the RMS sense, PI control
  * (Gustafsson 1991; Hairer, Norsett, Wanner II.4). tol is relative to the system's own scale, never to raw SI numbers.
  *
@@ -99,9 +100,9 @@ void method_dense(const struct method *method, const struct step *step, const do
  * Anything but STEP_OK leaves y and t as they were.
  */
 struct controller {
-    double tol;      /* at least 10 eps */
-    double h;        /* [s] proposal for the next step, 0: choose a first one */
-    double previous; /* error of the last accepted step, 0: none */
+    double tol;       /* at least 10 eps */
+    double h;         /* [s] proposal for the next step, 0: choose a first one */
+    double previous;  /* error of the last accepted step, 0: none */
     double stiffness; /* |h| * the Jacobian's norm, estimated and smoothed: near the stability limit means stiff */
     bool rejected;
 };
@@ -109,7 +110,8 @@ struct controller {
 enum step_status method_adapt(const struct method *method, struct step *step, struct controller *controller,
                               double t_end);
 
-/* ---- linear stability -----------------------------------------------------------------------------------------------
+/* ---- linear stability ----
+ *
  * q'' + gamma q' + omega^2 q = 0 in the scaled state (q, v/omega), with x = omega dt, zeta = gamma / (2 omega).
  */
 

@@ -7,10 +7,12 @@
 
 #include <hooke/method.h>
 
-/* ---- trace: what was recorded ------------------------------------------------------------------------------------------
- * Rows of n state values in chunks; the last row is always the present state, recorded or not. With a fixed step the time is t0 + i dt and
- * not stored. Above the cap the trace is decimated (RECORD_AUTO, whose rows carry their step index): pairs of buckets merge, keeping of each
- * the first sample and the samples of smallest and largest position, so that no peak is lost. Pointers hold until the run moves.
+/* ---- trace: what was recorded ----
+ *
+ * Rows of n state values in chunks; the last row is always the present state, recorded or not. With a fixed step the
+ * time is t0 + i dt and not stored. Above the cap the trace is decimated (RECORD_AUTO, whose rows carry their step
+ * index): pairs of buckets merge, keeping of each the first sample and the samples of smallest and largest position, so
+ * that no peak is lost. Pointers hold until the run moves.
  */
 
 enum record_rule { RECORD_AUTO, RECORD_ALL, RECORD_EVERY };
@@ -29,69 +31,73 @@ const double *trace_state(const struct trace *trace, size_t i); /* [n] */
 bool trace_decimated(const struct trace *trace);
 size_t trace_bytes(const struct trace *trace); /* memory held */
 
-/* ---- settings and the plan --------------------------------------------------------------------------------------------- */
+/* ---- settings and the plan ---- */
 
 struct run_settings {
-    double dt;   /* [s] > 0: fixed step, and the first guess where adaptive */
-    double tol;  /* > 0: adaptive where the method can; 0: fixed step */
+    double dt;  /* [s] > 0: fixed step, and the first guess where adaptive */
+    double tol; /* > 0: adaptive where the method can; 0: fixed step */
     enum drag drag;
     struct recording_rule record;
-    size_t memory;    /* [byte] budget for the trace, 0: 1 GiB */
+    size_t memory; /* [byte] budget for the trace, 0: 1 GiB */
 };
 
-/* What will be computed for a scene and a method, and what is left out, as lines for `plan` (filled by plan_describe). */
+/* What will be computed for a scene and a method, and what is left out, as lines for `plan` (filled by plan_describe).
+ */
 struct plan {
     bool adaptive;
-    bool exact_known;      /* error against the closed form is available */
-    bool ledger;           /* energy balance needs the work of drag and drive */
-    double steps;          /* predicted, NaN if adaptive */
-    double bytes;          /* predicted size of the trace */
-    double seconds;        /* predicted run time */
-    double growth;         /* predicted amplitude growth a step of the linear oscillator, NaN if not linear */
-    double limit;          /* [s] largest stable dt, looked for only if growth > 1 (NaN otherwise): plan_stable_limit() */
-    int64_t whole;         /* full steps of dt in the span */
-    double partial;        /* [s] last partial step, 0: none */
-    bool exact_end;        /* span is a whole number of steps */
+    bool exact_known; /* error against the closed form is available */
+    bool ledger;      /* energy balance needs the work of drag and drive */
+    double steps;     /* predicted, NaN if adaptive */
+    double bytes;     /* predicted size of the trace */
+    double seconds;   /* predicted run time */
+    double growth;    /* predicted amplitude growth a step of the linear oscillator, NaN if not linear */
+    double limit;     /* [s] largest stable dt, looked for only if growth > 1 (NaN otherwise): plan_stable_limit() */
+    int64_t whole;    /* full steps of dt in the span */
+    double partial;   /* [s] last partial step, 0: none */
+    bool exact_end;   /* span is a whole number of steps */
 };
 
-/* Checks dt, span, step count (2^53), memory; ERROR_COMMAND with numbers and advice. span [s] may be negative (backwards). */
-bool plan_make(const struct system *system, const struct method *method, const struct run_settings *settings, double span,
-               struct plan *plan, struct error *error);
-/* Supremum of the stable steps [s] of the scene as a linear oscillator: HUGE_VAL every step, 0 none, NaN not linear. Takes milliseconds. */
+/* Checks dt, span, step count (2^53), memory; ERROR_COMMAND with numbers and advice. span [s] may be negative
+ * (backwards). */
+bool plan_make(const struct system *system, const struct method *method, const struct run_settings *settings,
+               double span, struct plan *plan, struct error *error);
+/* Supremum of the stable steps [s] of the scene as a linear oscillator: HUGE_VAL every step, 0 none, NaN not linear.
+ * Takes milliseconds. */
 double plan_stable_limit(const struct system *system, const struct method *method, enum drag drag);
 void plan_describe(const struct scene *scene, const struct system *system, const struct method *method,
                    const struct run_settings *settings, const struct plan *plan, struct buffer *text);
 
-/* ---- runs ---------------------------------------------------------------------------------------------------------------- */
+/* ---- runs ---- */
 
-enum stop { /* why a run is where it is */
-    STOP_NONE,      /* not at a stop: can continue */
-    STOP_END,       /* reached the time asked for */
-    STOP_CONDITION, /* `until` holds */
-    STOP_DIVERGED,  /* not finite, or amplitude above 1e150 */
-    STOP_CANCELLED,
-    STOP_NO_SOLUTION, /* implicit equation not solved */
-    STOP_STALLED,     /* adaptive step below rounding */
-    STOP_FULL         /* memory budget used up */
+enum stop {                 /* why a run is where it is */
+            STOP_NONE,      /* not at a stop: can continue */
+            STOP_END,       /* reached the time asked for */
+            STOP_CONDITION, /* `until` holds */
+            STOP_DIVERGED,  /* not finite, or amplitude above 1e150 */
+            STOP_CANCELLED,
+            STOP_NO_SOLUTION, /* implicit equation not solved */
+            STOP_STALLED,     /* adaptive step below rounding */
+            STOP_FULL         /* memory budget used up */
 };
 
-const char *stop_name(enum stop stop); /* the JSON `status`: ok, diverged, cancelled … (STOP_END, STOP_CONDITION, STOP_NONE are ok) */
+const char *stop_name(
+    enum stop stop); /* the JSON `status`: ok, diverged, cancelled … (STOP_END, STOP_CONDITION, STOP_NONE are ok) */
 
 struct run {
-    int number;           /* 1, 2, … as users see it */
+    int number; /* 1, 2, … as users see it */
     char name[LIMIT_NAME + 1];
-    struct scene scene;   /* as it was at the start */
+    struct scene scene; /* as it was at the start */
     struct system system;
     const struct method *method;
     struct run_settings settings;
     struct plan plan;
     struct trace *trace;
 
-    int64_t steps;        /* taken */
-    double t;             /* [s] now */
+    int64_t steps; /* taken */
+    double t;      /* [s] now */
     double y[LIMIT_VARIABLES];
     struct cost cost;
-    double seconds;       /* wall time spent advancing */
+    double seconds; /* wall time spent advancing */
     enum stop stop;
     bool warned_growth;
     struct controller controller;
@@ -100,50 +106,55 @@ struct run {
 };
 
 /* A run at its start (one recorded row). NULL with error. */
-struct run *run_create(const struct scene *scene, const struct method *method, const struct run_settings *settings, double span,
-                       struct error *error);
+struct run *run_create(const struct scene *scene, const struct method *method, const struct run_settings *settings,
+                       double span, struct error *error);
 void run_destroy(struct run *run);
 
 struct run_target {
     double t;                          /* [s] go there; HUGE_VAL: no end */
     int64_t steps;                     /* at most so many more steps, counted from this call; < 0: no limit */
-    const struct condition *condition; /* stop where it becomes true (located inside the step by steps of the method), or NULL; true
-                                          at the start, it must become false first */
+    const struct condition *condition; /* stop where it becomes true (located inside the step by steps of the method),
+                                          or NULL; true at the start, it must become false first */
     const struct expr_scope *scope;    /* of the condition; loads observables of this run's current state */
 };
 
 /*
- * Advances until the target, a stop reason, cancellation or `budget_ns` (0: none). True while there is more to do. The rows recorded do not
- * depend on how the work is cut into calls. The last partial step is local: settings.dt is unchanged and a later call continues on the grid
- * t0 + i dt where it can: after a partial step (end of a span, condition) and after a turn a new grid starts at the present time. A failed
- * step leaves the state before it, bit for bit, and so does one that cannot be recorded (STOP_FULL); calling again tries again.
+ * Advances until the target, a stop reason, cancellation or `budget_ns` (0: none). True while there is more to do. The
+ * rows recorded do not depend on how the work is cut into calls. The last partial step is local: settings.dt is
+ * unchanged and a later call continues on the grid t0 + i dt where it can: after a partial step (end of a span,
+ * condition) and after a turn a new grid starts at the present time. A failed step leaves the state before it, bit for
+ * bit, and so does one that cannot be recorded (STOP_FULL); calling again tries again.
  */
 bool run_advance(struct run *run, const struct run_target *target, int64_t budget_ns, const struct cancel *cancel);
 /*
- * Back by `rows` recorded rows (never integrates backwards); false: fewer are there (goes to the start). Restores time, state and the
- * parameters then in force, not what a multistep method remembers or a step control has learnt: these start again.
+ * Back by `rows` recorded rows (never integrates backwards); false: fewer are there (goes to the start). Restores time,
+ * state and the parameters then in force, not what a multistep method remembers or a step control has learnt: these
+ * start again.
  */
 bool run_back(struct run *run, int64_t rows);
 /*
- * A parameter changed while the run goes on: rebinds from `scene` at the present step; y0, v0, t0 have no effect. The grid of times stays, the
- * exact solution is continued from its own value, and the change of energy counts as work. The run is unchanged on error.
+ * A parameter changed while the run goes on: rebinds from `scene` at the present step; y0, v0, t0 have no effect. The
+ * grid of times stays, the exact solution is continued from its own value, and the change of energy counts as work. The
+ * run is unchanged on error.
  */
 bool run_rebind(struct run *run, const struct scene *scene, struct error *error);
-/* Why it stopped, as a sentence for the user: "diverged at t = 12.31 s (step 18): dt = 0.7 s is above …; try dt <= 0.06 s". */
+/* Why it stopped, as a sentence for the user: "diverged at t = 12.31 s (step 18): dt = 0.7 s is above …; try dt <= 0.06
+ * s". */
 void run_explain(const struct run *run, struct buffer *text);
 
-/* ---- observables ----------------------------------------------------------------------------------------------------------
+/* ---- observables ----
+ *
  * Functions of a recorded row, computed when something asks. Columns of exports, axes of plots, names in expressions.
  */
 struct sample { /* one row of a run, or its current state */
     const struct run *run;
     double t;
-    const double *y; /* [n] */
-    double work;     /* [J] work of non-conservative forces since the start; valid if the observable needs it */
-    double dissipated;            /* [J] the part that drag took away, >= 0 for real drag; with NEED_WORK */
-    double initial;               /* [J] energy at the start; with NEED_WORK */
-    const double *exact;          /* [n] exact state; with NEED_EXACT */
-    const struct system *system;  /* in force on the way to this state */
+    const double *y;     /* [n] */
+    double work;         /* [J] work of non-conservative forces since the start; valid if the observable needs it */
+    double dissipated;   /* [J] the part that drag took away, >= 0 for real drag; with NEED_WORK */
+    double initial;      /* [J] energy at the start; with NEED_WORK */
+    const double *exact; /* [n] exact state; with NEED_EXACT */
+    const struct system *system; /* in force on the way to this state */
 };
 
 enum observable_need {
@@ -152,7 +163,8 @@ enum observable_need {
     NEED_MECHANICS = 4, /* a second-order scene: mass, forces, energy */
     NEED_CENTRE = 8,    /* an oscillation about an equilibrium: stiffness > 0 */
     NEED_POWER = 32,    /* says nothing in a conservative scene, where it is 0: lists may leave it out */
-    NEED_RATIO = 16,    /* the value is a ratio of energies: states, work and energies come scaled so that squares stay in range */
+    NEED_RATIO =
+        16, /* the value is a ratio of energies: states, work and energies come scaled so that squares stay in range */
 };
 
 struct observable {
@@ -164,33 +176,36 @@ struct observable {
 
 extern const struct catalog observable_catalog;
 
-/* Column `observable` over all rows of the trace into out [trace_count]; false: not defined for this run (no exact solution …), with reason. */
+/* Column `observable` over all rows of the trace into out [trace_count]; false: not defined for this run (no exact
+ * solution …), with reason. */
 bool run_column(const struct run *run, const struct observable *observable, double *out, struct error *error);
 /* Value at the run's present state. NAN if not defined. */
 double run_observable(const struct run *run, const struct observable *observable);
 /*
- * Names for expressions: the state variables, then the observables (energy-error is also energy_error), at the run's present state. A caller
- * that knows more names wraps find, load and offer; slots here are 0 … run_scope_slots() - 1.
+ * Names for expressions: the state variables, then the observables (energy-error is also energy_error), at the run's
+ * present state. A caller that knows more names wraps find, load and offer; slots here are 0 … run_scope_slots() - 1.
  */
 bool run_scope(const struct run *run, struct expr_scope *scope);
 int run_scope_slots(const struct run *run);
 
 /*
- * Energy ledger: largest |E - E0 - W|/E0 over the trace, W = work of drag and drive since the start (0 for conservative scenes, where it is not
- * computed). Per step W is the integral of the power along the quintic Hermite interpolant of the recorded states. Where E0 = 0 the unit is the
- * largest |E| on the trace; NAN if that is 0 too, and for first-order scenes.
+ * Energy ledger: largest |E - E0 - W|/E0 over the trace, W = work of drag and drive since the start (0 for conservative
+ * scenes, where it is not computed). Per step W is the integral of the power along the quintic Hermite interpolant of
+ * the recorded states. Where E0 = 0 the unit is the largest |E| on the trace; NAN if that is 0 too, and for first-order
+ * scenes.
  */
 struct ledger {
-    double initial;    /* [J] E0 */
-    double final;      /* [J] */
-    double work;       /* [J] W at the end */
-    double error;      /* (E - E0 - W)/E0 at the end */
-    double error_max;  /* largest |…| on the trace */
-    bool approximate;  /* rows are more than a step apart: W is an interpolation over them */
+    double initial;   /* [J] E0 */
+    double final;     /* [J] */
+    double work;      /* [J] W at the end */
+    double error;     /* (E - E0 - W)/E0 at the end */
+    double error_max; /* largest |…| on the trace */
+    bool approximate; /* rows are more than a step apart: W is an interpolation over them */
 };
 void run_ledger(const struct run *run, struct ledger *ledger);
 
-/* Errors against the exact solution over the recorded rows, in units of the amplitude max |y_exact|; all NAN where none is known. */
+/* Errors against the exact solution over the recorded rows, in units of the amplitude max |y_exact|; all NAN where none
+ * is known. */
 struct run_errors {
     double end;       /* distance at the end */
     double max;       /* largest distance on the trace */

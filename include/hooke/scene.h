@@ -14,7 +14,8 @@
 
 #include <hooke/base.h>
 
-/* ---- expressions ----------------------------------------------------------------------------------------------------
+/* ---- expressions ----
+ *
  * + - * / ^ ( ), unary -, numbers, pi, functions, and names that a scope knows. Compiled once (operator precedence
  * parsing with constant folding) into a stack program; values are SI numbers. `^` binds tighter than unary minus and to
  * the right: -2^2 = -4. A name may have a hyphen inside (phase-error) where the scope knows it as a whole.
@@ -34,9 +35,9 @@ struct expr;
 extern const struct catalog function_catalog; /* sin, cos, …: help and completion */
 
 /*
- * Compiles the longest expression at the start of `text`; *used [byte] is where it stops (at a unit, a comma, a colon, "+-",
- * a comparison or the end). Memory from `arena`. scope may be NULL (constants only).
- * Errors: unknown name with suggestion, malformed number, missing operand or parenthesis, depth and size limits.
+ * Compiles the longest expression at the start of `text`; *used [byte] is where it stops (at a unit, a comma, a colon,
+ * "+-", a comparison or the end). Memory from `arena`. scope may be NULL (constants only). Errors: unknown name with
+ * suggestion, malformed number, missing operand or parenthesis, depth and size limits.
  */
 const struct expr *expr_compile(struct text text, const struct expr_scope *scope, struct arena *arena, size_t *used,
                                 struct error *error);
@@ -50,15 +51,16 @@ struct condition {
     bool less, or_equal;
 };
 
-bool condition_compile(struct text text, const struct expr_scope *scope, struct arena *arena, struct condition *condition,
-                       size_t *used, struct error *error);
+bool condition_compile(struct text text, const struct expr_scope *scope, struct arena *arena,
+                       struct condition *condition, size_t *used, struct error *error);
 /* left - right, with the sign such that the condition holds where the value is < 0 (or <= 0). */
 double condition_value(const struct condition *condition, const struct expr_scope *scope);
 bool condition_holds(const struct condition *condition, double value);
 
-/* ---- parameters -----------------------------------------------------------------------------------------------------
- * src/scene/terms.def lists each force term with its parameters; the table comes from there. A parameter is known by its
- * row; its place in the table indexes scene.value.
+/* ---- parameters ----
+ *
+ * src/scene/terms.def lists each force term with its parameters; the table comes from there. A parameter is known by
+ * its row; its place in the table indexes scene.value.
  */
 
 #define PARAM_MAX 64
@@ -66,9 +68,9 @@ bool condition_holds(const struct condition *condition, double value);
 struct param_row {
     struct row row; /* name, SI unit, brief */
     enum quantity quantity;
-    double initial;       /* default, SI */
-    double least;         /* smallest value allowed, -HUGE_VAL: any */
-    bool least_excluded;  /* value > least */
+    double initial;      /* default, SI */
+    double least;        /* smallest value allowed, -HUGE_VAL: any */
+    bool least_excluded; /* value > least */
 };
 
 extern const struct catalog param_catalog; /* struct param_row, at most PARAM_MAX */
@@ -97,7 +99,8 @@ void scene_init(struct scene *scene, const struct preset *preset); /* NULL: "spr
 bool scene_set(struct scene *scene, int param, struct measured value, struct error *error);
 void scene_unset(struct scene *scene, int param); /* back to the preset's value */
 
-/* Quantities that follow from the parameters: omega0, T0, f0, zeta, Q, omega_d, T_d, equilibrium … NaN where not defined. */
+/* Quantities that follow from the parameters: omega0, T0, f0, zeta, Q, omega_d, T_d, equilibrium … NaN where not
+ * defined. */
 struct derived_row {
     struct row row;
     enum quantity quantity;
@@ -116,7 +119,7 @@ bool scene_set_derived(struct scene *scene, const struct derived_row *row, struc
 double scene_reynolds(const struct scene *scene, double speed);
 const char *reynolds_regime(double reynolds);
 
-/* ---- terms and the bound system -------------------------------------------------------------------------------------- */
+/* ---- terms and the bound system ---- */
 
 #define TERM_COEFFICIENTS 6
 #define TERM_MAX 16
@@ -134,11 +137,11 @@ enum term_flag {
  * Closed-form steps, exact drag flows and exact solutions use it. `whole`: nothing else acts.
  */
 struct oscillator {
-    double stiffness; /* [1/s^2] k/m, any sign */
-    double damping;   /* [1/s] gamma */
-    double quadratic; /* [1/m] C rho area / m */
-    double gravity;   /* [m/s^2] */
-    double drive;     /* [m/s^2] F0/m */
+    double stiffness;    /* [1/s^2] k/m, any sign */
+    double damping;      /* [1/s] gamma */
+    double quadratic;    /* [1/m] C rho area / m */
+    double gravity;      /* [m/s^2] */
+    double drive;        /* [m/s^2] F0/m */
     double omega, phase; /* [rad/s] [rad] */
     bool whole;
 };
@@ -146,13 +149,14 @@ struct oscillator {
 struct term_row {
     struct row row; /* name, unit of what `add` adds, brief, citation */
     unsigned flags;
-    /* Coefficients from the parameters, also added into `oscillator`; false: the term is absent (its coefficient is zero). */
+    /* Coefficients from the parameters, also added into `oscillator`; false: the term is absent (its coefficient is
+     * zero). */
     bool (*bind)(const double *param, double *c, struct oscillator *oscillator);
-    void (*add)(const double *c, double t, const double *y, double *a);        /* adds to the accelerations [n/2] */
+    void (*add)(const double *c, double t, const double *y, double *a); /* adds to the accelerations [n/2] */
     /* Adds d a / d y, [n/2][n] row-major; NULL: the term does not depend on the state. */
     void (*jacobian)(const double *c, double t, const double *y, double *jac);
-    double (*potential)(const double *c, const double *y);                     /* [J], NULL unless TERM_CONSERVATIVE */
-    double (*power)(const double *c, double t, const double *y);               /* [W], NULL if TERM_CONSERVATIVE */
+    double (*potential)(const double *c, const double *y);       /* [J], NULL unless TERM_CONSERVATIVE */
+    double (*power)(const double *c, double t, const double *y); /* [W], NULL if TERM_CONSERVATIVE */
 };
 
 extern const struct catalog term_catalog;
@@ -180,20 +184,23 @@ struct system {
 
 bool scene_bind(const struct scene *scene, struct system *system, struct error *error);
 
-void system_acceleration(const struct system *system, double t, const double *y, double *a); /* [n/2], order 2 only */
+void system_acceleration(const struct system *system, double t, const double *y, double *a);  /* [n/2], order 2 only */
 void system_derivative(const struct system *system, double t, const double *y, double *dydt); /* [n] */
 /* Only the terms that do not depend on velocity. */
 void system_force(const struct system *system, double t, const double *y, double *a);
 /* Only the terms that do depend on velocity. */
 void system_drag(const struct system *system, double t, const double *y, double *a);
-/* Exact flow of v' = -gamma v - c |v| v over h (NUMERICS 2.5): sign-preserving, exact at v = 0; oscillator.whole only. */
+/* Exact flow of v' = -gamma v - c |v| v over h (NUMERICS 2.5): sign-preserving, exact at v = 0; oscillator.whole only.
+ */
 double oscillator_drag_flow(const struct oscillator *oscillator, double v, double h);
-void system_jacobian(const struct system *system, double t, const double *y, double *jac); /* d y'/d y, [n][n] row-major */
+void system_jacobian(const struct system *system, double t, const double *y,
+                     double *jac); /* d y'/d y, [n][n] row-major */
 
-double system_kinetic(const struct system *system, const double *y);              /* [J] */
-double system_potential(const struct system *system, const double *y);            /* [J] */
-double system_power(const struct system *system, double t, const double *y);      /* [W] of the non-conservative terms */
-double system_dissipation(const struct system *system, double t, const double *y); /* [W] of the drag terms alone, <= 0 */
+double system_kinetic(const struct system *system, const double *y);         /* [J] */
+double system_potential(const struct system *system, const double *y);       /* [J] */
+double system_power(const struct system *system, double t, const double *y); /* [W] of the non-conservative terms */
+double system_dissipation(const struct system *system, double t,
+                          const double *y); /* [W] of the drag terms alone, <= 0 */
 
 /* Name, unit and quantity of state variable i ("y" m length, "v" m/s velocity; y2, v2 … beyond). */
 struct variable {
@@ -202,11 +209,12 @@ struct variable {
 };
 struct variable system_variable(const struct system *system, int i);
 
-/* ---- exact solutions -------------------------------------------------------------------------------------------------
+/* ---- exact solutions ----
+ *
  * For linear oscillators in every regime: under-, critically and overdamped, k = 0, k < 0, gamma < 0, constant force,
- * driven, resonance, with formulas that do not cancel. From `start` at t0 to t (before or after t0); growth beyond double
- * ends as infinity. floor [n], or NULL: what one ulp in the coefficients does to the answer (about eps * omega * |t - t0|
- * times the amplitude): no error below it means anything.
+ * driven, resonance, with formulas that do not cancel. From `start` at t0 to t (before or after t0); growth beyond
+ * double ends as infinity. floor [n], or NULL: what one ulp in the coefficients does to the answer (about eps * omega *
+ * |t - t0| times the amplitude): no error below it means anything.
  */
 bool system_has_exact(const struct system *system);
 void system_exact(const struct system *system, double t0, const double *start, double t, double *y, double *floor);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * view: the screen as a pure function of a const session and a size. ncurses blits its cells, `screenshot` and the tests print them.
+ * view: the screen as a pure function of a const session and a size. ncurses blits its cells, `screenshot` and the
+ * tests print them.
  */
 #ifndef HOOKE_VIEW_H
 #define HOOKE_VIEW_H
@@ -11,17 +12,19 @@
 struct prompt_line {
     struct text prompt; /* "hooke> ", or "(reverse-i-search)`x': " */
     struct text line;
-    size_t cursor;      /* [byte] in line */
-    struct text hint;   /* shown instead of the numbers line ("PgUp log", cursor keys); empty: none */
+    size_t cursor;    /* [byte] in line */
+    struct text hint; /* shown instead of the numbers line ("PgUp log", cursor keys); empty: none */
 };
 
 /*
- * Draws the whole screen into the canvas (its size is the screen's size, from 1x1 up): state line, panes of the layout, log, numbers, prompt.
- * What does not fit is left out in the order numbers line, second pane, log (one row at least), tick labels, frame, until only the prompt is left.
- * cursor_x, cursor_y [cell]: where the terminal's cursor belongs (NULL: not wanted). A long line scrolls sideways with `<` and `>` marks.
- * Allocates only scratch memory; false: there was none and the canvas is blank.
+ * Draws the whole screen into the canvas (its size is the screen's size, from 1x1 up): state line, panes of the layout,
+ * log, numbers, prompt. What does not fit is left out in the order numbers line, second pane, log (one row at least),
+ * tick labels, frame, until only the prompt is left. cursor_x, cursor_y [cell]: where the terminal's cursor belongs
+ * (NULL: not wanted). A long line scrolls sideways with `<` and `>` marks. Allocates only scratch memory; false: there
+ * was none and the canvas is blank.
  */
-bool screen_draw(const struct session *session, const struct prompt_line *prompt, struct canvas *canvas, int *cursor_x, int *cursor_y);
+bool screen_draw(const struct session *session, const struct prompt_line *prompt, struct canvas *canvas, int *cursor_x,
+                 int *cursor_y);
 
 /* The size of the log pane at this screen size [rows]: how far one page scrolls. */
 int screen_log_rows(const struct session *session, int width, int height);

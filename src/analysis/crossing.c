@@ -167,8 +167,9 @@ size_t series_crossings(const struct series *s, const struct overview *o, double
 }
 
 /*
- * Where the counting of periods starts: the phase that the first crossings agree on, so that a spike that comes first does not shift the rest.
- * Only a few are asked: over many periods a small error of the guess would turn them against each other.
+ * Where the counting of periods starts: the phase that the first crossings agree on, so that a spike that comes first
+ * does not shift the rest. Only a few are asked: over many periods a small error of the guess would turn them against
+ * each other.
  */
 static double counting_origin(const struct crossing *up, size_t count, double guess)
 {
@@ -191,7 +192,8 @@ static bool fit_period(const struct crossing *up, size_t count, double guess, do
     for (size_t i = 0; i < count; i++) {
         scratch[i] = up[i].t - guess * nearbyint((up[i].t - origin) / guess);
     }
-    /* Before any line: a spike's crossing can look very certain, so what is far from the crossings' median phase stays out at once. */
+    /* Before any line: a spike's crossing can look very certain, so what is far from the crossings' median phase stays
+     * out at once. */
     double limit = FAR_OFF * guess, slope = guess, start = quantile(scratch, count, 0.5);
     for (int pass = 0; pass < 2; pass++) {
         double w = 0, wn = 0, wt = 0, wnn = 0, wnt = 0, chi2 = 0;

@@ -10,8 +10,7 @@
 #define HALVES_DIFFER 2.5   /* standard deviations from which two halves are said to differ */
 #define MAD_TO_SIGMA 1.4826 /* median |x| of normal noise -> its standard deviation */
 
-/* ---- samples.c: a series with a mask, and robust statistics
- * ------------------------------------------------------------- */
+/* ---- samples.c: a series with a mask, and robust statistics ---- */
 
 struct samples {
     const double *t, *y;
@@ -28,8 +27,7 @@ double samples_noise(const struct samples *samples, double *scratch);
 void samples_flag_spikes(struct samples *samples, double *scratch); /* clears `use` of short far excursions */
 double quantile(double *values, size_t n, double q);                /* reorders the values */
 
-/* ---- harmonic.c: y = c + exp(-gamma s/2) (a cos(omega s) + b sin(omega s)), s = t - origin
- * ------------------------------- */
+/* ---- harmonic.c: y = c + exp(-gamma s/2) (a cos(omega s) + b sin(omega s)), s = t - origin ---- */
 
 enum { LINEAR_A, LINEAR_B, LINEAR_C, RATE_OMEGA, RATE_GAMMA, HARMONIC_PARAMETERS };
 
@@ -62,8 +60,7 @@ double residual_autocorrelation(const struct samples *samples, const double *res
 /* n(1 - rho)/(1 + rho) instead of n independent residuals: the factor by which variances grow (>= 1). */
 double autocorrelation_factor(double rho);
 
-/* ---- motion.c: what every analysis of an oscillation starts from
- * ---------------------------------------------------------- */
+/* ---- motion.c: what every analysis of an oscillation starts from ---- */
 
 struct segment {
     size_t from, to; /* samples [from, to) */
@@ -94,8 +91,7 @@ bool motion_init(struct motion *motion, const struct series *series, struct aren
 /* The same, refusing what does not oscillate with the reason. */
 bool motion_require(struct motion *motion, const struct series *series, struct arena *arena, struct error *error);
 
-/* ---- robust.c
- * -------------------------------------------------------------------------------------------------------------- */
+/* ---- robust.c ---- */
 
 /*
  * Clears `use` of missed echoes and clipped samples, two periods at a time, with the motion's omega and gamma; fills
@@ -103,20 +99,17 @@ bool motion_require(struct motion *motion, const struct series *series, struct a
  */
 bool reject_outliers(struct motion *motion, struct arena *arena);
 
-/* ---- spectrum.c
- * ------------------------------------------------------------------------------------------------------------ */
+/* ---- spectrum.c ---- */
 
 /* Angular frequency of the highest peak [rad/s], NAN: none inside the band. *memory becomes false without memory. */
 double peak_frequency(const struct samples *samples, struct arena *arena, bool *memory);
 
-/* ---- amplitude.c
- * ----------------------------------------------------------------------------------------------------------- */
+/* ---- amplitude.c ---- */
 
 /* Local harmonic fit to the samples [from, to) with the motion's omega and gamma. False: too few samples there. */
 bool local_amplitude(const struct motion *motion, size_t from, size_t to, struct reading *reading);
 
-/* ---- envelope.c
- * ------------------------------------------------------------------------------------------------------------ */
+/* ---- envelope.c ---- */
 
 /*
  * Compares linear, quadratic and mixed drag on the envelope: fills preferred and evidence. *sway: scatter of the
@@ -125,8 +118,7 @@ bool local_amplitude(const struct motion *motion, size_t from, size_t to, struct
  */
 bool envelope_laws(const struct motion *motion, struct fit *fit, double *sway);
 
-/* ---- warnings.c
- * ------------------------------------------------------------------------------------------------------------ */
+/* ---- warnings.c ---- */
 
 void fit_warn(struct fit *fit, const char *format, ...) PRINTF_LIKE(2, 3);
 /* sway: what envelope_laws returned. */

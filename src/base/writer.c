@@ -31,7 +31,7 @@ static bool refuse_existing(const struct writer *writer, struct error *error)
     return error_set(error, ERROR_IO, "%s exists; add --force to replace it", safe_name(text_of(writer->path), name));
 }
 
-/* ---- opening --------------------------------------------------------------------------------------------------------
+/* ---- opening ----
  */
 
 /* Opens the folder of writer->path and points at the last component. */
@@ -162,7 +162,7 @@ bool writer_open(struct writer *writer, const char *path, struct write_policy po
     return false;
 }
 
-/* ---- writing --------------------------------------------------------------------------------------------------------
+/* ---- writing ----
  */
 
 static void write_all(struct writer *writer, struct text text)
@@ -197,8 +197,7 @@ void writer_put(struct writer *writer, struct text text)
     }
 }
 
-/* ---- putting in place: each step returns 0 or an errno
- * ---------------------------------------------------------------- */
+/* ---- putting in place: each step returns 0 or an errno ---- */
 
 static int synced(int fd)
 {

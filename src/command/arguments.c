@@ -50,12 +50,14 @@ static struct item *next_item(struct parser *parser, struct given *given, struct
     return item;
 }
 
-static bool in_range(const struct parser *parser, const struct argument *argument, const struct item *item, struct error *error)
+static bool in_range(const struct parser *parser, const struct argument *argument, const struct item *item,
+                     struct error *error)
 {
     const struct text rest = parser->rest;
     if ((argument->flags & ARG_NEGATIVE) || argument->type != TYPE_VALUE || item->value.value > 0)
         return true;
-    error_at(error, item->text, "%s must be more than 0, got '%.*s'", argument->name, (int)item->text.len, item->text.at);
+    error_at(error, item->text, "%s must be more than 0, got '%.*s'", argument->name, (int)item->text.len,
+             item->text.at);
     if (rest.len > 1 && rest.at[0] == ',' && rest.at[1] >= '0' && rest.at[1] <= '9')
         error_hint(error, "the comma separates the values of a list; the decimal mark is a point");
     return false;
@@ -95,7 +97,8 @@ static bool read_run(struct parser *parser, const struct argument *argument, str
         error_at(error, item->text, "there is no run yet");
         return error_hint(error, "type: run");
     }
-    error_at(error, item->text, "there is no run '%.*s'", (int)(item->text.len < 64 ? item->text.len : 64), item->text.at);
+    error_at(error, item->text, "there is no run '%.*s'", (int)(item->text.len < 64 ? item->text.len : 64),
+             item->text.at);
     return error_hint(error, "'runs' lists them");
 }
 
@@ -107,7 +110,8 @@ static bool read_recording(struct parser *parser, struct item *item, struct erro
     item->index = session_find_recording(session, item->text);
     if (item->index >= 0)
         return true;
-    error_at(error, item->text, "there is no recording '%.*s'", (int)(item->text.len < 64 ? item->text.len : 64), item->text.at);
+    error_at(error, item->text, "there is no recording '%.*s'", (int)(item->text.len < 64 ? item->text.len : 64),
+             item->text.at);
     struct suggestion near = {.wanted = item->text};
     for (int i = 0; i < session->recordings; i++)
         suggestion_offer(&near, session->recording[i]->recording->name);
@@ -184,7 +188,7 @@ struct progress {
     struct parser *parser;
     const struct command *command;
     struct arguments *arguments;
-    int open;         /* argument that may take more items without a new introduction, -1: none */
+    int open;                  /* argument that may take more items without a new introduction, -1: none */
     const struct item *number; /* that was read last, NULL: something else */
 };
 
@@ -195,7 +199,8 @@ static bool read_into(struct progress *progress, int place, const char *start, s
     struct given *given = &progress->arguments->given[place];
     for (int i = 0; given->count == 0 && argument->group && i < progress->command->arguments; i++)
         if (i != place && progress->command->argument[i].group == argument->group && has(progress->arguments, i)) {
-            error_at(error, (struct text){start, (size_t)(parser->rest.at - start) ? (size_t)(parser->rest.at - start) : 1},
+            error_at(error,
+                     (struct text){start, (size_t)(parser->rest.at - start) ? (size_t)(parser->rest.at - start) : 1},
                      "'%s' and '%s' exclude each other", progress->command->argument[i].name, argument->name);
             return false;
         }
@@ -204,8 +209,8 @@ static bool read_into(struct progress *progress, int place, const char *start, s
     for (bool more = true; more;) {
         skip_blanks(&parser->rest);
         if (needs && parser->rest.len == 0) {
-            error_at(error, (struct text){parser->rest.at, 0}, "%s needs a value after '%s'", progress->command->row.name,
-                     argument->name);
+            error_at(error, (struct text){parser->rest.at, 0}, "%s needs a value after '%s'",
+                     progress->command->row.name, argument->name);
             struct buffer usage = {0};
             command_usage(progress->command, &usage);
             error_hint(error, "usage: %s", buffer_view(&usage));
@@ -244,7 +249,8 @@ static bool is_lead(const struct command *command, struct text word)
     return false;
 }
 
-static bool unknown_argument(const struct command *command, enum argument_form form, struct text name, struct error *error)
+static bool unknown_argument(const struct command *command, enum argument_form form, struct text name,
+                             struct error *error)
 {
     error_at(error, name, "%s has no %s '%.*s'", command->row.name, form == FORM_OPTION ? "option" : "argument",
              (int)(name.len < 64 ? name.len : 64), name.at);
@@ -313,10 +319,11 @@ static bool read_next(struct progress *progress, struct error *error)
         }
         if (place < 0)
             return unknown_argument(progress->command, FORM_KEY, name, error);
-    } else if (place >= 0 && progress->command->argument[place].type == TYPE_CHOICE && !has(progress->arguments, place) &&
-               catalog_find(progress->command->argument[place].choices, name)) {
+    } else if (place >= 0 && progress->command->argument[place].type == TYPE_CHOICE &&
+               !has(progress->arguments, place) && catalog_find(progress->command->argument[place].choices, name)) {
         used = 0; /* `measure energy`: what the place wants comes before a word of the same name, as in `of energy` */
-    } else if ((place = find_argument(progress->command, FORM_WORD, name)) >= 0 && peek_word(*rest, "").len == name.len) {
+    } else if ((place = find_argument(progress->command, FORM_WORD, name)) >= 0 &&
+               peek_word(*rest, "").len == name.len) {
         used = name.len;
     } else if (is_lead(progress->command, name)) {
         *rest = (struct text){rest->at + name.len, rest->len - name.len};
@@ -328,12 +335,14 @@ static bool read_next(struct progress *progress, struct error *error)
             return refuse_rest(parser, progress->number, error);
     }
     if (has(progress->arguments, place) && !(progress->command->argument[place].flags & ARG_MANY))
-        return error_at(error, (struct text){start, used ? used : 1}, "'%s' is given twice", progress->command->argument[place].name);
+        return error_at(error, (struct text){start, used ? used : 1}, "'%s' is given twice",
+                        progress->command->argument[place].name);
     *rest = (struct text){rest->at + used, rest->len - used};
     return read_into(progress, place, start, error);
 }
 
-bool parse_arguments(struct parser *parser, const struct command *command, struct arguments *arguments, struct error *error)
+bool parse_arguments(struct parser *parser, const struct command *command, struct arguments *arguments,
+                     struct error *error)
 {
     struct progress progress = {parser, command, arguments, -1, NULL};
     for (;;) {
@@ -351,7 +360,8 @@ bool parse_arguments(struct parser *parser, const struct command *command, struc
         if ((command->argument[i].flags & ARG_REQUIRED) && !has(arguments, i)) {
             struct buffer usage = {0};
             command_usage(command, &usage);
-            error_at(error, (struct text){parser->rest.at, 0}, "%s needs %s", command->row.name, command->argument[i].name);
+            error_at(error, (struct text){parser->rest.at, 0}, "%s needs %s", command->row.name,
+                     command->argument[i].name);
             error_hint(error, "usage: %s", buffer_view(&usage));
             buffer_free(&usage);
             return false;

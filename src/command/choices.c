@@ -1,9 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "choices.h"
 
-#define ROW(name, brief) {name, "", brief, "", NULL}
+#define ROW(name, brief)                                                                                               \
+    {                                                                                                                  \
+        name, "", brief, "", NULL                                                                                      \
+    }
 
-static const struct row separators[] = {ROW("tab", "tabulator"), ROW("comma", ","), ROW("semicolon", ";"), ROW("blank", "blanks")};
+static const struct row separators[] = {ROW("tab", "tabulator"), ROW("comma", ","), ROW("semicolon", ";"),
+                                        ROW("blank", "blanks")};
 const struct catalog separator_catalog = CATALOG("separator", separators);
 
 static const struct row decimals[] = {ROW("point", "1.5"), ROW("comma", "1,5")};
@@ -22,26 +26,22 @@ static const struct row quantities[] = {
 const struct catalog quantity_catalog = CATALOG("quantity to measure", quantities);
 
 static const struct row shows[] = {
-    [SHOW_ALL] = ROW("all", "everything that has a name"),   [SHOW_SCENE] = ROW("scene", "parameters and what follows from them"),
-    [SHOW_RUN] = ROW("run", "state of the current run"),     [SHOW_DATA] = ROW("data", "the current recording"),
-    [SHOW_PLOT] = ROW("plot", "settings of plots and text"), [SHOW_FILES] = ROW("files", "files read and written"),
+    [SHOW_ALL] = ROW("all", "everything that has a name"),
+    [SHOW_SCENE] = ROW("scene", "parameters and what follows from them"),
+    [SHOW_RUN] = ROW("run", "state of the current run"),
+    [SHOW_DATA] = ROW("data", "the current recording"),
+    [SHOW_PLOT] = ROW("plot", "settings of plots and text"),
+    [SHOW_FILES] = ROW("files", "files read and written"),
 };
 const struct catalog show_catalog = CATALOG("group", shows);
 
 static const struct row lists[] = {
-    [LIST_COMMANDS] = ROW("commands", ""),
-    [LIST_SCENES] = ROW("scenes", ""),
-    [LIST_METHODS] = ROW("methods", ""),
-    [LIST_PARAMETERS] = ROW("parameters", ""),
-    [LIST_DERIVED] = ROW("derived", ""),
-    [LIST_OBSERVABLES] = ROW("observables", ""),
-    [LIST_SETTINGS] = ROW("settings", ""),
-    [LIST_UNITS] = ROW("units", ""),
-    [LIST_FUNCTIONS] = ROW("functions", ""),
-    [LIST_FORMATS] = ROW("formats", ""),
-    [LIST_LIMITS] = ROW("limits", ""),
-    [LIST_MEASUREMENTS] = ROW("measurements", ""),
-    [LIST_RUNS] = ROW("runs", ""),
-    [LIST_RECORDINGS] = ROW("recordings", ""),
+    [LIST_COMMANDS] = ROW("commands", ""),   [LIST_SCENES] = ROW("scenes", ""),
+    [LIST_METHODS] = ROW("methods", ""),     [LIST_PARAMETERS] = ROW("parameters", ""),
+    [LIST_DERIVED] = ROW("derived", ""),     [LIST_OBSERVABLES] = ROW("observables", ""),
+    [LIST_SETTINGS] = ROW("settings", ""),   [LIST_UNITS] = ROW("units", ""),
+    [LIST_FUNCTIONS] = ROW("functions", ""), [LIST_FORMATS] = ROW("formats", ""),
+    [LIST_LIMITS] = ROW("limits", ""),       [LIST_MEASUREMENTS] = ROW("measurements", ""),
+    [LIST_RUNS] = ROW("runs", ""),           [LIST_RECORDINGS] = ROW("recordings", ""),
 };
 const struct catalog list_catalog = CATALOG("list", lists);

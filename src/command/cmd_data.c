@@ -29,7 +29,8 @@ static void reply_part(const struct recording *recording, struct reply *reply)
     const enum quantity quantity = recording->column[recording->value].quantity;
     struct buffer zero = {0};
     buffer_measured(&zero, (struct measured){recording->zero, 0}, quantity, 6);
-    reply_line(reply, "%s: window %.6g..%.6g s, zero %s", recording->name, recording->window[0], recording->window[1], buffer_view(&zero));
+    reply_line(reply, "%s: window %.6g..%.6g s, zero %s", recording->name, recording->window[0], recording->window[1],
+               buffer_view(&zero));
     buffer_free(&zero);
 }
 
@@ -114,12 +115,14 @@ HANDLER(load)
                                          .value = text_given(given, "y"),
                                          .unit = unit_given(given, "unit"),
                                          .time_unit = unit_given(given, "tunit"),
-                                         .rate = is_given(given, "rate") ? given_for(given, "rate")->item->value.value : 0,
+                                         .rate =
+                                             is_given(given, "rate") ? given_for(given, "rate")->item->value.value : 0,
                                          .decimal = letter_given(given, "decimal", decimal_letters),
                                          .separator = letter_given(given, "sep", separator_letters),
                                          .name = text_given(given, "as")};
     if (options.name.len > 0 && (options.name.len > LIMIT_NAME || peek_name(options.name).len != options.name.len))
-        return error_at(error, options.name, "a name is a letter, then letters, digits, _ and -, at most %d of them", LIMIT_NAME);
+        return error_at(error, options.name, "a name is a letter, then letters, digits, _ and -, at most %d of them",
+                        LIMIT_NAME);
     char *path = arena_text(given->arena, file->item->text);
     struct recording *recording = path ? recording_load(path, &options, error) : NULL;
     if (!recording) {
@@ -150,20 +153,22 @@ static void list_recordings(const struct session *session, struct reply *reply)
     for (int i = 0; i < session->recordings; i++) {
         const struct recording *recording = session->recording[i]->recording;
         const struct column *value = &recording->column[recording->value];
-        reply_line(reply, "%c %-16s %s [%s], %zu rows, %.6g..%.6g s, window %.6g..%.6g s", i == session->current_recording ? '*' : ' ',
-                   recording->name, value->name, value->unit, recording->rows, recording->t[0], recording->t[recording->rows - 1],
-                   recording->window[0], recording->window[1]);
+        reply_line(reply, "%c %-16s %s [%s], %zu rows, %.6g..%.6g s, window %.6g..%.6g s",
+                   i == session->current_recording ? '*' : ' ', recording->name, value->name, value->unit,
+                   recording->rows, recording->t[0], recording->t[recording->rows - 1], recording->window[0],
+                   recording->window[1]);
         reply_recording(recording, reply);
     }
 }
 
-static bool set_zero(struct session *session, struct recording *recording, const struct arguments *given, struct error *error)
+static bool set_zero(struct session *session, struct recording *recording, const struct arguments *given,
+                     struct error *error)
 {
     const struct item *item = given_for(given, "zero")->item;
     const enum quantity quantity = recording->column[recording->value].quantity;
     if (item->unit && quantity != QUANTITY_OTHER && item->quantity != quantity)
-        return error_at(error, item->text, "zero needs a %s, as the recording holds, got '%.*s' (%s)", quantity_name(quantity),
-                        (int)item->text.len, item->text.at, quantity_name(item->quantity));
+        return error_at(error, item->text, "zero needs a %s, as the recording holds, got '%.*s' (%s)",
+                        quantity_name(quantity), (int)item->text.len, item->text.at, quantity_name(item->quantity));
     recording->zero = item->value.value;
     session_changed(session);
     return true;
@@ -172,7 +177,8 @@ static bool set_zero(struct session *session, struct recording *recording, const
 HANDLER(data)
 {
     struct recording *recording = session_recording(session);
-    const struct given *use = given_for(given, "use"), *window = given_for(given, "window"), *drop = given_for(given, "drop");
+    const struct given *use = given_for(given, "use"), *window = given_for(given, "window"),
+                       *drop = given_for(given, "drop");
     if (drop->count) {
         session_drop_recording(session, drop->item->index);
         list_recordings(session, reply);
@@ -213,9 +219,11 @@ HANDLER(data)
 #endif
 
 COMMAND(load, .row = {"load", "", "read a recording from a file", "", NULL}, .group = "DATA",
-        .text = "Finds the table, its separator, decimal mark, columns and units by itself and says what it found; every finding can be\n"
+        .text = "Finds the table, its separator, decimal mark, columns and units by itself and says what it found; "
+                "every finding can be\n"
                 "overruled. A file without times needs rate=. A recording of the same name is replaced.",
-        .examples = "load bare.txt\nload disk.txt y=2 unit=cm as=disk", .see = "data fit measure plot", .flags = COMMAND_CHANGES,
+        .examples = "load bare.txt\nload disk.txt y=2 unit=cm as=disk", .see = "data fit measure plot",
+        .flags = COMMAND_CHANGES,
         ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED), KEY("t", TYPE_TEXT), KEY("y", TYPE_TEXT),
                   KEY("unit", TYPE_UNIT), KEY("tunit", TYPE_UNIT, .quantity = QUANTITY_TIME),
                   KEY("rate", TYPE_VALUE, .quantity = QUANTITY_FREQUENCY),
@@ -223,7 +231,8 @@ COMMAND(load, .row = {"load", "", "read a recording from a file", "", NULL}, .gr
                   KEY("sep", TYPE_CHOICE, .choices = &separator_catalog), KEY("as", TYPE_TEXT)))
 
 COMMAND(data, .row = {"data", "", "list recordings, choose one, choose the part in use", "", NULL}, .group = "DATA",
-        .text = "window: the part that fit, measure and plot use; zero: subtracted from the values; restore: the whole file, zero 0.",
+        .text = "window: the part that fit, measure and plot use; zero: subtracted from the values; restore: the whole "
+                "file, zero 0.",
         .examples = "data\ndata window 2:8", .see = "load fit", .flags = COMMAND_CHANGES,
         ARGUMENTS(WORD("list", TYPE_NONE, .group = 1), WORD("use", TYPE_RECORDING, .group = 1),
                   WORD("window", TYPE_RANGE, .quantity = QUANTITY_TIME, .group = 1),

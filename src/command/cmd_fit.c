@@ -30,12 +30,13 @@ static struct measured quotient(double numerator, struct measured x)
     return (struct measured){numerator / x.value, fabs(numerator / x.value) * fabs(x.uncertainty / x.value)};
 }
 
-static void reply_fit_text(const struct subject *subject, const struct fit *fit, const struct measured *k, struct reply *reply)
+static void reply_fit_text(const struct subject *subject, const struct fit *fit, const struct measured *k,
+                           struct reply *reply)
 {
     const enum quantity quantity = subject->series.quantity;
     struct buffer text = {0};
-    buffer_format(&text, "fit %s to %s, %.6g..%.6g s: %zu samples used, %zu rejected\n  ", fit->model, subject->name, fit->window[0],
-                  fit->window[1], fit->used, fit->rejected);
+    buffer_format(&text, "fit %s to %s, %.6g..%.6g s: %zu samples used, %zu rejected\n  ", fit->model, subject->name,
+                  fit->window[0], fit->window[1], fit->used, fit->rejected);
     put(&text, "T", fit->period, QUANTITY_TIME);
     put(&text, "   omega", fit->omega, QUANTITY_ANGULAR_FREQUENCY);
     if (isfinite(fit->gamma.value)) {
@@ -43,8 +44,10 @@ static void reply_fit_text(const struct subject *subject, const struct fit *fit,
         buffer_put(&text, TEXT("   (amplitude falls as exp(-gamma t/2), energy as exp(-gamma t))\n  "));
         if (fit->gamma.value > 0) {
             put(&text, "tau", quotient(2, fit->gamma), QUANTITY_TIME);
-            put(&text, "   Q", (struct measured){fit->omega.value / fit->gamma.value,
-                                                 fit->omega.value / fit->gamma.value * fabs(fit->gamma.uncertainty / fit->gamma.value)},
+            put(&text, "   Q",
+                (struct measured){fit->omega.value / fit->gamma.value,
+                                  fit->omega.value / fit->gamma.value *
+                                      fabs(fit->gamma.uncertainty / fit->gamma.value)},
                 QUANTITY_NUMBER);
         } else {
             buffer_put(&text, TEXT("no decay"));
@@ -79,7 +82,8 @@ static void reply_fit_text(const struct subject *subject, const struct fit *fit,
     buffer_free(&text);
 }
 
-static void reply_fit_record(const struct subject *subject, const struct fit *fit, const struct measured *k, struct reply *reply)
+static void reply_fit_record(const struct subject *subject, const struct fit *fit, const struct measured *k,
+                             struct reply *reply)
 {
     const enum quantity quantity = subject->series.quantity;
     reply_begin(reply, "fit");
@@ -117,7 +121,8 @@ static void reply_fit_record(const struct subject *subject, const struct fit *fi
     reply_end(reply);
 }
 
-static void keep_fit(struct session *session, const struct subject *subject, const struct fit *fit, const struct measured *k)
+static void keep_fit(struct session *session, const struct subject *subject, const struct fit *fit,
+                     const struct measured *k)
 {
     const enum quantity quantity = subject->series.quantity;
     const struct {
@@ -125,10 +130,10 @@ static void keep_fit(struct session *session, const struct subject *subject, con
         struct measured value;
         enum quantity quantity;
     } results[] = {
-        {"fit_period", fit->period, QUANTITY_TIME},        {"fit_omega", fit->omega, QUANTITY_ANGULAR_FREQUENCY},
-        {"fit_gamma", fit->gamma, QUANTITY_RATE},          {"fit_amplitude", fit->amplitude, quantity},
-        {"fit_phase", fit->phase, QUANTITY_ANGLE},         {"fit_offset", fit->offset, quantity},
-        {"fit_rms", {fit->rms, 0}, quantity},              {"fit_k", k ? *k : (struct measured){NAN, NAN}, QUANTITY_STIFFNESS},
+        {"fit_period", fit->period, QUANTITY_TIME}, {"fit_omega", fit->omega, QUANTITY_ANGULAR_FREQUENCY},
+        {"fit_gamma", fit->gamma, QUANTITY_RATE},   {"fit_amplitude", fit->amplitude, quantity},
+        {"fit_phase", fit->phase, QUANTITY_ANGLE},  {"fit_offset", fit->offset, quantity},
+        {"fit_rms", {fit->rms, 0}, quantity},       {"fit_k", k ? *k : (struct measured){NAN, NAN}, QUANTITY_STIFFNESS},
     };
     session->fit = *fit;
     session->has_fit = true;
@@ -150,7 +155,8 @@ HANDLER(fit)
     const struct given data = to->count || current.index < 0 ? *to : (struct given){.count = 1, .item = &current};
     if (!subject_open(session, run, &data, given_for(given, "window"), false, 8, given->arena, &subject, error))
         return false;
-    if (!((const struct fit_model *)(const void *)row)->fit(&subject.series, given->arena, session->front.cancel, &fit, error))
+    if (!((const struct fit_model *)(const void *)row)
+             ->fit(&subject.series, given->arena, session->front.cancel, &fit, error))
         return false;
     struct measured mass, stiffness;
     const bool with_k = known_mass(session, &mass);
@@ -169,14 +175,16 @@ HANDLER(fit)
     return error_hint(error, "choose a window where the motion is regular: fit window=FROM:TO");
 }
 
-/* ---- adopt ---------------------------------------------------------------------------------------------------------------- */
+/* ---- adopt ---- */
 
 static bool adopt_value(struct scene *scene, const char *name, double value, double uncertainty, struct error *error)
 {
-    return scene_set(scene, param_index(name), (struct measured){value, isfinite(uncertainty) ? uncertainty : 0}, error);
+    return scene_set(scene, param_index(name), (struct measured){value, isfinite(uncertainty) ? uncertainty : 0},
+                     error);
 }
 
-/* How often the position was differentiated to give such a recording, -1: it is no motion. Numbers without a unit are taken as positions. */
+/* How often the position was differentiated to give such a recording, -1: it is no motion. Numbers without a unit are
+ * taken as positions. */
 static int derivatives(enum quantity quantity)
 {
     switch (quantity) {
@@ -225,7 +233,8 @@ HANDLER(adopt)
         return false;
     session->setup.scene = scene;
     const struct text of = text_of(session->fit_of);
-    const int data = text_starts(of, TEXT("data ")) ? session_find_recording(session, (struct text){of.at + 5, of.len - 5}) : -1;
+    const int data =
+        text_starts(of, TEXT("data ")) ? session_find_recording(session, (struct text){of.at + 5, of.len - 5}) : -1;
     const double zero = session->fit_zero + fit->offset.value - (n == 0 ? middle : 0);
     if (data >= 0)
         session->recording[data]->recording->zero = zero;
@@ -246,9 +255,11 @@ HANDLER(adopt)
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
     if (n < 0)
-        reply_warning(reply, "y0, v0 and t0 stay: what was fitted (%s) is no position, velocity or acceleration", quantity_name(fitted.quantity));
+        reply_warning(reply, "y0, v0 and t0 stay: what was fitted (%s) is no position, velocity or acceleration",
+                      quantity_name(fitted.quantity));
     if (!scene.given[m])
-        reply_warning(reply, "k was computed with the mass of the scene, which nobody has set: m = 200 g, then adopt again");
+        reply_warning(reply,
+                      "k was computed with the mass of the scene, which nobody has set: m = 200 g, then adopt again");
     if (scene.value[param_index("C")] > 0 || scene.value[param_index("F0")] > 0)
         reply_warning(reply, "the scene also has quadratic drag or a driving force, which the fit knows nothing of");
     return true;
@@ -256,14 +267,17 @@ HANDLER(adopt)
 #endif
 
 COMMAND(fit, .row = {"fit", "", "fit a damped oscillation to a recording or a run", "", NULL}, .group = "DATA",
-        .text = "y = c + A exp(-gamma t/2) cos(omega t + phase), t from the first sample of the window: gamma is that of\n"
-                "y'' + gamma y' + omega0^2 y = 0. No guesses are needed. Both halves and the law of the envelope are always compared.",
+        .text =
+            "y = c + A exp(-gamma t/2) cos(omega t + phase), t from the first sample of the window: gamma is that of\n"
+            "y'' + gamma y' + omega0^2 y = 0. No guesses are needed. Both halves and the law of the envelope are "
+            "always compared.",
         .examples = "load bare.txt; fit\nfit sine window=2:8", .see = "adopt measure load",
         ARGUMENTS(PLACE("MODEL", TYPE_CHOICE, .choices = &fit_catalog), WORD("to", TYPE_RECORDING, .group = 1),
                   WORD("run", TYPE_RUN, .group = 1), KEY("window", TYPE_RANGE, .quantity = QUANTITY_TIME)))
 
 COMMAND(adopt, .row = {"adopt", "", "take k, gamma and the start from the last fit", "", NULL}, .group = "DATA",
-        .text = "y0, v0 and t0 are those of the fit at the first sample of its window, and the offset is taken off the recording, so that the\n"
+        .text = "y0, v0 and t0 are those of the fit at the first sample of its window, and the offset is taken off the "
+                "recording, so that the\n"
                 "run lies over the data. 'adopt amplitude' starts at y0 = A, v0 = 0, t0 = 0 instead, as on the sheet.",
-        .examples = "load bare.txt; m = 200 g; fit; adopt; run\nadopt amplitude", .see = "fit run", .flags = COMMAND_CHANGES,
-        ARGUMENTS(WORD("amplitude", TYPE_NONE)))
+        .examples = "load bare.txt; m = 200 g; fit; adopt; run\nadopt amplitude", .see = "fit run",
+        .flags = COMMAND_CHANGES, ARGUMENTS(WORD("amplitude", TYPE_NONE)))

@@ -12,7 +12,7 @@ static const struct command *command_at(const struct row *row)
     return (const struct command *)(const void *)row;
 }
 
-/* ---- help for one thing ---------------------------------------------------------------------------------------------------- */
+/* ---- help for one thing ---- */
 
 static void put_indented(struct buffer *text, const char *lines)
 {
@@ -48,7 +48,8 @@ static void help_param(const struct row *row, struct buffer *text)
         buffer_format(text, "; units: %s", buffer_view(&units));
     struct buffer value = {0};
     buffer_quantity(&value, param->initial, param->quantity, 0);
-    buffer_format(text, "\nexamples:\n  %s = %s\n  show %s\nsee also: set show", row->name, buffer_view(&value), row->name);
+    buffer_format(text, "\nexamples:\n  %s = %s\n  show %s\nsee also: set show", row->name, buffer_view(&value),
+                  row->name);
     buffer_free(&value);
     buffer_free(&units);
 }
@@ -56,7 +57,8 @@ static void help_param(const struct row *row, struct buffer *text)
 static void help_derived(const struct row *row, struct buffer *text)
 {
     const struct derived_row *derived = (const struct derived_row *)(const void *)row;
-    buffer_format(text, "%s [%s], follows from the parameters: %s\n", row->name, *row->unit ? row->unit : "1", row->brief);
+    buffer_format(text, "%s [%s], follows from the parameters: %s\n", row->name, *row->unit ? row->unit : "1",
+                  row->brief);
     if (derived->inverse)
         buffer_format(text, "setting it sets %s\n", derived->target);
     buffer_format(text, "examples:\n  print %s\n  show %s\nsee also: show set", row->name, row->name);
@@ -70,7 +72,8 @@ static void help_setting(const struct row *row, struct buffer *text)
     buffer_format(text, "%s, a setting: %s\ndefault ", row->name, row->brief);
     setting_show(setting, &defaults, text);
     for (size_t i = 0; setting->choices && i < setting->choices->count; i++)
-        buffer_format(text, "\n  %-8s %s", catalog_row(setting->choices, i)->name, catalog_row(setting->choices, i)->brief);
+        buffer_format(text, "\n  %-8s %s", catalog_row(setting->choices, i)->name,
+                      catalog_row(setting->choices, i)->brief);
     buffer_format(text, "\nexamples:\n  set %s ", row->name);
     setting_exact(setting, &defaults, text);
     buffer_format(text, "\n  show %s\nsee also: set unset show", row->name);
@@ -102,10 +105,14 @@ static void help_method(const struct row *row, struct buffer *text)
     static const struct {
         unsigned flag;
         const char *word;
-    } words[] = {{METHOD_IMPLICIT, "implicit"},   {METHOD_SYMPLECTIC, "symplectic"},
-                 {METHOD_SYMMETRIC, "symmetric (reversible)"}, {METHOD_ENERGY, "keeps the energy of a linear oscillator"},
-                 {METHOD_A_STABLE, "A-stable"},   {METHOD_L_STABLE, "L-stable"},
-                 {METHOD_ADAPTIVE, "adaptive"},   {METHOD_EXACT, "exact"}};
+    } words[] = {{METHOD_IMPLICIT, "implicit"},
+                 {METHOD_SYMPLECTIC, "symplectic"},
+                 {METHOD_SYMMETRIC, "symmetric (reversible)"},
+                 {METHOD_ENERGY, "keeps the energy of a linear oscillator"},
+                 {METHOD_A_STABLE, "A-stable"},
+                 {METHOD_L_STABLE, "L-stable"},
+                 {METHOD_ADAPTIVE, "adaptive"},
+                 {METHOD_EXACT, "exact"}};
     const struct method *method = (const struct method *)(const void *)row;
     buffer_format(text, "%s, a method: %s\n", row->name, row->brief);
     put_indented(text, method->formula);
@@ -120,11 +127,12 @@ static void help_method(const struct row *row, struct buffer *text)
     put_stable_limit(method, text);
     for (enum drag d = DRAG_EXACT; d < DRAG_COUNT; d++)
         if (method->drags & (1u << d))
-            buffer_format(text, "%s%s%s", method->drags & ((1u << d) - 1) ? ", " : "\ndrag: ", catalog_row(&drag_catalog, (size_t)d - 1)->name,
-                          d == method->drag ? " (default)" : "");
+            buffer_format(text, "%s%s%s", method->drags & ((1u << d) - 1) ? ", " : "\ndrag: ",
+                          catalog_row(&drag_catalog, (size_t)d - 1)->name, d == method->drag ? " (default)" : "");
     if (*row->citation)
         buffer_format(text, "\nsource: %s", row->citation);
-    buffer_format(text, "\nexamples:\n  method %s\n  compare euler %s\nsee also: method list compare", row->name, row->name);
+    buffer_format(text, "\nexamples:\n  method %s\n  compare euler %s\nsee also: method list compare", row->name,
+                  row->name);
 }
 
 static void help_unit(const struct row *row, struct buffer *text)
@@ -134,15 +142,17 @@ static void help_unit(const struct row *row, struct buffer *text)
     quantity_units(unit->quantity, &units);
     buffer_format(text, "%s, a unit of %s: %s = ", row->name, quantity_name(unit->quantity), row->brief);
     buffer_real(text, unit->factor);
-    buffer_format(text, " %s\nunits of %s: %s\nexamples:\n  print 1 %s\n  list units\nsee also: set", row->unit, quantity_name(unit->quantity),
-                  buffer_view(&units), row->name);
+    buffer_format(text, " %s\nunits of %s: %s\nexamples:\n  print 1 %s\n  list units\nsee also: set", row->unit,
+                  quantity_name(unit->quantity), buffer_view(&units), row->name);
     buffer_free(&units);
 }
 
 static void help_observable(const struct row *row, struct buffer *text)
 {
-    buffer_format(text, "%s [%s], of a run: %s\nexamples:\n  run; print %s\n  run; export run.csv t,%s\nsee also: export print run", row->name,
-                  *row->unit ? row->unit : "1", row->brief, row->name, row->name);
+    buffer_format(
+        text,
+        "%s [%s], of a run: %s\nexamples:\n  run; print %s\n  run; export run.csv t,%s\nsee also: export print run",
+        row->name, *row->unit ? row->unit : "1", row->brief, row->name, row->name);
 }
 
 static void help_preset(const struct row *row, struct buffer *text)
@@ -150,8 +160,8 @@ static void help_preset(const struct row *row, struct buffer *text)
     const struct preset *preset = (const struct preset *)(const void *)row;
     buffer_format(text, "%s, a scene: %s", row->name, row->brief);
     for (size_t i = 0; i < COUNT_OF(preset->value) && preset->value[i].param; i++) {
-        const struct param_row *param =
-            (const struct param_row *)(const void *)catalog_row(&param_catalog, (size_t)param_index(preset->value[i].param));
+        const struct param_row *param = (const struct param_row *)(const void *)catalog_row(
+            &param_catalog, (size_t)param_index(preset->value[i].param));
         buffer_format(text, "%s%s = ", i ? ", " : "\n  ", preset->value[i].param);
         buffer_quantity(text, preset->value[i].value, param->quantity, 0);
     }
@@ -164,10 +174,22 @@ static const struct topic {
     const struct catalog *catalog;
     void (*help)(const struct row *row, struct buffer *text); /* NULL: a line */
 } topics[] = {
-    {&command_catalog, help_command}, {&param_catalog, help_param},           {&derived_catalog, help_derived}, {&setting_catalog, help_setting},
-    {&method_catalog, help_method},   {&observable_catalog, help_observable}, {&preset_catalog, help_preset},   {&unit_catalog, help_unit},
-    {&quantity_catalog, NULL},        {&function_catalog, NULL},              {&plot_catalog, NULL},            {&fit_catalog, NULL},
-    {&format_catalog, NULL},          {&drag_catalog, NULL},                  {&layout_catalog, NULL},          {&pane_catalog, NULL},
+    {&command_catalog, help_command},
+    {&param_catalog, help_param},
+    {&derived_catalog, help_derived},
+    {&setting_catalog, help_setting},
+    {&method_catalog, help_method},
+    {&observable_catalog, help_observable},
+    {&preset_catalog, help_preset},
+    {&unit_catalog, help_unit},
+    {&quantity_catalog, NULL},
+    {&function_catalog, NULL},
+    {&plot_catalog, NULL},
+    {&fit_catalog, NULL},
+    {&format_catalog, NULL},
+    {&drag_catalog, NULL},
+    {&layout_catalog, NULL},
+    {&pane_catalog, NULL},
     {&snap_catalog, NULL},
 };
 
@@ -177,7 +199,8 @@ static void help_topic(const struct topic *topic, const struct row *row, struct 
     if (topic->help)
         topic->help(row, text);
     else
-        buffer_format(text, "%s (%s): %s%s%s", row->name, topic->catalog->kind, row->brief, *row->citation ? "\nsource: " : "", row->citation);
+        buffer_format(text, "%s (%s): %s%s%s", row->name, topic->catalog->kind, row->brief,
+                      *row->citation ? "\nsource: " : "", row->citation);
 }
 
 static void help_all(struct reply *reply)
@@ -191,7 +214,8 @@ static void help_all(struct reply *reply)
         group = command->group;
         buffer_format(&text, "  %-12s %s\n", command->row.name, command->row.brief);
     }
-    buffer_put(&text, TEXT("\nNAME = value sets a parameter; 'help WORD' explains a command, parameter, method or unit; 'apropos WORD' searches"));
+    buffer_put(&text, TEXT("\nNAME = value sets a parameter; 'help WORD' explains a command, parameter, method or "
+                           "unit; 'apropos WORD' searches"));
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
 }
@@ -219,14 +243,15 @@ HANDLER(help)
     buffer_free(&text);
     if (found)
         return true;
-    error_at(error, near.wanted, "there is no help on '%.*s'", (int)(near.wanted.len < 64 ? near.wanted.len : 64), near.wanted.at);
+    error_at(error, near.wanted, "there is no help on '%.*s'", (int)(near.wanted.len < 64 ? near.wanted.len : 64),
+             near.wanted.at);
     suggestion_hint(&near, error);
     if (catalog_find(&list_catalog, near.wanted))
         error_hint(error, "'list %.*s' shows them", (int)near.wanted.len, near.wanted.at);
     return error_hint(error, "('apropos WORD' searches, 'help' lists the commands)");
 }
 
-/* ---- apropos ----------------------------------------------------------------------------------------------------------------- */
+/* ---- apropos ---- */
 
 static char lower(char c)
 {
@@ -259,18 +284,19 @@ HANDLER(apropos)
                 found++;
             }
         }
-    return found > 0 || error_at(error, word, "nothing is known about '%.*s'", (int)(word.len < 64 ? word.len : 64), word.at);
+    return found > 0 ||
+           error_at(error, word, "nothing is known about '%.*s'", (int)(word.len < 64 ? word.len : 64), word.at);
 }
 
-/* ---- list --------------------------------------------------------------------------------------------------------------------- */
+/* ---- list ---- */
 
 static void list_row(const struct catalog *catalog, const struct row *row, struct reply *reply)
 {
     char value[32] = "";
     if (catalog == &limit_catalog)
         snprintf(value, sizeof value, "%16.0f ", ((const struct limit *)(const void *)row)->value);
-    reply_line(reply, "%-22s %s%-7s %s%s%s%s", row->name, value, row->unit, row->brief, *row->citation ? " (" : "", row->citation,
-               *row->citation ? ")" : "");
+    reply_line(reply, "%-22s %s%-7s %s%s%s%s", row->name, value, row->unit, row->brief, *row->citation ? " (" : "",
+               row->citation, *row->citation ? ")" : "");
     reply_begin(reply, catalog->kind);
     reply_string(reply, "name", row->name);
     reply_string(reply, "unit", *row->unit ? row->unit : NULL);
@@ -330,10 +356,10 @@ static void list_measurements(const struct session *session, struct reply *reply
 HANDLER(list)
 {
     static const struct catalog *const catalogs[] = {
-        [LIST_COMMANDS] = &command_catalog,   [LIST_SCENES] = &preset_catalog,     [LIST_METHODS] = &method_catalog,
-        [LIST_PARAMETERS] = &param_catalog,   [LIST_DERIVED] = &derived_catalog,   [LIST_OBSERVABLES] = &observable_catalog,
-        [LIST_SETTINGS] = &setting_catalog,   [LIST_UNITS] = &unit_catalog,        [LIST_FUNCTIONS] = &function_catalog,
-        [LIST_FORMATS] = &format_catalog,     [LIST_LIMITS] = &limit_catalog};
+        [LIST_COMMANDS] = &command_catalog, [LIST_SCENES] = &preset_catalog,   [LIST_METHODS] = &method_catalog,
+        [LIST_PARAMETERS] = &param_catalog, [LIST_DERIVED] = &derived_catalog, [LIST_OBSERVABLES] = &observable_catalog,
+        [LIST_SETTINGS] = &setting_catalog, [LIST_UNITS] = &unit_catalog,      [LIST_FUNCTIONS] = &function_catalog,
+        [LIST_FORMATS] = &format_catalog,   [LIST_LIMITS] = &limit_catalog};
     static const char *const others[] = {[LIST_RUNS] = "runs", [LIST_RECORDINGS] = "data"};
     const enum listed kind = (enum listed)given_for(given, "KIND")->item->index;
     if (kind == LIST_MEASUREMENTS) {
@@ -344,7 +370,8 @@ HANDLER(list)
     } else {
         /* These lists are commands of their own. */
         const struct command *command = command_at(catalog_find(&command_catalog, text_of(others[kind])));
-        struct arguments none = {.command = command, .arena = given->arena, .scope = given->scope, .where = given->where};
+        struct arguments none = {
+            .command = command, .arena = given->arena, .scope = given->scope, .where = given->where};
         return command->handler(session, &none, reply, error);
     }
     return true;
@@ -353,15 +380,18 @@ HANDLER(list)
 
 COMMAND(help, .row = {"help", "", "explain a word, or list the commands", "", "h ?"}, .group = "SESSION",
         .text = "WORD is a command, parameter, setting, method, scene, observable, unit or function.",
-        .examples = "help run\nhelp symplectic-euler", .see = "apropos list", .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME,
-        ARGUMENTS(PLACE("WORD", TYPE_REST)))
+        .examples = "help run\nhelp symplectic-euler", .see = "apropos list",
+        .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME, ARGUMENTS(PLACE("WORD", TYPE_REST)))
 
 COMMAND(apropos, .row = {"apropos", "", "search names and explanations", "", NULL}, .group = "SESSION",
-        .text = "Finds the word in names, one-line explanations and sources.", .examples = "apropos energy\napropos Hairer", .see = "help list",
-        .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME, ARGUMENTS(PLACE("WORD", TYPE_REST, .flags = ARG_REQUIRED)))
+        .text = "Finds the word in names, one-line explanations and sources.",
+        .examples = "apropos energy\napropos Hairer", .see = "help list", .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME,
+        ARGUMENTS(PLACE("WORD", TYPE_REST, .flags = ARG_REQUIRED)))
 
 COMMAND(list, .row = {"list", "", "list what there is of a kind", "", "ls"}, .group = "SESSION",
-        .text = "commands, scenes, methods, parameters, derived, observables, settings, units, functions, formats, limits, measurements,\n"
+        .text = "commands, scenes, methods, parameters, derived, observables, settings, units, functions, formats, "
+                "limits, measurements,\n"
                 "runs, recordings.",
-        .examples = "list methods\nlist measurements", .see = "help show", .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME,
+        .examples = "list methods\nlist measurements", .see = "help show",
+        .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME,
         ARGUMENTS(PLACE("KIND", TYPE_CHOICE, .flags = ARG_REQUIRED, .choices = &list_catalog)))

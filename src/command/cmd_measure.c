@@ -19,7 +19,7 @@ struct measuring {
     struct error *error;
 };
 
-/* ---- what every measurement leaves behind: a record, a result, a row of the list ---------------------------------------- */
+/* ---- what every measurement leaves behind: a record, a result, a row of the list ---- */
 
 static bool keep(struct measuring *m, const char *name, struct measured value, enum quantity unit, double periods)
 {
@@ -63,7 +63,8 @@ static double theory_period(const struct measuring *m)
 {
     const struct scene *scene = subject_scene(m->session, m->subject.run);
     const bool known = scene && (m->subject.run || scene->given[param_index("k")]);
-    return known && scene->value[param_index("F0")] == 0 ? scene_period(scene) : NAN; /* a driven motion follows the drive */
+    return known && scene->value[param_index("F0")] == 0 ? scene_period(scene)
+                                                         : NAN; /* a driven motion follows the drive */
 }
 
 static bool say(struct measuring *m, struct buffer *text)
@@ -73,7 +74,7 @@ static bool say(struct measuring *m, struct buffer *text)
     return true;
 }
 
-/* ---- the quantities ------------------------------------------------------------------------------------------------------ */
+/* ---- the quantities ---- */
 
 static struct measured inverse(struct measured x)
 {
@@ -175,7 +176,8 @@ static bool measure_decay(struct measuring *m)
     session_set_result(m->session, "measured_Q", d.quality, QUANTITY_NUMBER);
     struct buffer text = {0};
     put(&text, "gamma", d.gamma, QUANTITY_RATE);
-    buffer_format(&text, " (%s; %d readings)", m->subject.energy ? "energy falls as exp(-gamma t)" : "amplitude falls as exp(-gamma t/2)",
+    buffer_format(&text, " (%s; %d readings)",
+                  m->subject.energy ? "energy falls as exp(-gamma t)" : "amplitude falls as exp(-gamma t/2)",
                   d.readings);
     const struct scene *scene = subject_scene(m->session, m->subject.run);
     const double gamma = scene ? scene->value[param_index("gamma")] : 0;
@@ -258,7 +260,8 @@ static bool measure_drift(struct measuring *m)
 {
     struct ledger ledger;
     if (!m->subject.run)
-        return error_set(m->error, ERROR_COMMAND, "drift is the error of the energy balance of a run, not of a recording");
+        return error_set(m->error, ERROR_COMMAND,
+                         "drift is the error of the energy balance of a run, not of a recording");
     run_ledger(m->subject.run, &ledger);
     const struct measured drift = {ledger.error, 0};
     if (!isfinite(ledger.error))
@@ -277,7 +280,8 @@ static bool measure_drift(struct measuring *m)
     return say(m, &text);
 }
 
-/* The largest speed: of a run as recorded, of a recording from amplitude and period, else what the scene will start with. */
+/* The largest speed: of a run as recorded, of a recording from amplitude and period, else what the scene will start
+ * with. */
 static bool largest_speed(struct measuring *m, struct measured *speed)
 {
     const struct series *s = &m->subject.series;
@@ -285,7 +289,8 @@ static bool largest_speed(struct measuring *m, struct measured *speed)
         struct named_value amplitude, omega0; /* without a run these are the derived quantities of the scene */
         if (names_value(m->session, TEXT("amplitude"), &amplitude) && names_value(m->session, TEXT("omega0"), &omega0))
             *speed = (struct measured){amplitude.value * omega0.value, 0};
-        return isfinite(speed->value) || error_set(m->error, ERROR_COMMAND, "the scene does not oscillate (k > 0 is needed)");
+        return isfinite(speed->value) ||
+               error_set(m->error, ERROR_COMMAND, "the scene does not oscillate (k > 0 is needed)");
     }
     if (m->subject.run) {
         const struct run *run = m->subject.run;
@@ -298,12 +303,14 @@ static bool largest_speed(struct measuring *m, struct measured *speed)
     struct period p;
     struct reading a;
     if (s->quantity != QUANTITY_LENGTH)
-        return error_set(m->error, ERROR_COMMAND, "the Reynolds number needs positions, %s holds another quantity", m->subject.name);
+        return error_set(m->error, ERROR_COMMAND, "the Reynolds number needs positions, %s holds another quantity",
+                         m->subject.name);
     if (!series_period(s, m->given->arena, &p, m->error) ||
         !series_amplitudes(s, m->given->arena, &s->t[0], 1, 0, &a, m->error))
         return false;
     speed->value = a.amplitude.value * 2 * PI / p.period.value;
-    speed->uncertainty = speed->value * hypot(a.amplitude.uncertainty / a.amplitude.value, p.period.uncertainty / p.period.value);
+    speed->uncertainty =
+        speed->value * hypot(a.amplitude.uncertainty / a.amplitude.value, p.period.uncertainty / p.period.value);
     return true;
 }
 
@@ -362,9 +369,10 @@ static bool measure_k(struct measuring *m)
 HANDLER(measure)
 {
     static bool (*const measures[])(struct measuring *) = {
-        [MEASURE_PERIOD] = measure_period, [MEASURE_FREQUENCY] = measure_frequency, [MEASURE_AMPLITUDE] = measure_amplitude,
-        [MEASURE_DECAY] = measure_decay,   [MEASURE_ENERGY] = measure_energy,       [MEASURE_DRIFT] = measure_drift,
-        [MEASURE_REYNOLDS] = measure_reynolds, [MEASURE_K] = measure_k};
+        [MEASURE_PERIOD] = measure_period,       [MEASURE_FREQUENCY] = measure_frequency,
+        [MEASURE_AMPLITUDE] = measure_amplitude, [MEASURE_DECAY] = measure_decay,
+        [MEASURE_ENERGY] = measure_energy,       [MEASURE_DRIFT] = measure_drift,
+        [MEASURE_REYNOLDS] = measure_reynolds,   [MEASURE_K] = measure_k};
     const struct item *quantity = given_for(given, "QUANTITY")->item;
     const enum measurable which = (enum measurable)quantity->index;
     const bool energy = is_given(given, "energy") || which == MEASURE_ENERGY;
@@ -374,18 +382,21 @@ HANDLER(measure)
         snprintf(m.subject.name, sizeof m.subject.name, "the scene");
         return measures[which](&m);
     }
-    return subject_open(session, given_for(given, "run"), given_for(given, "data"), given_for(given, "window"), energy, 2, given->arena,
-                        &m.subject, error) &&
+    return subject_open(session, given_for(given, "run"), given_for(given, "data"), given_for(given, "window"), energy,
+                        2, given->arena, &m.subject, error) &&
            measures[which](&m);
 }
 #endif
 
 COMMAND(measure, .row = {"measure", "", "measure a quantity of a run or a recording", "", NULL}, .group = "MEASURE",
-        .text = "Acts on the most recent run or recording unless told. The period comes from line fits at the up-crossings and is given\n"
+        .text = "Acts on the most recent run or recording unless told. The period comes from line fits at the "
+                "up-crossings and is given\n"
                 "with its standard uncertainty. at= or windows= choose where the amplitude is read.",
-        .examples = "run; measure period\nmeasure amplitude at=1,4,8 of run 1", .see = "fit list plot", .flags = COMMAND_ANYTIME,
+        .examples = "run; measure period\nmeasure amplitude at=1,4,8 of run 1", .see = "fit list plot",
+        .flags = COMMAND_ANYTIME,
         ARGUMENTS(PLACE("QUANTITY", TYPE_CHOICE, .flags = ARG_REQUIRED, .choices = &quantity_catalog),
-                  WORD("run", TYPE_RUN, .lead = "of", .group = 1), WORD("data", TYPE_RECORDING, .lead = "of", .group = 1),
-                  WORD("energy", TYPE_NONE, .lead = "of"), KEY("window", TYPE_RANGE, .quantity = QUANTITY_TIME),
+                  WORD("run", TYPE_RUN, .lead = "of", .group = 1),
+                  WORD("data", TYPE_RECORDING, .lead = "of", .group = 1), WORD("energy", TYPE_NONE, .lead = "of"),
+                  KEY("window", TYPE_RANGE, .quantity = QUANTITY_TIME),
                   KEY("at", TYPE_VALUE, .flags = ARG_MANY | ARG_NEGATIVE, .quantity = QUANTITY_TIME),
                   KEY("windows", TYPE_INTEGER)))

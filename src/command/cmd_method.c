@@ -44,7 +44,8 @@ static void warn_if_inapplicable(const struct session *session, struct reply *re
     struct system system;
     struct error why;
     enum drag drag = session->setup.drag;
-    if (scene_bind(&session->setup.scene, &system, &why) && !method_applies(session->setup.method, &system, &drag, &why))
+    if (scene_bind(&session->setup.scene, &system, &why) &&
+        !method_applies(session->setup.method, &system, &drag, &why))
         reply_warning(reply, "%s", why.text);
 }
 
@@ -57,7 +58,8 @@ HANDLER(method)
     if (drag->count && !check_drag(method, drag->item, error))
         return false;
     if (tol->count && !(method->flags & METHOD_ADAPTIVE)) {
-        error_at(error, tol->where, "%s has no error estimate: it cannot adapt its step to a tolerance", method->row.name);
+        error_at(error, tol->where, "%s has no error estimate: it cannot adapt its step to a tolerance",
+                 method->row.name);
         return error_hint(error, "give dt=, or choose a method that 'list methods' calls adaptive");
     }
     if (tol->count && tol->item->value.value >= 1)
@@ -78,11 +80,13 @@ HANDLER(method)
 }
 #endif
 
-COMMAND(method, .row = {"method", "", "choose the method of integration, or show the present one", "", NULL}, .group = "METHOD",
-        .text = "A method with an error estimate adapts its step to tol unless dt= is given here or tol is off. 'list methods' shows\n"
+COMMAND(method, .row = {"method", "", "choose the method of integration, or show the present one", "", NULL},
+        .group = "METHOD",
+        .text = "A method with an error estimate adapts its step to tol unless dt= is given here or tol is off. 'list "
+                "methods' shows\n"
                 "them, 'help NAME' the formula, order, stability and source of one.",
-        .examples = "method symplectic-euler\nmethod verlet dt=5ms", .see = "list compare plan", .flags = COMMAND_CHANGES,
+        .examples = "method symplectic-euler\nmethod verlet dt=5ms", .see = "list compare plan",
+        .flags = COMMAND_CHANGES,
         ARGUMENTS(PLACE("NAME", TYPE_CHOICE, .choices = &method_catalog),
-                  KEY("dt", TYPE_VALUE, .quantity = QUANTITY_TIME),
-                  KEY("tol", TYPE_VALUE, .quantity = QUANTITY_NUMBER),
+                  KEY("dt", TYPE_VALUE, .quantity = QUANTITY_TIME), KEY("tol", TYPE_VALUE, .quantity = QUANTITY_NUMBER),
                   KEY("drag", TYPE_CHOICE, .choices = &drag_catalog)))

@@ -19,7 +19,8 @@ static enum table_format choose_format(const struct arguments *given, struct tex
     return row ? (enum table_format)catalog_place(&table_format_catalog, row) : TABLE_CSV;
 }
 
-static bool fill_table(struct session *session, const struct arguments *given, struct export *export, struct error *error)
+static bool fill_table(struct session *session, const struct arguments *given, struct export *export,
+                       struct error *error)
 {
     const struct given *runs = given_for(given, "run");
     if (is_given(given, "measurements"))
@@ -50,10 +51,11 @@ HANDLER(export)
     for (int i = 0; i < export.table.columns; i++)
         buffer_format(&names, "%s%s", i ? "," : "", export.table.column[i].name);
     safe_text(&shown, file->text, false);
-    reply_line(reply, "%s: %zu row%s of %s", buffer_view(&shown), export.table.rows, export.table.rows == 1 ? "" : "s", buffer_view(&names));
+    reply_line(reply, "%s: %zu row%s of %s", buffer_view(&shown), export.table.rows, export.table.rows == 1 ? "" : "s",
+               buffer_view(&names));
     reply_begin(reply, "export");
     reply_string(reply, "file", path);
-    reply_int(reply, "rows", (int64_t)export.table.rows);
+    reply_int(reply, "rows", (int64_t) export.table.rows);
     reply_array(reply, "columns");
     for (int i = 0; i < export.table.columns; i++)
         reply_string(reply, NULL, export.table.column[i].name);
@@ -80,7 +82,8 @@ HANDLER(print)
     reply_begin(reply, "print");
     reply_string(reply, "text", buffer_view(&text));
     reply_real(reply, "value", item->is_string ? NAN : item->value.value);
-    reply_string(reply, "unit", item->is_string || item->quantity == QUANTITY_OTHER ? NULL : quantity_unit(item->quantity));
+    reply_string(reply, "unit",
+                 item->is_string || item->quantity == QUANTITY_OTHER ? NULL : quantity_unit(item->quantity));
     reply_end(reply);
     buffer_free(&text);
     return true;
@@ -103,22 +106,28 @@ HANDLER(echo)
 }
 #endif
 
-COMMAND(export, .row = {"export", "", "write columns of runs, a recording or measurements to a file", "", NULL}, .group = "OUTPUT",
-        .text = "Of the current run t, y, v and energy in SI units, unless told; any observable can be a column. Several runs stand below\n"
-                "each other with a column run. every= takes every N-th row or one row each so much time. The form follows the end of the\n"
+COMMAND(export, .row = {"export", "", "write columns of runs, a recording or measurements to a file", "", NULL},
+        .group = "OUTPUT",
+        .text = "Of the current run t, y, v and energy in SI units, unless told; any observable can be a column. "
+                "Several runs stand below\n"
+                "each other with a column run. every= takes every N-th row or one row each so much time. The form "
+                "follows the end of the\n"
                 "name: .csv .tsv .json. 'table' has one row for each run.",
-        .examples = "run; export run1.csv t,y,v\nexport all.csv run all every=100ms", .see = "print save plot list", .flags = COMMAND_ANYTIME,
-        ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED), WORD("run", TYPE_RUN, .flags = ARG_MANY | ARG_ALL, .group = 1),
-                  WORD("data", TYPE_NONE, .group = 1), WORD("measurements", TYPE_NONE, .group = 1),
-                  WORD("table", TYPE_NONE, .group = 1),
+        .examples = "run; export run1.csv t,y,v\nexport all.csv run all every=100ms", .see = "print save plot list",
+        .flags = COMMAND_ANYTIME,
+        ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED),
+                  WORD("run", TYPE_RUN, .flags = ARG_MANY | ARG_ALL, .group = 1), WORD("data", TYPE_NONE, .group = 1),
+                  WORD("measurements", TYPE_NONE, .group = 1), WORD("table", TYPE_NONE, .group = 1),
                   PLACE("COLUMN", TYPE_CHOICE, .flags = ARG_MANY, .choices = &observable_catalog),
                   KEY("every", TYPE_VALUE, .quantity = QUANTITY_OTHER), OPTION("force", TYPE_NONE),
                   OPTION("format", TYPE_CHOICE, .choices = &table_format_catalog)))
 
 COMMAND(print, .row = {"print", "", "show the value of an expression, or a text", "", NULL}, .group = "OUTPUT",
-        .text = "Names are SI numbers: parameters, the state and the observables of the current run, results of measurements and fits.",
+        .text = "Names are SI numbers: parameters, the state and the observables of the current run, results of "
+                "measurements and fits.",
         .examples = "print T0\nprint 2*pi*sqrt(m/k)", .see = "show echo let", .flags = COMMAND_ANYTIME,
         ARGUMENTS(PLACE("EXPR", TYPE_EXPR, .flags = ARG_REQUIRED)))
 
-COMMAND(echo, .row = {"echo", "", "show a text", "", NULL}, .group = "OUTPUT", .text = "Quotes are only needed around ; and #.",
-        .examples = "echo first session\necho 'one; two'", .see = "print note", .flags = COMMAND_ANYTIME, ARGUMENTS(PLACE("TEXT", TYPE_REST)))
+COMMAND(echo, .row = {"echo", "", "show a text", "", NULL}, .group = "OUTPUT",
+        .text = "Quotes are only needed around ; and #.", .examples = "echo first session\necho 'one; two'",
+        .see = "print note", .flags = COMMAND_ANYTIME, ARGUMENTS(PLACE("TEXT", TYPE_REST)))

@@ -13,7 +13,8 @@ static bool ends_with(struct text text, const char *end)
 }
 
 /* Which runs: those named, every one, or the current one unless only a recording was named. */
-static bool choose_runs(struct session *session, const struct arguments *given, struct figure_request *request, struct error *error)
+static bool choose_runs(struct session *session, const struct arguments *given, struct figure_request *request,
+                        struct error *error)
 {
     const struct given *runs = given_for(given, "run"), *data = given_for(given, "data");
     int *place = arena_array(given->arena, LIMIT_RUNS + (size_t)runs->count + 1, sizeof *place);
@@ -32,22 +33,25 @@ static bool choose_runs(struct session *session, const struct arguments *given, 
     }
     if (runs->count == 0 && data->count == 0 && session->current_run >= 0)
         place[request->runs++] = session->current_run;
-    request->recording = data->count ? data->item->index : runs->count && request->kind != PLOT_RESIDUAL ? -1 : figure_recording(session, request->kind);
-    if (request->runs == 0 && request->recording >= 0 && request->kind != PLOT_POSITION && request->kind != PLOT_RESIDUAL &&
-        request->kind != PLOT_SPECTRUM)
+    request->recording = data->count                                     ? data->item->index
+                         : runs->count && request->kind != PLOT_RESIDUAL ? -1
+                                                                         : figure_recording(session, request->kind);
+    if (request->runs == 0 && request->recording >= 0 && request->kind != PLOT_POSITION &&
+        request->kind != PLOT_RESIDUAL && request->kind != PLOT_SPECTRUM)
         return error_at(error, data->where, "of a recording there are only plots of position, residual and spectrum");
     if (request->runs > 0 || request->recording >= 0)
         return true;
     if (session_recording(session)) {
-        error_at(error, given_for(given, "KIND")->where, "this needs a run: of a recording there are only plots of position, residual and spectrum");
+        error_at(error, given_for(given, "KIND")->where,
+                 "this needs a run: of a recording there are only plots of position, residual and spectrum");
         return error_hint(error, "type: run");
     }
     error_set(error, ERROR_COMMAND, "there is nothing to plot: no run and no recording");
     return error_hint(error, "type: run, or: load FILE");
 }
 
-static bool write_figure(const struct session *session, const struct arguments *given, const struct figure *figure, int width, int height,
-                         struct reply *reply, struct error *error)
+static bool write_figure(const struct session *session, const struct arguments *given, const struct figure *figure,
+                         int width, int height, struct reply *reply, struct error *error)
 {
     const struct item *file = given_for(given, ">")->item;
     char *path = arena_text(given->arena, file->text);
@@ -81,7 +85,8 @@ HANDLER(plot)
     struct figure figure;
     int width, height;
     if (file->count && !ends_with(file->item->text, ".txt")) {
-        error_at(error, file->item->text, "pictures are not written yet: only a text figure into a file that ends in .txt");
+        error_at(error, file->item->text,
+                 "pictures are not written yet: only a text figure into a file that ends in .txt");
         return error_hint(error, "plot %s > figure.txt", catalog_row(&plot_catalog, (size_t)request.kind)->name);
     }
     session_size(session, &width, &height);
@@ -107,12 +112,16 @@ HANDLER(plot)
 }
 #endif
 
-COMMAND(plot, .row = {"plot", "", "draw position, velocity, phase, energy, error, residual or spectrum", "", "p"}, .group = "PLOT",
-        .text = "Of the current run and of the recording where they overlap in time, unless told. Without a window at least 8 columns a\n"
-                "period are kept (5 with dots) and the phase plot shows the last 2 periods; the frame says so. A run that grows out of\n"
+COMMAND(plot, .row = {"plot", "", "draw position, velocity, phase, energy, error, residual or spectrum", "", "p"},
+        .group = "PLOT",
+        .text = "Of the current run and of the recording where they overlap in time, unless told. Without a window at "
+                "least 8 columns a\n"
+                "period are kept (5 with dots) and the phase plot shows the last 2 periods; the frame says so. A run "
+                "that grows out of\n"
                 "bounds leaves the frame and does not flatten the others.",
-        .examples = "run; plot position\ncompare euler symplectic-euler; plot energy run all", .see = "set export measure", .flags = COMMAND_ANYTIME,
+        .examples = "run; plot position\ncompare euler symplectic-euler; plot energy run all",
+        .see = "set export measure", .flags = COMMAND_ANYTIME,
         ARGUMENTS(PLACE("KIND", TYPE_CHOICE, .flags = ARG_REQUIRED, .choices = &plot_catalog),
                   WORD("run", TYPE_RUN, .flags = ARG_MANY | ARG_ALL), WORD("data", TYPE_RECORDING),
-                  KEY("window", TYPE_RANGE, .quantity = QUANTITY_TIME), OPTION("log", TYPE_NONE),
-                  WORD(">", TYPE_FILE), OPTION("force", TYPE_NONE)))
+                  KEY("window", TYPE_RANGE, .quantity = QUANTITY_TIME), OPTION("log", TYPE_NONE), WORD(">", TYPE_FILE),
+                  OPTION("force", TYPE_NONE)))

@@ -12,7 +12,7 @@
 #define STEPS_MOST 1000000000
 #define SLICE_NS 10000000 /* 10 ms between looks at the front end */
 
-/* ---- going ----------------------------------------------------------------------------------------------------- */
+/* ---- going ---- */
 
 bool allow_long(struct session *session, double seconds, double steps, bool force, struct error *error)
 {
@@ -217,7 +217,7 @@ HANDLER(run)
            advance(session, given, steps_given(given), true, reply, error);
 }
 
-/* ---- the current run ------------------------------------------------------------------------------------------- */
+/* ---- the current run ---- */
 
 static struct run *current(const struct session *session, struct error *error)
 {

@@ -12,7 +12,8 @@ static void reply_row(const struct session *session, int place, struct reply *re
     const struct held_run *held = session->run[place];
     const struct run *run = held->run;
     struct buffer text = {0};
-    buffer_format(&text, "%c %3d  %-18s ", place == session->current_run ? '*' : ' ', run->number, run->method->row.name);
+    buffer_format(&text, "%c %3d  %-18s ", place == session->current_run ? '*' : ' ', run->number,
+                  run->method->row.name);
     if (run->plan.adaptive)
         buffer_format(&text, "tol=%.3g", run->settings.tol);
     else {
@@ -72,7 +73,8 @@ HANDLER(rename)
     const struct text name = given_for(given, "NAME")->item->text;
     struct run *run = session->run[given_for(given, "N")->item->index]->run;
     if (name.len == 0 || name.len > LIMIT_NAME || peek_name(name).len != name.len)
-        return error_at(error, name, "a name is a letter, then letters, digits, _ and -, at most %d of them", LIMIT_NAME);
+        return error_at(error, name, "a name is a letter, then letters, digits, _ and -, at most %d of them",
+                        LIMIT_NAME);
     const int other = session_find_run(session, name);
     if (other >= 0 && session->run[other]->run != run)
         return error_at(error, name, "run %d has that name", session->run[other]->run->number);
@@ -94,7 +96,8 @@ HANDLER(drop)
         for (int r = 0; r < session->runs; r++)
             gone[r] |= which->item[i].index < 0 || which->item[i].index == r;
     if (session->live.state == LIVE_RUNNING && gone[session->current_run]) {
-        error_at(error, which->where, "run %d goes on: it cannot be dropped now", session->run[session->current_run]->run->number);
+        error_at(error, which->where, "run %d goes on: it cannot be dropped now",
+                 session->run[session->current_run]->run->number);
         return error_hint(error, "'pause' or Ctrl-C pauses it");
     }
     for (int r = session->runs - 1; r >= 0; r--)
@@ -129,12 +132,14 @@ COMMAND(runs, .row = {"runs", "", "list the runs", "", NULL}, .group = "RUNS", .
         .examples = "runs\ncompare euler verlet; runs", .see = "use drop rename note", .flags = COMMAND_ANYTIME)
 
 COMMAND(use, .row = {"use", "", "make a run the current one", "", NULL}, .group = "RUNS",
-        .text = "measure, plot, continue and names in expressions act on the current run.", .examples = "compare euler verlet; use 1\nuse 1; measure period",
-        .see = "runs", .flags = COMMAND_CHANGES, ARGUMENTS(PLACE("N", TYPE_RUN, .flags = ARG_REQUIRED)))
+        .text = "measure, plot, continue and names in expressions act on the current run.",
+        .examples = "compare euler verlet; use 1\nuse 1; measure period", .see = "runs", .flags = COMMAND_CHANGES,
+        ARGUMENTS(PLACE("N", TYPE_RUN, .flags = ARG_REQUIRED)))
 
 COMMAND(rename, .row = {"rename", "", "give a run a name", "", NULL}, .group = "RUNS",
         .text = "The name can stand wherever the number can, and stands in the legend of plots.",
-        .examples = "run; rename 1 reference\nuse reference", .see = "runs note", .flags = COMMAND_CHANGES | COMMAND_ANYTIME,
+        .examples = "run; rename 1 reference\nuse reference", .see = "runs note",
+        .flags = COMMAND_CHANGES | COMMAND_ANYTIME,
         ARGUMENTS(PLACE("N", TYPE_RUN, .flags = ARG_REQUIRED), PLACE("NAME", TYPE_TEXT, .flags = ARG_REQUIRED)))
 
 COMMAND(drop, .row = {"drop", "", "forget runs", "", NULL}, .group = "RUNS", .text = "undo brings them back.",
@@ -142,5 +147,5 @@ COMMAND(drop, .row = {"drop", "", "forget runs", "", NULL}, .group = "RUNS", .te
         ARGUMENTS(PLACE("N", TYPE_RUN, .flags = ARG_REQUIRED | ARG_MANY | ARG_ALL)))
 
 COMMAND(note, .row = {"note", "", "write a note for the current run", "", NULL}, .group = "RUNS",
-        .text = "It stands in the list of runs and in exports.", .examples = "run; note with the large disk\nruns", .see = "runs export", .flags = COMMAND_ANYTIME,
-        ARGUMENTS(PLACE("TEXT", TYPE_REST, .flags = ARG_REQUIRED)))
+        .text = "It stands in the list of runs and in exports.", .examples = "run; note with the large disk\nruns",
+        .see = "runs export", .flags = COMMAND_ANYTIME, ARGUMENTS(PLACE("TEXT", TYPE_REST, .flags = ARG_REQUIRED)))

@@ -20,7 +20,7 @@ static void put_param(const struct session *session, int param, struct buffer *t
                     session->setup.settings.digits);
 }
 
-/* ---- scene --------------------------------------------------------------------------------------------------------- */
+/* ---- scene ---- */
 
 static bool preset_sets(const struct preset *preset, const char *name)
 {
@@ -62,7 +62,7 @@ HANDLER(scene)
     return true;
 }
 
-/* ---- set, unset, let ------------------------------------------------------------------------------------------------- */
+/* ---- set, unset, let ---- */
 
 static bool unknown_name(const struct session *session, struct text name, struct error *error)
 {
@@ -84,7 +84,8 @@ static bool unknown_name(const struct session *session, struct text name, struct
 }
 
 /* The scene as it was, where the run that goes on cannot follow. */
-static bool bind_param(struct session *session, int param, const struct scene *before, double *since, struct error *error)
+static bool bind_param(struct session *session, int param, const struct scene *before, double *since,
+                       struct error *error)
 {
     if (live_bind(session, param, since, error))
         return true;
@@ -92,11 +93,13 @@ static bool bind_param(struct session *session, int param, const struct scene *b
     return false;
 }
 
-static bool set_param(struct session *session, int param, const struct item *item, struct reply *reply, struct error *error)
+static bool set_param(struct session *session, int param, const struct item *item, struct reply *reply,
+                      struct error *error)
 {
     const struct scene before = session->setup.scene;
     double since;
-    if (!scene_set(&session->setup.scene, param, item->value, error) || !bind_param(session, param, &before, &since, error)) {
+    if (!scene_set(&session->setup.scene, param, item->value, error) ||
+        !bind_param(session, param, &before, &since, error)) {
         error->where = item->text;
         return false;
     }
@@ -160,7 +163,8 @@ static void reply_setting(const struct session *session, const struct setting *s
     buffer_free(&text);
 }
 
-static bool set_let(struct session *session, struct text name, const struct item *item, struct reply *reply, struct error *error)
+static bool set_let(struct session *session, struct text name, const struct item *item, struct reply *reply,
+                    struct error *error)
 {
     struct setup *setup = &session->setup;
     struct named_value *let = NULL;
@@ -173,7 +177,8 @@ static bool set_let(struct session *session, struct text name, const struct item
         return error_at(error, name, "%d variables exist already", LIMIT_LET);
     if (!let)
         let = &setup->let[setup->lets++];
-    *let = (struct named_value){.value = item->value.value, .uncertainty = item->value.uncertainty, .quantity = item->quantity};
+    *let = (struct named_value){
+        .value = item->value.value, .uncertainty = item->value.uncertainty, .quantity = item->quantity};
     memcpy(let->name, name.at, name.len);
     session_changed(session);
     struct buffer text = {0};
@@ -193,7 +198,8 @@ static struct parser value_parser(struct session *session, const struct argument
     return (struct parser){session, given->scope, given->arena, value};
 }
 
-static bool read_value(struct parser *parser, const char *what, enum quantity quantity, struct item *item, struct error *error)
+static bool read_value(struct parser *parser, const char *what, enum quantity quantity, struct item *item,
+                       struct error *error)
 {
     return parse_value(parser, what, quantity, item, error) && refuse_rest(parser, item, error);
 }
@@ -211,7 +217,8 @@ HANDLER(set)
              set_param(session, catalog_place(&param_catalog, row), &item, reply, error);
     } else if ((row = catalog_find(&derived_catalog, name))) {
         const struct derived_row *derived = (const struct derived_row *)(const void *)row;
-        ok = read_value(&parser, row->name, derived->quantity, &item, error) && set_derived(session, derived, &item, reply, error);
+        ok = read_value(&parser, row->name, derived->quantity, &item, error) &&
+             set_derived(session, derived, &item, reply, error);
     } else if ((row = catalog_find(&setting_catalog, name))) {
         const struct setting *setting = (const struct setting *)(const void *)row;
         struct settings changed = session->setup.settings;
@@ -224,9 +231,10 @@ HANDLER(set)
         int place = 0;
         while (place < session->setup.lets && !text_is(name, session->setup.let[place].name))
             place++;
-        ok = place < session->setup.lets ? read_value(&parser, session->setup.let[place].name, QUANTITY_OTHER, &item, error) &&
-                                               set_let(session, name, &item, reply, error)
-                                         : unknown_name(session, name, error);
+        ok = place < session->setup.lets
+                 ? read_value(&parser, session->setup.let[place].name, QUANTITY_OTHER, &item, error) &&
+                       set_let(session, name, &item, reply, error)
+                 : unknown_name(session, name, error);
     }
     if (ok)
         session_changed(session);
@@ -282,15 +290,17 @@ HANDLER(let)
     const struct text name = given_for(given, "NAME")->item->text;
     const char *kind;
     if (name_is_taken(session, name, &kind)) {
-        error_at(error, name, "'%.*s' is taken: it is the name of %s %s", (int)name.len, name.at, strchr("aeiou", kind[0]) ? "an" : "a", kind);
+        error_at(error, name, "'%.*s' is taken: it is the name of %s %s", (int)name.len, name.at,
+                 strchr("aeiou", kind[0]) ? "an" : "a", kind);
         return error_hint(error, "choose another name for the variable");
     }
     struct parser parser = value_parser(session, given);
     struct item item = {0};
-    return read_value(&parser, "the variable", QUANTITY_OTHER, &item, error) && set_let(session, name, &item, reply, error);
+    return read_value(&parser, "the variable", QUANTITY_OTHER, &item, error) &&
+           set_let(session, name, &item, reply, error);
 }
 
-/* ---- plan ---------------------------------------------------------------------------------------------------------------- */
+/* ---- plan ---- */
 
 HANDLER(plan)
 {
@@ -310,27 +320,34 @@ HANDLER(plan)
 }
 #endif
 
-COMMAND(scene, .row = {"scene", "", "choose a scene, or show the present one", "", NULL}, .group = "SCENE",
-        .text = "Sets all parameters to those of the scene; method, dt and recordings stay. 'list scenes' shows what there is.",
-        .examples = "scene damped\nscene", .see = "set show plan", .flags = COMMAND_CHANGES,
-        ARGUMENTS(PLACE("NAME", TYPE_CHOICE, .choices = &preset_catalog)))
+COMMAND(
+    scene, .row = {"scene", "", "choose a scene, or show the present one", "", NULL}, .group = "SCENE",
+    .text =
+        "Sets all parameters to those of the scene; method, dt and recordings stay. 'list scenes' shows what there is.",
+    .examples = "scene damped\nscene", .see = "set show plan", .flags = COMMAND_CHANGES,
+    ARGUMENTS(PLACE("NAME", TYPE_CHOICE, .choices = &preset_catalog)))
 
 COMMAND(set, .row = {"set", "", "set a parameter or a setting", "", NULL}, .group = "SCENE",
-        .text = "The same as NAME = value. A value may carry a unit and an uncertainty; a bare number is in the SI unit. Setting omega0,\n"
+        .text = "The same as NAME = value. A value may carry a unit and an uncertainty; a bare number is in the SI "
+                "unit. Setting omega0,\n"
                 "T0 or f0 sets k. 'show all' lists the names.",
-        .examples = "set m 199.9 +- 0.1 g\nT0 = 0.73 s", .see = "unset show let", .flags = COMMAND_CHANGES | COMMAND_ANYTIME,
+        .examples = "set m 199.9 +- 0.1 g\nT0 = 0.73 s", .see = "unset show let",
+        .flags = COMMAND_CHANGES | COMMAND_ANYTIME,
         ARGUMENTS(PLACE("NAME", TYPE_NAME, .flags = ARG_REQUIRED), PLACE("VALUE", TYPE_REST, .flags = ARG_REQUIRED)))
 
-COMMAND(unset, .row = {"unset", "", "give a parameter or a setting its default again", "", NULL}, .group = "SCENE",
-        .text = "Parameters get the value of the scene, settings that of a new session; a variable made by let is removed.",
-        .examples = "unset gamma\nunset dt", .see = "set scene", .flags = COMMAND_CHANGES | COMMAND_ANYTIME,
-        ARGUMENTS(PLACE("NAME", TYPE_NAME, .flags = ARG_REQUIRED)))
+COMMAND(
+    unset, .row = {"unset", "", "give a parameter or a setting its default again", "", NULL}, .group = "SCENE",
+    .text = "Parameters get the value of the scene, settings that of a new session; a variable made by let is removed.",
+    .examples = "unset gamma\nunset dt", .see = "set scene", .flags = COMMAND_CHANGES | COMMAND_ANYTIME,
+    ARGUMENTS(PLACE("NAME", TYPE_NAME, .flags = ARG_REQUIRED)))
 
 COMMAND(let, .row = {"let", "", "make a variable", "", NULL}, .group = "SCENE",
         .text = "The value is computed at once. Variables can be used wherever a number can.",
-        .examples = "let A = 4.2 cm\nlet n = 10; run n*T0", .see = "set print", .flags = COMMAND_CHANGES | COMMAND_ANYTIME,
+        .examples = "let A = 4.2 cm\nlet n = 10; run n*T0", .see = "set print",
+        .flags = COMMAND_CHANGES | COMMAND_ANYTIME,
         ARGUMENTS(PLACE("NAME", TYPE_NAME, .flags = ARG_REQUIRED), PLACE("VALUE", TYPE_REST, .flags = ARG_REQUIRED)))
 
 COMMAND(plan, .row = {"plan", "", "what will be computed for this scene and method, and what is left out", "", NULL},
-        .group = "SCENE", .text = "Nothing is run. Shows the forces that act, steps, memory, and the predicted growth a step.",
+        .group = "SCENE",
+        .text = "Nothing is run. Shows the forces that act, steps, memory, and the predicted growth a step.",
         .examples = "plan\nmethod verlet; plan", .see = "scene method run", .flags = COMMAND_ANYTIME)

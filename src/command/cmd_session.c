@@ -107,24 +107,28 @@ HANDLER(quit)
 #endif
 
 COMMAND(source, .row = {"source", "", "run the commands of a file", "", NULL}, .group = "SESSION",
-        .text = "Stops at the first error and says where. Files may source files, 16 deep.", .examples = "source lab1.hk\nsource lab1.hk; run",
-        .see = "save record", ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED)))
+        .text = "Stops at the first error and says where. Files may source files, 16 deep.",
+        .examples = "source lab1.hk\nsource lab1.hk; run", .see = "save record",
+        ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED)))
 
 COMMAND(record, .row = {"record", "", "append the commands that succeed to a file", "", NULL}, .group = "SESSION",
-        .text = "With off it ends. (How much of a run is kept is the setting of the same name: set record all.)", .examples = "record session.hk\nrecord off",
-        .see = "history save source", .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME, ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED)))
+        .text = "With off it ends. (How much of a run is kept is the setting of the same name: set record all.)",
+        .examples = "record session.hk\nrecord off", .see = "history save source",
+        .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME, ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED)))
 
 COMMAND(history, .row = {"history", "", "list the lines executed", "", NULL}, .group = "SESSION",
-        .text = "The last 50, the last N, or those that contain TEXT.", .examples = "history 20\nhistory /run", .see = "record",
-        .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME, ARGUMENTS(PLACE("WHAT", TYPE_TEXT)))
+        .text = "The last 50, the last N, or those that contain TEXT.", .examples = "history 20\nhistory /run",
+        .see = "record", .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME, ARGUMENTS(PLACE("WHAT", TYPE_TEXT)))
 
 COMMAND(timing, .row = {"timing", "", "how carefully compare measures run times", "", NULL}, .group = "SESSION",
         .text = "off: not at all; quick: about 2 ms for each; full: enough samples for a median that can be trusted.",
         .examples = "timing off\ntiming full", .see = "compare", .flags = COMMAND_CHANGES,
         ARGUMENTS(PLACE("HOW", TYPE_CHOICE, .choices = &timing_catalog)))
 
-COMMAND(clear, .row = {"clear", "", "clear the screen", "", NULL}, .group = "SESSION", .text = "Without a screen it does nothing.",
-        .examples = "clear\nclear; show", .see = "quit", .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME)
+COMMAND(clear, .row = {"clear", "", "clear the screen", "", NULL}, .group = "SESSION",
+        .text = "Without a screen it does nothing.", .examples = "clear\nclear; show", .see = "quit",
+        .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME)
 
-COMMAND(quit, .row = {"quit", "", "leave", "", "q exit"}, .group = "SESSION", .text = "In a file it ends the file and the program.",
-        .examples = "quit\nsave lab1.hk; quit", .see = "save", .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME)
+COMMAND(quit, .row = {"quit", "", "leave", "", "q exit"}, .group = "SESSION",
+        .text = "In a file it ends the file and the program.", .examples = "quit\nsave lab1.hk; quit", .see = "save",
+        .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME)

@@ -7,7 +7,8 @@
 #include <string.h>
 
 /* One named value, as a line and as a record. */
-static void show_value(const struct session *session, const struct named_value *value, const char *brief, struct reply *reply)
+static void show_value(const struct session *session, const struct named_value *value, const char *brief,
+                       struct reply *reply)
 {
     const struct measured measured = {value->value, value->uncertainty};
     struct buffer text = {0};
@@ -68,7 +69,8 @@ static void show_settings(const struct session *session, bool display_only, stru
 {
     for (size_t i = 0; i < setting_catalog.count; i++) {
         const struct setting *setting = (const struct setting *)(const void *)catalog_row(&setting_catalog, i);
-        if (!display_only || setting->display || strcmp(setting->row.name, "digits") == 0 || strcmp(setting->row.name, "phase-axes") == 0)
+        if (!display_only || setting->display || strcmp(setting->row.name, "digits") == 0 ||
+            strcmp(setting->row.name, "phase-axes") == 0)
             show_setting(session, setting, reply);
     }
 }
@@ -117,8 +119,9 @@ static void show_summary(const struct session *session, struct reply *reply)
 {
     struct buffer text = {0};
     session_state_line(session, &text);
-    buffer_format(&text, "\n%d run%s, %d recording%s, %d measurement%s", session->runs, session->runs == 1 ? "" : "s", session->recordings,
-                  session->recordings == 1 ? "" : "s", session->measurements, session->measurements == 1 ? "" : "s");
+    buffer_format(&text, "\n%d run%s, %d recording%s, %d measurement%s", session->runs, session->runs == 1 ? "" : "s",
+                  session->recordings, session->recordings == 1 ? "" : "s", session->measurements,
+                  session->measurements == 1 ? "" : "s");
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
 }
@@ -194,5 +197,5 @@ HANDLER(show)
 #endif
 
 COMMAND(show, .row = {"show", "", "show values: of a name, a group, or a summary", "", NULL}, .group = "SCENE",
-        .text = "Groups are all, scene, run, data, plot and files.", .examples = "show k\nshow all", .see = "set print list help", .flags = COMMAND_ANYTIME,
-        ARGUMENTS(PLACE("NAME", TYPE_NAME)))
+        .text = "Groups are all, scene, run, data, plot and files.", .examples = "show k\nshow all",
+        .see = "set print list help", .flags = COMMAND_ANYTIME, ARGUMENTS(PLACE("NAME", TYPE_NAME)))

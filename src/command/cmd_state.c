@@ -6,7 +6,8 @@
 #include <math.h>
 #include <string.h>
 
-static bool move(struct session *session, const struct arguments *given, bool back, struct reply *reply, struct error *error)
+static bool move(struct session *session, const struct arguments *given, bool back, struct reply *reply,
+                 struct error *error)
 {
     const struct given *count = given_for(given, "N");
     const int steps = count->count ? (int)fmin(count->item->value.value, 1e9) : 1;
@@ -85,22 +86,24 @@ HANDLER(save)
 #endif
 
 COMMAND(undo, .row = {"undo", "", "take back the last N commands that changed something", "", NULL}, .group = "STATE",
-        .text = "Parameters, settings, runs and recordings; files that were written stay.", .examples = "set m 300 g; undo\nundo 3",
-        .see = "redo checkpoint", ARGUMENTS(PLACE("N", TYPE_INTEGER)))
+        .text = "Parameters, settings, runs and recordings; files that were written stay.",
+        .examples = "set m 300 g; undo\nundo 3", .see = "redo checkpoint", ARGUMENTS(PLACE("N", TYPE_INTEGER)))
 
 COMMAND(redo, .row = {"redo", "", "do again what undo took back", "", NULL}, .group = "STATE",
         .text = "Runs come back with the same bits.", .examples = "run; undo; redo\nundo 2; redo 2", .see = "undo",
         ARGUMENTS(PLACE("N", TYPE_INTEGER)))
 
 COMMAND(checkpoint, .row = {"checkpoint", "", "remember the present state", "", NULL}, .group = "STATE",
-        .text = "Under a name, to come back to it with restore.", .examples = "checkpoint\ncheckpoint undamped", .see = "restore undo save",
-        ARGUMENTS(PLACE("NAME", TYPE_TEXT)))
+        .text = "Under a name, to come back to it with restore.", .examples = "checkpoint\ncheckpoint undamped",
+        .see = "restore undo save", ARGUMENTS(PLACE("NAME", TYPE_TEXT)))
 
 COMMAND(restore, .row = {"restore", "", "go back to a checkpoint", "", NULL}, .group = "STATE",
-        .text = "The latest one unless a name is given. undo takes the restore back.", .examples = "checkpoint; set k 20; restore\ncheckpoint undamped; gamma = 0.1; restore undamped",
+        .text = "The latest one unless a name is given. undo takes the restore back.",
+        .examples = "checkpoint; set k 20; restore\ncheckpoint undamped; gamma = 0.1; restore undamped",
         .see = "checkpoint undo", .flags = COMMAND_CHANGES, ARGUMENTS(PLACE("NAME", TYPE_TEXT)))
 
 COMMAND(save, .row = {"save", "", "write the commands that recreate the set-up", "", NULL}, .group = "STATE",
-        .text = "Scene, method, settings, variables and recordings, with numbers that read back to the same doubles; not the runs.",
+        .text = "Scene, method, settings, variables and recordings, with numbers that read back to the same doubles; "
+                "not the runs.",
         .examples = "save lab1.hk\nsave lab1.hk --force", .see = "source checkpoint export", .flags = COMMAND_ANYTIME,
         ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED), OPTION("force", TYPE_NONE)))

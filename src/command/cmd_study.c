@@ -9,7 +9,7 @@
 
 #define PI 3.14159265358979323846
 
-/* ---- the table: columns as wide as their widest cell ----------------------------------------------------------------- */
+/* ---- the table: columns as wide as their widest cell ---- */
 
 #define TABLE_COLUMNS 9
 
@@ -63,7 +63,9 @@ static struct measured run_period(const struct run *run, struct arena *arena)
     struct series series;
     struct period period;
     struct error ignored;
-    return run_series(run, false, arena, &series, &ignored) && series_period(&series, arena, &period, &ignored) ? period.period : none;
+    return run_series(run, false, arena, &series, &ignored) && series_period(&series, arena, &period, &ignored)
+               ? period.period
+               : none;
 }
 
 static const char *period_cell(struct arena *arena, struct measured period)
@@ -91,8 +93,8 @@ static const char *time_cell(struct arena *arena, double seconds)
 static void reply_table(const struct session *session, const struct comparison *rows, int count, struct arena *arena,
                         struct reply *reply)
 {
-    static const char *const heading[TABLE_COLUMNS] = {"method",      "dt",       "steps",     "max|dE/E0|", "max error",
-                                                       "rms(y-data)", "period T", "phase err", "time"};
+    static const char *const heading[TABLE_COLUMNS] = {
+        "method", "dt", "steps", "max|dE/E0|", "max error", "rms(y-data)", "period T", "phase err", "time"};
     const bool data = session_recording(session) != NULL;
     struct text_table table = {TABLE_COLUMNS - !data, count + 1, NULL};
     table.cell = arena_array(arena, (size_t)table.rows * TABLE_COLUMNS, sizeof *table.cell);
@@ -129,7 +131,8 @@ static void reply_table(const struct session *session, const struct comparison *
         table.cell[n++] = run->stop == STOP_DIVERGED ? "diverged" : short_cell(arena, rows[i].ledger.error_max, 3);
         table.cell[n++] = short_cell(arena, rows[i].errors.max, 3);
         if (data)
-            table.cell[n++] = quantity_cell(arena, run_data_distance(run, session_recording(session)).rms, QUANTITY_LENGTH, 3);
+            table.cell[n++] =
+                quantity_cell(arena, run_data_distance(run, session_recording(session)).rms, QUANTITY_LENGTH, 3);
         table.cell[n++] = period_cell(arena, run_period(run, arena));
         table.cell[n++] = cell(arena, &angle);
         table.cell[n++] = time_cell(arena, rows[i].time.minimum);
@@ -138,8 +141,8 @@ static void reply_table(const struct session *session, const struct comparison *
     put_table(&table, &text);
     for (int i = 0; i < count; i++)
         if (rows[i].verdict[0])
-            buffer_format(&text, "%s%s%s: %s\n", rows[i].run->method->row.name, several ? " " : "", several ? settings[i] : "",
-                          rows[i].verdict);
+            buffer_format(&text, "%s%s%s: %s\n", rows[i].run->method->row.name, several ? " " : "",
+                          several ? settings[i] : "", rows[i].verdict);
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
 }
@@ -166,7 +169,7 @@ static void reply_comparison(const struct comparison *row, struct reply *reply)
     reply_end(reply);
 }
 
-/* ---- the command -------------------------------------------------------------------------------------------------------- */
+/* ---- the command ---- */
 
 static double *values_of(const struct given *given, struct arena *arena)
 {
@@ -182,7 +185,7 @@ static bool make_contenders(const struct session *session, const struct argument
     const struct given *methods = given_for(given, "METHOD"), *drag = given_for(given, "drag");
     for (int i = 0; i < methods->count; i++) {
         contender[i].method = (const struct method *)(const void *)methods->item[i].row;
-        contender[i].drag = drag->count == 1            ? (enum drag)(drag->item[0].index + 1)
+        contender[i].drag = drag->count == 1                ? (enum drag)(drag->item[0].index + 1)
                             : drag->count == methods->count ? (enum drag)(drag->item[i].index + 1)
                                                             : session->setup.drag;
         if (drag->count == 0 && !(contender[i].method->drags & (1u << contender[i].drag)))
@@ -221,14 +224,15 @@ static void reply_saved(const struct comparison *rows, int count, struct reply *
     struct buffer numbers = {0};
     for (int i = 0; i < count; i++)
         buffer_format(&numbers, "%s%d", i ? " " : "", rows[i].run->number);
-    reply_line(reply, "saved as run%s %s   ('runs', 'plot energy run %s', 'export runs.csv run %s')", count == 1 ? "" : "s",
-               buffer_view(&numbers), buffer_view(&numbers), buffer_view(&numbers));
+    reply_line(reply, "saved as run%s %s   ('runs', 'plot energy run %s', 'export runs.csv run %s')",
+               count == 1 ? "" : "s", buffer_view(&numbers), buffer_view(&numbers), buffer_view(&numbers));
     buffer_free(&numbers);
 }
 
 HANDLER(compare)
 {
-    const struct given *methods = given_for(given, "METHOD"), *dt = given_for(given, "dt"), *tol = given_for(given, "tol");
+    const struct given *methods = given_for(given, "METHOD"), *dt = given_for(given, "dt"),
+                       *tol = given_for(given, "tol");
     const struct settings *settings = &session->setup.settings;
     const int most = methods->count * (tol->count ? tol->count : dt->count ? dt->count : 1);
     struct contender *contender = arena_array(given->arena, (size_t)methods->count, sizeof *contender);
@@ -239,19 +243,29 @@ HANDLER(compare)
     if (dt->count == 0)
         dts[0] = settings->dt;
     if (tol->count && dt->count > 1)
-        return error_at(error, dt->where, "with tol= at most one dt is given: the first step, and the step of methods that do not adapt");
+        return error_at(error, dt->where,
+                        "with tol= at most one dt is given: the first step, and the step of methods that do not adapt");
     if (session->runs + most > LIMIT_RUNS) {
-        error_set(error, ERROR_COMMAND, "this makes %d runs, %d exist and %d are the most", most, session->runs, LIMIT_RUNS);
+        error_set(error, ERROR_COMMAND, "this makes %d runs, %d exist and %d are the most", most, session->runs,
+                  LIMIT_RUNS);
         return error_hint(error, "drop some: drop N.. or drop all");
     }
     if (!make_contenders(session, given, contender, error))
         return false;
-    const struct compare_request request = {.scene = &session->setup.scene, .contender = contender, .contenders = methods->count,
-                                            .dt = dts, .dts = dt->count ? dt->count : 1, .tol = tol->count ? tols : NULL,
-                                            .tols = tol->count, .duration = settings->duration, .record = settings->record,
-                                            .timing = (enum timing)settings->timing, .cancel = session->front.cancel};
+    const struct compare_request request = {.scene = &session->setup.scene,
+                                            .contender = contender,
+                                            .contenders = methods->count,
+                                            .dt = dts,
+                                            .dts = dt->count ? dt->count : 1,
+                                            .tol = tol->count ? tols : NULL,
+                                            .tols = tol->count,
+                                            .duration = settings->duration,
+                                            .record = settings->record,
+                                            .timing = (enum timing)settings->timing,
+                                            .cancel = session->front.cancel};
     double steps, seconds;
-    if (!study_compare_plan(&request, &steps, &seconds, error) || !allow_long(session, seconds, steps, is_given(given, "force"), error))
+    if (!study_compare_plan(&request, &steps, &seconds, error) ||
+        !allow_long(session, seconds, steps, is_given(given, "force"), error))
         return false;
     int count = 0;
     struct error study = {0};
@@ -271,10 +285,14 @@ HANDLER(compare)
 }
 #endif
 
-COMMAND(compare, .row = {"compare", "", "several methods on the same scene: error, energy, time", "", NULL}, .group = "STUDY",
-        .text = "Each method runs for the setting 'duration' with each dt given. The error is the largest distance from the exact\n"
-                "solution, divided by the amplitude. The runs are kept; a method that diverges is a result, not a failure.",
-        .examples = "compare euler symplectic-euler\ncompare euler verlet rk4 dt=10ms,5ms", .see = "method runs plot timing", .flags = COMMAND_CHANGES,
+COMMAND(compare, .row = {"compare", "", "several methods on the same scene: error, energy, time", "", NULL},
+        .group = "STUDY",
+        .text =
+            "Each method runs for the setting 'duration' with each dt given. The error is the largest distance from "
+            "the exact\n"
+            "solution, divided by the amplitude. The runs are kept; a method that diverges is a result, not a failure.",
+        .examples = "compare euler symplectic-euler\ncompare euler verlet rk4 dt=10ms,5ms",
+        .see = "method runs plot timing", .flags = COMMAND_CHANGES,
         ARGUMENTS(PLACE("METHOD", TYPE_CHOICE, .flags = ARG_REQUIRED | ARG_MANY, .choices = &method_catalog),
                   KEY("dt", TYPE_VALUE, .flags = ARG_MANY, .quantity = QUANTITY_TIME),
                   KEY("tol", TYPE_VALUE, .flags = ARG_MANY, .quantity = QUANTITY_NUMBER),

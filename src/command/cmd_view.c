@@ -19,7 +19,7 @@ static void free_ranges(struct view *view)
     view->x[0] = view->x[1] = view->y[0] = view->y[1] = NAN;
 }
 
-/* ---- layout, focus --------------------------------------------------------------------------------------------- */
+/* ---- layout, focus ---- */
 
 HANDLER(layout)
 {
@@ -64,7 +64,7 @@ HANDLER(focus)
     return changed(session);
 }
 
-/* ---- ranges ---------------------------------------------------------------------------------------------------- */
+/* ---- ranges ---- */
 
 static const struct row axes[] = {{"x", "", "horizontal axis", "", NULL}, {"y", "", "vertical axis", "", NULL}};
 const struct catalog axis_catalog = CATALOG("axis", axes);
@@ -279,7 +279,7 @@ HANDLER(scroll)
     return true;
 }
 
-/* ---- screenshot ------------------------------------------------------------------------------------------------ */
+/* ---- screenshot ---- */
 
 HANDLER(screenshot)
 {
@@ -354,7 +354,8 @@ COMMAND(window, .row = {"window", "", "how much time the panes show", "", NULL},
                   PLACE("TIME", TYPE_VALUE, .quantity = QUANTITY_TIME, .group = 1)))
 
 COMMAND(overlay, .row = {"overlay", "", "draw other runs over the present one in the panes", "", NULL}, .group = "PLOT",
-        .text = "Up to 4 of them, each with its mark; off takes them away. compare lays its runs over one another by itself, a new run\n"
+        .text = "Up to 4 of them, each with its mark; off takes them away. compare lays its runs over one another by "
+                "itself, a new run\n"
                 "stands alone. 'plot KIND run N..' draws any runs once.",
         .examples = "run; run; overlay run 1\noverlay off", .see = "compare plot runs use", .flags = COMMAND_ANYTIME,
         ARGUMENTS(WORD("off", TYPE_NONE, .group = 1), WORD("run", TYPE_RUN, .flags = ARG_MANY | ARG_ALL, .group = 1)))

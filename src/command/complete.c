@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Completion: what can stand at the cursor, by the description of the arguments. Nothing is executed and no expression is evaluated. */
+/* Completion: what can stand at the cursor, by the description of the arguments. Nothing is executed and no expression
+ * is evaluated. */
 #include "choices.h"
 
 #include <stdio.h>
@@ -30,7 +31,8 @@ static void offer_catalog(struct completion *c, const struct catalog *catalog)
         offer(c, catalog_row(catalog, i)->name, catalog_row(catalog, i)->brief);
 }
 
-static void offer_suffixed(struct completion *c, const char *before, const char *name, const char *after, const char *brief)
+static void offer_suffixed(struct completion *c, const char *before, const char *name, const char *after,
+                           const char *brief)
 {
     char z[LIMIT_NAME + 8];
     snprintf(z, sizeof z, "%s%s%s", before, name, after);
@@ -157,8 +159,9 @@ static void offer_for_name(struct completion *c, struct text name, struct text b
 
 static void offer_topics(struct completion *c)
 {
-    static const struct catalog *const topics[] = {&command_catalog, &param_catalog,      &derived_catalog, &setting_catalog,
-                                                   &method_catalog,  &observable_catalog, &preset_catalog,  &unit_catalog};
+    static const struct catalog *const topics[] = {&command_catalog, &param_catalog,  &derived_catalog,
+                                                   &setting_catalog, &method_catalog, &observable_catalog,
+                                                   &preset_catalog,  &unit_catalog};
     for (size_t i = 0; i < COUNT_OF(topics); i++)
         offer_catalog(c, topics[i]);
 }
@@ -245,14 +248,16 @@ static void complete_arguments(struct completion *c, const struct command *comma
     while (equals > 0 && before.at[equals - 1] != '=')
         equals--;
     if (equals > 0 && digit_before(before)) {
-        const struct argument *key = find_by_form(command, FORM_KEY, previous_word((struct text){before.at, equals - 1}));
+        const struct argument *key =
+            find_by_form(command, FORM_KEY, previous_word((struct text){before.at, equals - 1}));
         if (key && key->type == TYPE_VALUE) {
             offer_units(c, key->quantity);
             return;
         }
     }
     const struct argument *word = find_by_form(command, FORM_WORD, last);
-    const struct argument *option = last.len > 2 ? find_by_form(command, FORM_OPTION, (struct text){last.at + 2, last.len - 2}) : NULL;
+    const struct argument *option =
+        last.len > 2 ? find_by_form(command, FORM_OPTION, (struct text){last.at + 2, last.len - 2}) : NULL;
     if (word && word->type != TYPE_NONE)
         offer_item(c, word, TEXT(""));
     else if (option && option->type != TYPE_NONE)
@@ -262,7 +267,8 @@ static void complete_arguments(struct completion *c, const struct command *comma
     else if (strcmp(name, "show") == 0) {
         offer_catalog(c, &show_catalog);
         names_each(c->session, offer_name, c);
-    } else if ((strcmp(name, "set") == 0 || strcmp(name, "let") == 0 || strcmp(name, "change") == 0) && count_words(before) > 0)
+    } else if ((strcmp(name, "set") == 0 || strcmp(name, "let") == 0 || strcmp(name, "change") == 0) &&
+               count_words(before) > 0)
         offer_for_name(c, peek_name(text_trim(before)), before);
     else
         offer_arguments(c, command, before);

@@ -11,7 +11,7 @@
 #define LATE_MOST 0.34 /* part of the up-crossings that may be off before the motion counts as not steady */
 #define PEAK_WIDTH 0.1 /* [periods] on each side of the highest sample that the parabola is fitted to */
 
-/* ---- what they stand on ---------------------------------------------------------------------------------------- */
+/* ---- what they stand on ---- */
 
 /* How far t is off the up-crossings of a motion of this period [periods]. */
 static double off_beat(const struct period *beat, double t)
@@ -128,7 +128,7 @@ static size_t sample_before(const struct series *s, double t)
     return low;
 }
 
-/* ---- places to snap to ----------------------------------------------------------------------------------------- */
+/* ---- places to snap to ---- */
 
 struct place {
     double t, uncertainty, y;
@@ -259,7 +259,7 @@ void cursor_put(struct cursors *cursors, const struct ground *g, int which, doub
     put_place(cursors, which, &place);
 }
 
-/* ---- moves ----------------------------------------------------------------------------------------------------- */
+/* ---- moves ---- */
 
 static bool keep_next(void *context, const struct place *place)
 {

@@ -6,7 +6,7 @@
 #include <stdio.h>
 
 #define PI 3.14159265358979323846
-#define ROUNDING 1e-9  /* of the amplitude, or of 1: below it is nothing to show, and Q means nothing */
+#define ROUNDING 1e-9 /* of the amplitude, or of 1: below it is nothing to show, and Q means nothing */
 
 bool session_cursor_reading(const struct session *session, struct cursor_reading *reading)
 {

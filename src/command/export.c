@@ -7,7 +7,7 @@
 
 #define KEYS_MOST (PARAM_MAX + 16 + 2 * LIMIT_RUNS)
 
-/* ---- keys: what the numbers were made with --------------------------------------------------------------------------------- */
+/* ---- keys: what the numbers were made with ---- */
 
 struct keys {
     struct arena *arena;
@@ -67,7 +67,8 @@ static void add_changes(struct keys *keys, const char *name, const struct held_r
         const struct leg *leg = &held->leg[i];
         if (leg->kind != LEG_SET)
             continue;
-        const struct param_row *param = (const struct param_row *)(const void *)catalog_row(&param_catalog, (size_t)leg->param);
+        const struct param_row *param =
+            (const struct param_row *)(const void *)catalog_row(&param_catalog, (size_t)leg->param);
         buffer_format(&value, "%s%s ", value.len ? "; " : "", param->row.name);
         buffer_exact(&value, leg->value, param->quantity);
         buffer_put(&value, TEXT(" at t = "));
@@ -123,7 +124,7 @@ static bool finish(const struct keys *keys, struct export *export, struct error 
     return !keys->failed || error_memory(error);
 }
 
-/* ---- runs ---------------------------------------------------------------------------------------------------------------------- */
+/* ---- runs ---- */
 
 static const struct observable *observable_at(const struct row *row)
 {
@@ -155,8 +156,8 @@ static bool check_every(const struct given *every, struct error *error)
         return true;
     const struct item *item = every->item;
     if (item->unit && item->unit->quantity != QUANTITY_TIME)
-        return error_at(error, item->text, "every= takes a number of rows or a time, got '%.*s' (%s)", (int)item->text.len, item->text.at,
-                        quantity_name(item->unit->quantity));
+        return error_at(error, item->text, "every= takes a number of rows or a time, got '%.*s' (%s)",
+                        (int)item->text.len, item->text.at, quantity_name(item->unit->quantity));
     if (item->unit || (item->value.value >= 1 && item->value.value == floor(item->value.value)))
         return true;
     error_at(error, item->text, "every= takes a whole number of rows, or a time with its unit");
@@ -184,7 +185,8 @@ static int list_columns(const struct given *column, const struct row **list)
     list[count++] = catalog_find(&observable_catalog, TEXT("t"));
     const int most = column->count ? column->count : (int)COUNT_OF(usual);
     for (int i = 0; i < most; i++) {
-        const struct row *row = column->count ? column->item[i].row : catalog_find(&observable_catalog, text_of(usual[i]));
+        const struct row *row =
+            column->count ? column->item[i].row : catalog_find(&observable_catalog, text_of(usual[i]));
         bool listed = false;
         for (int j = 0; j < count; j++)
             listed |= list[j] == row;
@@ -194,8 +196,8 @@ static int list_columns(const struct given *column, const struct row **list)
     return count;
 }
 
-bool export_runs(const struct session *session, const struct given *runs, const struct given *column, const struct given *every,
-                 struct export *export, struct error *error)
+bool export_runs(const struct session *session, const struct given *runs, const struct given *column,
+                 const struct given *every, struct export *export, struct error *error)
 {
     struct arena *arena = export->arena;
     int place[LIMIT_RUNS];
@@ -238,15 +240,17 @@ bool export_runs(const struct session *session, const struct given *runs, const 
                 if (mark[r][i])
                     value[n++] = c < lead ? run->number : work[i];
         }
-        out[c] = c < lead ? (struct table_column){.name = "run", .unit = "", .value = value}
-                          : (struct table_column){.name = list[c - lead]->name, .unit = list[c - lead]->unit, .value = value};
+        out[c] =
+            c < lead
+                ? (struct table_column){.name = "run", .unit = "", .value = value}
+                : (struct table_column){.name = list[c - lead]->name, .unit = list[c - lead]->unit, .value = value};
     }
     add_run_keys(&keys, session, place, count);
     export->table = (struct table){.column = out, .columns = columns + lead, .rows = rows};
     return finish(&keys, export, error);
 }
 
-/* ---- a recording ------------------------------------------------------------------------------------------------------------------ */
+/* ---- a recording ---- */
 
 bool export_recording(const struct session *session, struct export *export, struct error *error)
 {
@@ -275,7 +279,7 @@ bool export_recording(const struct session *session, struct export *export, stru
     return finish(&keys, export, error);
 }
 
-/* ---- measurements, runs in brief ---------------------------------------------------------------------------------------------------- */
+/* ---- measurements, runs in brief ---- */
 
 bool export_measurements(const struct session *session, struct export *export, struct error *error)
 {
@@ -304,9 +308,10 @@ bool export_measurements(const struct session *session, struct export *export, s
         spread[i] = m->value.uncertainty;
         periods[i] = m->periods;
     }
-    const struct table_column columns[] = {{.name = "quantity", .unit = "", .text = quantity}, {.name = "value", .unit = "", .value = value},
-                                           {.name = "uncertainty", .unit = "", .value = spread}, {.name = "unit", .unit = "", .text = unit},
-                                           {.name = "periods", .unit = "", .value = periods}, {.name = "of", .unit = "", .text = of}};
+    const struct table_column columns[] = {
+        {.name = "quantity", .unit = "", .text = quantity},   {.name = "value", .unit = "", .value = value},
+        {.name = "uncertainty", .unit = "", .value = spread}, {.name = "unit", .unit = "", .text = unit},
+        {.name = "periods", .unit = "", .value = periods},    {.name = "of", .unit = "", .text = of}};
     memcpy(out, columns, sizeof columns);
     add_scene_keys(&keys, &session->setup.scene);
     export->table = (struct table){.column = out, .columns = (int)COUNT_OF(columns), .rows = n};

@@ -5,14 +5,15 @@
 
 #include "internal.h"
 
-struct export {
+struct export
+{
     struct arena *arena;
     struct table table;
 };
 
 /* runs: none means the current one; column: none means t, y, v, energy; every: a count of rows, or a time. */
-bool export_runs(const struct session *session, const struct given *runs, const struct given *column, const struct given *every,
-                 struct export *export, struct error *error);
+bool export_runs(const struct session *session, const struct given *runs, const struct given *column,
+                 const struct given *every, struct export *export, struct error *error);
 bool export_recording(const struct session *session, struct export *export, struct error *error);
 bool export_measurements(const struct session *session, struct export *export, struct error *error);
 bool export_run_table(const struct session *session, struct export *export, struct error *error);

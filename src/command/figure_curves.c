@@ -5,13 +5,13 @@
 #include <math.h>
 #include <string.h>
 
-#define ROWS_ALL 4096        /* so many rows are taken as they are */
-#define VISITS_A_PERIOD 256  /* a screen looks at no more of them */
+#define ROWS_ALL 4096       /* so many rows are taken as they are */
+#define VISITS_A_PERIOD 256 /* a screen looks at no more of them */
 #define VISITS_MOST (1 << 17)
 #define SPECTRUM_SAMPLES 4096
-#define SAMPLES_A_PERIOD 16  /* of a spectrum */
+#define SAMPLES_A_PERIOD 16 /* of a spectrum */
 
-/* ---- rows ------------------------------------------------------------------------------------------------------------------- */
+/* ---- rows ---- */
 
 /* The first row whose time is at or after t on the way of the run, which may go backwards. */
 static size_t row_after(const struct run *run, double t)
@@ -38,8 +38,9 @@ static size_t visited(size_t i, size_t stride)
 }
 
 /*
- * Of a share of the rows the first, the last, and those where y, v and y v are least and largest: there position, velocity and the error of
- * the energy have their extremes (the modified energy of a symplectic method differs by terms in y v, y^2, v^2; Hairer, Lubich, Wanner IX.8).
+ * Of a share of the rows the first, the last, and those where y, v and y v are least and largest: there position,
+ * velocity and the error of the energy have their extremes (the modified energy of a symplectic method differs by terms
+ * in y v, y^2, v^2; Hairer, Lubich, Wanner IX.8).
  */
 static size_t choose_of_share(const struct run *run, size_t from, size_t to, size_t stride, size_t *out)
 {
@@ -100,20 +101,23 @@ static void find_rows(const struct run *run, const struct row_request *request, 
 }
 
 /*
- * Strides and shares are powers of two and begin at multiples of themselves: while a run grows the rows that were chosen stay chosen.
+ * Strides and shares are powers of two and begin at multiples of themselves: while a run grows the rows that were
+ * chosen stay chosen.
  */
-bool choose_rows(const struct run *run, const struct row_request *request, struct arena *arena, struct chosen_rows *rows,
-                 struct error *error)
+bool choose_rows(const struct run *run, const struct row_request *request, struct arena *arena,
+                 struct chosen_rows *rows, struct error *error)
 {
     size_t first, end;
     find_rows(run, request, &first, &end);
     const double n = (double)(end - first), shares = 4.0 * (request->columns > 0 ? request->columns : 1);
     const double a_period = n * request->period / (request->to - request->from) / VISITS_A_PERIOD;
-    const size_t stride = !request->screen ? 1 : power_of_two(fmax(a_period > 2 ? fmin(a_period / 2, n) : 1, n / VISITS_MOST));
+    const size_t stride =
+        !request->screen ? 1 : power_of_two(fmax(a_period > 2 ? fmin(a_period / 2, n) : 1, n / VISITS_MOST));
     const bool all = !request->screen || n / (double)stride <= ROWS_ALL;
     const size_t share = all ? stride : power_of_two(fmax(n / shares, (double)stride));
-    *rows = (struct chosen_rows){arena_array(arena, (end - first) / share * (all ? 1 : EXTREMES + 2) + 3 * (EXTREMES + 2), sizeof *rows->row),
-                                 0};
+    *rows = (struct chosen_rows){
+        arena_array(arena, (end - first) / share * (all ? 1 : EXTREMES + 2) + 3 * (EXTREMES + 2), sizeof *rows->row),
+        0};
     if (!rows->row)
         return error_memory(error);
     for (size_t from = first, to; from < end; from = to) {
@@ -129,15 +133,15 @@ bool choose_rows(const struct run *run, const struct row_request *request, struc
     return true;
 }
 
-/* ---- values ----------------------------------------------------------------------------------------------------------------- */
+/* ---- values ---- */
 
 /* Whether the scene of the start has been in force all along, as far as can be seen from outside. */
 static bool never_changed(const struct run *run)
 {
     struct system start;
     struct error ignored;
-    if (!scene_bind(&run->scene, &start, &ignored) || start.terms != run->system.terms || start.mass != run->system.mass ||
-        (run->plan.ledger && start.conservative))
+    if (!scene_bind(&run->scene, &start, &ignored) || start.terms != run->system.terms ||
+        start.mass != run->system.mass || (run->plan.ledger && start.conservative))
         return false;
     for (int i = 0; i < start.terms; i++)
         if (start.term[i].row != run->system.term[i].row ||
@@ -146,19 +150,21 @@ static bool never_changed(const struct run *run)
     return true;
 }
 
-/* Whether a row and one system say all that the observable needs. What the state alone says does not depend on the system. */
+/* Whether a row and one system say all that the observable needs. What the state alone says does not depend on the
+ * system. */
 static bool follows_from_row(const struct run *run, const struct observable *observable)
 {
     for (int i = 0; i < run->system.n; i++)
         if (strcmp(system_variable(&run->system, i).name, observable->row.name) == 0)
             return true;
     return observable->needs == 0 ||
-           (trace_count(run->trace) > ROWS_ALL && !(observable->needs & (NEED_WORK | NEED_RATIO | NEED_CENTRE)) && run->system.order == 2 &&
-            (run->plan.exact_known || !(observable->needs & NEED_EXACT)) && never_changed(run));
+           (trace_count(run->trace) > ROWS_ALL && !(observable->needs & (NEED_WORK | NEED_RATIO | NEED_CENTRE)) &&
+            run->system.order == 2 && (run->plan.exact_known || !(observable->needs & NEED_EXACT)) &&
+            never_changed(run));
 }
 
-bool values_at_rows(const struct run *run, const struct observable *observable, const struct chosen_rows *rows, struct arena *arena,
-                    double *out, struct error *error)
+bool values_at_rows(const struct run *run, const struct observable *observable, const struct chosen_rows *rows,
+                    struct arena *arena, double *out, struct error *error)
 {
     if (!follows_from_row(run, observable)) {
         double *column = arena_array(arena, trace_count(run->trace), sizeof *column);
@@ -188,7 +194,8 @@ double run_position(const struct run *run, double t)
     if (after == count)
         return NAN;
     const double *right = trace_state(run->trace, after);
-    const double b = trace_time(run->trace, after), y1 = right[0], v1 = run->system.order == 2 ? right[run->system.n / 2] : 0;
+    const double b = trace_time(run->trace, after), y1 = right[0],
+                 v1 = run->system.order == 2 ? right[run->system.n / 2] : 0;
     if (b == t)
         return y1;
     if (after == 0)
@@ -198,10 +205,11 @@ double run_position(const struct run *run, double t)
     if (run->system.order != 2)
         return z * left[0] + x * y1;
     /* Cubic Hermite through both states. */
-    return z * z * (1 + 2 * x) * left[0] + x * x * (3 - 2 * x) * y1 + h * x * z * (z * left[run->system.n / 2] - x * v1);
+    return z * z * (1 + 2 * x) * left[0] + x * x * (3 - 2 * x) * y1 +
+           h * x * z * (z * left[run->system.n / 2] - x * v1);
 }
 
-/* ---- spectra ------------------------------------------------------------------------------------------------------------------- */
+/* ---- spectra ---- */
 
 bool data_spectrum(const struct series *series, struct arena *arena, struct curve *curve, struct error *error)
 {
@@ -211,8 +219,8 @@ bool data_spectrum(const struct series *series, struct arena *arena, struct curv
 }
 
 /* Sampled evenly, no finer than a spectrum of a few harmonics needs: the newest part where that is not all of it. */
-bool run_spectrum(const struct run *run, double from, double to, double period, struct arena *arena, struct curve *curve,
-                  struct error *error)
+bool run_spectrum(const struct run *run, double from, double to, double period, struct arena *arena,
+                  struct curve *curve, struct error *error)
 {
     const double step = isfinite(period) ? fmax(run->settings.dt, period / SAMPLES_A_PERIOD) : run->settings.dt;
     const double most = floor((to - from) / step);

@@ -1,16 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The numbers behind the curves of a session's figures: rows of a run, values there, what is left of a recording, spectra. */
+/* The numbers behind the curves of a session's figures: rows of a run, values there, what is left of a recording,
+ * spectra. */
 #ifndef HOOKE_COMMAND_FIGURE_CURVES_H
 #define HOOKE_COMMAND_FIGURE_CURVES_H
 
 #include "internal.h"
 
-/* The rows of a run from time to time: all of them; or for a screen, which is drawn often, those that look the same on so many columns. */
+/* The rows of a run from time to time: all of them; or for a screen, which is drawn often, those that look the same on
+ * so many columns. */
 struct row_request {
     double from, to; /* [s] */
     int columns;
-    double period;   /* [s] NAN: not known */
-    bool screen;     /* then with the neighbours on both sides, so that a line reaches the ends */
+    double period; /* [s] NAN: not known */
+    bool screen;   /* then with the neighbours on both sides, so that a line reaches the ends */
 };
 
 struct chosen_rows {
@@ -18,16 +20,17 @@ struct chosen_rows {
     size_t n;
 };
 
-bool choose_rows(const struct run *run, const struct row_request *request, struct arena *arena, struct chosen_rows *rows,
-                 struct error *error);
-/* The observable at these rows; one that sums up over the run, and a run whose parameters were changed, are walked through as a whole. */
-bool values_at_rows(const struct run *run, const struct observable *observable, const struct chosen_rows *rows, struct arena *arena,
-                    double *out, struct error *error);
+bool choose_rows(const struct run *run, const struct row_request *request, struct arena *arena,
+                 struct chosen_rows *rows, struct error *error);
+/* The observable at these rows; one that sums up over the run, and a run whose parameters were changed, are walked
+ * through as a whole. */
+bool values_at_rows(const struct run *run, const struct observable *observable, const struct chosen_rows *rows,
+                    struct arena *arena, double *out, struct error *error);
 /* [m] position between recorded rows; NAN outside. */
 double run_position(const struct run *run, double t);
 /* Amplitude spectrum of the position between two times; frequency [Hz]. */
-bool run_spectrum(const struct run *run, double from, double to, double period, struct arena *arena, struct curve *curve,
-                  struct error *error);
+bool run_spectrum(const struct run *run, double from, double to, double period, struct arena *arena,
+                  struct curve *curve, struct error *error);
 bool data_spectrum(const struct series *series, struct arena *arena, struct curve *curve, struct error *error);
 
 #endif

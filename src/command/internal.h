@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the files of this layer share: arguments and how they are described, names in expressions, changes of the session. */
+/* What the files of this layer share: arguments and how they are described, names in expressions, changes of the
+ * session. */
 #ifndef HOOKE_COMMAND_INTERNAL_H
 #define HOOKE_COMMAND_INTERNAL_H
 
 #include <hooke/command.h>
 
-/* ---- how the arguments of a command are described ------------------------------------------------------------------------ */
+/* ---- how the arguments of a command are described ---- */
 
 enum argument_form {
     FORM_PLACE,  /* stands where it stands: DURATION */
@@ -51,11 +52,11 @@ struct argument {
 
 #define ARGUMENTS_MOST 12
 
-/* ---- what was given --------------------------------------------------------------------------------------------------------- */
+/* ---- what was given ---- */
 
 struct item {
-    struct text text;      /* as typed, quotes and escapes resolved */
-    struct measured value; /* SI; the uncertainty is 0 unless given */
+    struct text text;        /* as typed, quotes and escapes resolved */
+    struct measured value;   /* SI; the uncertainty is 0 unless given */
     const struct unit *unit; /* NULL: none typed */
     enum quantity quantity; /* of the value, where it is known: by its unit, or as a single name; else QUANTITY_OTHER */
     bool is_string;
@@ -93,9 +94,10 @@ static inline bool is_given(const struct arguments *arguments, const char *name)
     return given_for(arguments, name)->count > 0;
 }
 
-/* ---- how a command is written ------------------------------------------------------------------------------------------------
- * A file cmd_*.c holds, inside `#ifndef COMMAND_ROWS`, functions that begin with HANDLER(name), and below it their rows, COMMAND(name, …). commands.c
- * includes all of them again through commands.def to collect the rows.
+/* ---- how a command is written ----
+ *
+ * A file cmd_*.c holds, inside `#ifndef COMMAND_ROWS`, functions that begin with HANDLER(name), and below it their
+ * rows, COMMAND(name, …). commands.c includes all of them again through commands.def to collect the rows.
  */
 
 enum command_flag {
@@ -104,26 +106,40 @@ enum command_flag {
     COMMAND_ANYTIME = 4,    /* also while a run goes on: it does not disturb it */
 };
 
-#define HANDLER_PARAMETERS struct session *session, const struct arguments *given, struct reply *reply, struct error *error
-#define HANDLER(name)                      \
-    bool command_##name(HANDLER_PARAMETERS); \
+#define HANDLER_PARAMETERS                                                                                             \
+    struct session *session, const struct arguments *given, struct reply *reply, struct error *error
+#define HANDLER(name)                                                                                                  \
+    bool command_##name(HANDLER_PARAMETERS);                                                                           \
     bool command_##name(HANDLER_PARAMETERS)
 #define UNUSED(thing) ((void)(thing))
 
-#define ARGUMENTS(...) \
-    .argument = (const struct argument[]){__VA_ARGS__}, .arguments = (int)COUNT_OF(((const struct argument[]){__VA_ARGS__}))
+#define ARGUMENTS(...)                                                                                                 \
+    .argument = (const struct argument[]){__VA_ARGS__},                                                                \
+    .arguments = (int)COUNT_OF(((const struct argument[]){__VA_ARGS__}))
 
 /* name, type, then what else differs from zero: PLACE("N", TYPE_INTEGER, .flags = ARG_REQUIRED) */
-#define PLACE(...) {.form = FORM_PLACE, .name = __VA_ARGS__}
-#define WORD(...) {.form = FORM_WORD, .name = __VA_ARGS__}
-#define KEY(...) {.form = FORM_KEY, .name = __VA_ARGS__}
-#define OPTION(...) {.form = FORM_OPTION, .name = __VA_ARGS__}
+#define PLACE(...)                                                                                                     \
+    {                                                                                                                  \
+        .form = FORM_PLACE, .name = __VA_ARGS__                                                                        \
+    }
+#define WORD(...)                                                                                                      \
+    {                                                                                                                  \
+        .form = FORM_WORD, .name = __VA_ARGS__                                                                         \
+    }
+#define KEY(...)                                                                                                       \
+    {                                                                                                                  \
+        .form = FORM_KEY, .name = __VA_ARGS__                                                                          \
+    }
+#define OPTION(...)                                                                                                    \
+    {                                                                                                                  \
+        .form = FORM_OPTION, .name = __VA_ARGS__                                                                       \
+    }
 
 #ifndef COMMAND_ROWS
 #define COMMAND(...)
 #endif
 
-/* ---- parsing (lexer.c, value.c, arguments.c) ---------------------------------------------------------------------------------- */
+/* ---- parsing (lexer.c, value.c, arguments.c) ---- */
 
 struct parser {
     struct session *session;
@@ -132,7 +148,8 @@ struct parser {
     struct text rest; /* what is left of the statement */
 };
 
-/* Cuts the next statement off a line; comments are dropped. False: nothing is left. error: a quote that does not end. */
+/* Cuts the next statement off a line; comments are dropped. False: nothing is left. error: a quote that does not end.
+ */
 bool next_statement(struct text *line, struct text *statement, struct error *error);
 bool is_name_start(char c);
 bool is_name_char(char c);
@@ -149,37 +166,41 @@ struct text before_option(struct text text);
 bool parse_value(struct parser *parser, const char *what, enum quantity wanted, struct item *item, struct error *error);
 bool parse_range(struct parser *parser, const char *what, enum quantity wanted, struct item *item, struct error *error);
 bool parse_integer(struct parser *parser, const char *what, bool negative, struct item *item, struct error *error);
-/* Refuses what is left, with the likely reason: decimal comma, unknown unit, word too many. number: what was read before, NULL: no number. */
+/* Refuses what is left, with the likely reason: decimal comma, unknown unit, word too many. number: what was read
+ * before, NULL: no number. */
 bool refuse_rest(const struct parser *parser, const struct item *number, struct error *error);
 /* Both sides of a comparison must be of one quantity, where that is known. */
 bool check_condition(struct parser *parser, struct text condition, struct error *error);
 /* Reads all arguments of a command. */
-bool parse_arguments(struct parser *parser, const struct command *command, struct arguments *arguments, struct error *error);
+bool parse_arguments(struct parser *parser, const struct command *command, struct arguments *arguments,
+                     struct error *error);
 /* find, or the only row that starts so at the prompt. */
 const struct row *choose(const struct session *session, const struct catalog *catalog, struct text name);
 int catalog_place(const struct catalog *catalog, const struct row *row);
 
-/* ---- names in expressions (names.c) --------------------------------------------------------------------------------------------- */
+/* ---- names in expressions (names.c) ---- */
 
 struct names {
     const struct session *session;
-    bool expects_run; /* state and observables are known although there is no run yet: it is about to start */
-    bool saved_only;  /* without variables and results: what means the same when a saved session is read again */
+    bool expects_run;      /* state and observables are known although there is no run yet: it is about to start */
+    bool saved_only;       /* without variables and results: what means the same when a saved session is read again */
     const struct run *run; /* whose state and observables; NULL: those of the current run */
 };
 
 struct expr_scope names_scope(const struct names *names);
 /* Value, uncertainty and quantity of one name; false: unknown. */
-/* After a failed compilation: says what has to come first where the unknown name is that of something not there yet. False, always. */
+/* After a failed compilation: says what has to come first where the unknown name is that of something not there yet.
+ * False, always. */
 bool names_explain(const struct session *session, struct error *error);
 bool names_value(const struct session *session, struct text name, struct named_value *value);
 /* Also of the state of a run that is only about to start; QUANTITY_OTHER: unknown. */
 enum quantity name_quantity(const struct session *session, struct text name);
 /* Everything that can be named: offers candidates for completion and help. */
-void names_each(const struct session *session, void (*offer)(void *context, const char *name, const char *brief), void *context);
+void names_each(const struct session *session, void (*offer)(void *context, const char *name, const char *brief),
+                void *context);
 bool name_is_taken(const struct session *session, struct text name, const char **kind);
 
-/* ---- text for people ---------------------------------------------------------------------------------------------------------------- */
+/* ---- text for people ---- */
 
 /* "199.9 +- 0.1 g", "1.9373 +- 0.0002 s": in the unit that shows the value well. */
 void buffer_measured(struct buffer *buffer, struct measured value, enum quantity quantity, int digits);
@@ -190,12 +211,13 @@ void buffer_word(struct buffer *buffer, struct text word);
 /* A NUL-terminated view; "out of memory" if the buffer has failed, never NULL. */
 const char *buffer_view(const struct buffer *buffer);
 
-/* ---- the session (session.c, runs.c, undo.c) ------------------------------------------------------------------------------------------- */
+/* ---- the session (session.c, runs.c, undo.c) ---- */
 
 void session_changed(struct session *session);
 /* Takes the run over (also when it fails: then it is destroyed) and makes it the current one. */
 bool session_add_run(struct session *session, struct run *run, struct error *error);
-bool session_add_recording(struct session *session, struct recording *recording, const char *options, struct error *error);
+bool session_add_recording(struct session *session, struct recording *recording, const char *options,
+                           struct error *error);
 void session_drop_run(struct session *session, int place);
 void session_drop_recording(struct session *session, int place);
 void held_run_release(struct held_run *held);
@@ -214,7 +236,7 @@ void snapshot_free(struct snapshot *snapshot);
 void undo_push(struct session *session, struct snapshot *before);
 void undo_clear(struct session *session);
 
-/* ---- runs in text (run_text.c, subject.c) ------------------------------------------------------------------------------------------------------ */
+/* ---- runs in text (run_text.c, subject.c) ---- */
 
 /* A prediction above a minute is refused, or asked about at the prompt, unless --force was given. */
 bool allow_long(struct session *session, double seconds, double steps, bool force, struct error *error);
@@ -237,18 +259,18 @@ struct data_distance run_data_distance(const struct run *run, const struct recor
 
 #define FAR 1e300 /* [s] no run gets there; finite, so that what is left of the way is a number */
 
-/* ---- live runs (live.c) ------------------------------------------------------------------------------------------------------------------------ */
+/* ---- live runs (live.c) ---- */
 
 /*
- * Advances to the target in slices of at most 10 ms, with a look at the front end between them; `clocked`: simulated time follows the clock. Back when it is
- * there, or paused: then run->stop is STOP_CANCELLED.
+ * Advances to the target in slices of at most 10 ms, with a look at the front end between them; `clocked`: simulated
+ * time follows the clock. Back when it is there, or paused: then run->stop is STOP_CANCELLED.
  */
 void live_advance(struct session *session, struct run *run, const struct run_target *target, bool clocked);
 /* State and marks of session->live follow from the current run. */
 void live_refresh(struct session *session);
 /*
- * A parameter of the scene has changed: takes it over into the run that goes on, is paused, or is to be changed. *from [s]: since when, NAN: there is no
- * such run. The run is unchanged on error.
+ * A parameter of the scene has changed: takes it over into the run that goes on, is paused, or is to be changed. *from
+ * [s]: since when, NAN: there is no such run. The run is unchanged on error.
  */
 bool live_bind(struct session *session, int param, double *from, struct error *error);
 /* " from t = 3.2 s on", nothing where `from` is NAN. */
@@ -258,12 +280,12 @@ extern const struct catalog cursor_action_catalog, axis_catalog;
 
 bool command_set(HANDLER_PARAMETERS);
 
-/* ---- cursors (cursor.c) ------------------------------------------------------------------------------------------------------------------------ */
+/* ---- cursors (cursor.c) ---- */
 
 /* After a command: cursors that stand on something that has changed find their places again. */
 void cursors_refresh(struct session *session);
 
-/* ---- settings (settings.c) ---------------------------------------------------------------------------------------------------------------- */
+/* ---- settings (settings.c) ---- */
 
 /* Reads the value of a setting from the parser into `settings`. */
 bool setting_read(const struct setting *setting, struct parser *parser, struct settings *settings, struct error *error);
@@ -273,7 +295,7 @@ void setting_exact(const struct setting *setting, const struct settings *setting
 
 extern const struct catalog charset_choice_catalog, color_choice_catalog, phase_axes_catalog;
 
-/* ---- what measure, fit, export and plot act on (source of a series) ------------------------------------------------------------------------ */
+/* ---- what measure, fit, export and plot act on (source of a series) ---- */
 
 struct subject {
     struct series series;
@@ -283,18 +305,20 @@ struct subject {
     struct recording *recording;
 };
 
-/* The scene that a run or a recording is measured against: its own; for a recording the present one, if somebody has said what the spring is, else NULL. */
+/* The scene that a run or a recording is measured against: its own; for a recording the present one, if somebody has
+ * said what the spring is, else NULL. */
 const struct scene *subject_scene(const struct session *session, const struct run *run);
 /* [s] of the oscillation with its linear damping; NAN: it does not oscillate, or there is no scene. */
 double scene_period(const struct scene *scene);
 double derived_value(const struct scene *scene, const char *name); /* NAN: no scene, or not defined */
 /* Keeps it as a row of `list measurements` and as the result measured_NAME. */
-bool session_keep_measurement(struct session *session, const char *name, const char *of, struct measured value, enum quantity unit,
-                              double periods, struct error *error);
+bool session_keep_measurement(struct session *session, const char *name, const char *of, struct measured value,
+                              enum quantity unit, double periods, struct error *error);
 /* Position, or energy, of a run over time; oldest first also where it went backwards. */
 bool run_series(const struct run *run, bool energy, struct arena *arena, struct series *series, struct error *error);
 /* The run or recording that was given, else the latest; window: of TYPE_RANGE. At least `least` samples. */
-bool subject_open(struct session *session, const struct given *run, const struct given *data, const struct given *window,
-                  bool energy, size_t least, struct arena *arena, struct subject *subject, struct error *error);
+bool subject_open(struct session *session, const struct given *run, const struct given *data,
+                  const struct given *window, bool energy, size_t least, struct arena *arena, struct subject *subject,
+                  struct error *error);
 
 #endif

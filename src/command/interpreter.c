@@ -19,11 +19,14 @@ static bool unknown_command(const struct session *session, struct text word, str
     struct named_value value;
     catalog_unknown(&command_catalog, word, error);
     if (names_value(session, word, &value))
-        return error_hint(error, "'print %.*s' shows it, '%.*s = VALUE' sets it", (int)word.len, word.at, (int)word.len, word.at);
-    return error->hint[0] ? error_hint(error, "('help' lists the commands)") : error_hint(error, "'help' lists the commands");
+        return error_hint(error, "'print %.*s' shows it, '%.*s = VALUE' sets it", (int)word.len, word.at, (int)word.len,
+                          word.at);
+    return error->hint[0] ? error_hint(error, "('help' lists the commands)")
+                          : error_hint(error, "'help' lists the commands");
 }
 
-static bool find_command(struct session *session, struct parser *parser, const struct command **command, struct error *error)
+static bool find_command(struct session *session, struct parser *parser, const struct command **command,
+                         struct error *error)
 {
     if (is_assignment(parser->rest)) {
         *command = (const struct command *)(const void *)catalog_find(&command_catalog, TEXT("set"));
@@ -36,7 +39,8 @@ static bool find_command(struct session *session, struct parser *parser, const s
 }
 
 /* Runs the handler between a snapshot and what follows from success. */
-static bool run_handler(struct session *session, const struct arguments *arguments, struct reply *reply, struct error *error)
+static bool run_handler(struct session *session, const struct arguments *arguments, struct reply *reply,
+                        struct error *error)
 {
     const struct command *command = arguments->command;
     struct snapshot *before = NULL;
@@ -62,8 +66,8 @@ static struct text without_newline(const struct buffer *lines)
 }
 
 /*
- * `record` has to tell the story in an order that can be read again: a run that was paused or changed on the way is written as what really happened, and
- * what was typed while it went on stands after it.
+ * `record` has to tell the story in an order that can be read again: a run that was paused or changed on the way is
+ * written as what really happened, and what was typed while it went on stands after it.
  */
 static bool record_statement(struct session *session, struct text statement, bool nested, struct error *error)
 {
@@ -83,8 +87,8 @@ static bool record_statement(struct session *session, struct text statement, boo
     return ok;
 }
 
-static bool exec_statement(struct session *session, struct text statement, const struct source *where, struct reply *reply,
-                           struct arena *arena, struct error *error)
+static bool exec_statement(struct session *session, struct text statement, const struct source *where,
+                           struct reply *reply, struct arena *arena, struct error *error)
 {
     if (cancelled(session->front.cancel))
         return error_set(error, ERROR_CANCELLED, "interrupted");
@@ -101,7 +105,8 @@ static bool exec_statement(struct session *session, struct text statement, const
         return false;
     const struct run *running = session->live.state == LIVE_RUNNING ? session_run(session) : NULL;
     if (running && !(arguments->command->flags & COMMAND_ANYTIME)) {
-        error_set(error, ERROR_COMMAND, "%s has to wait: run %d goes on", arguments->command->row.name, running->number);
+        error_set(error, ERROR_COMMAND, "%s has to wait: run %d goes on", arguments->command->row.name,
+                  running->number);
         return error_hint(error, "'pause' or Ctrl-C pauses it");
     }
     /* Only a condition looks into a run that is about to start. */
@@ -143,8 +148,8 @@ static void note_left_out(struct text rest, struct reply *reply)
     struct error ignored;
     next_statement(&rest, &statement, &ignored);
     if (statement.len > 0)
-        reply_note(reply, "not executed, because the run was paused: %.*s%s", (int)(statement.len < 80 ? statement.len : 80), statement.at,
-                   rest.len > 0 ? "; ..." : "");
+        reply_note(reply, "not executed, because the run was paused: %.*s%s",
+                   (int)(statement.len < 80 ? statement.len : 80), statement.at, rest.len > 0 ? "; ..." : "");
 }
 
 static bool exec_line(struct session *session, struct text line, const struct source *where, struct reply *reply)

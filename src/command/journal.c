@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- the list -------------------------------------------------------------------------------------------------- */
+/* ---- the list ---- */
 
 bool journal_add(struct held_run *held, struct leg leg, struct text condition, struct error *error)
 {
@@ -76,7 +76,7 @@ void journal_scene(const struct held_run *held, struct scene *scene)
             scene_set(scene, held->leg[i].param, held->leg[i].value, &ignored); /* was accepted then */
 }
 
-/* ---- doing it again -------------------------------------------------------------------------------------------- */
+/* ---- doing it again ---- */
 
 /* On along a leg until step `end`. */
 static void go(struct session *session, struct run *run, const struct leg *leg, int64_t end)
@@ -163,7 +163,7 @@ bool journal_restore(struct session *session, struct held_run *held, const struc
     return true;
 }
 
-/* ---- as commands ----------------------------------------------------------------------------------------------- */
+/* ---- as commands ---- */
 
 /* Whether a condition reads the same in a session that has no variables and results. */
 static bool portable(const struct session *session, const struct run *run, const char *condition)

@@ -43,7 +43,8 @@ static size_t string_length(struct text text)
 /* A ' directly after a name is a derivative mark or an apostrophe, not a quote. */
 static bool opens_string(struct text text, size_t i)
 {
-    return text.at[i] == '"' || (text.at[i] == '\'' && (i == 0 || !(is_name_char(text.at[i - 1]) || text.at[i - 1] == '\'')));
+    return text.at[i] == '"' ||
+           (text.at[i] == '\'' && (i == 0 || !(is_name_char(text.at[i - 1]) || text.at[i - 1] == '\'')));
 }
 
 bool next_statement(struct text *line, struct text *statement, struct error *error)
@@ -89,8 +90,8 @@ struct text peek_name(struct text text)
 {
     size_t i = 0;
     if (text.len > 0 && is_name_start(text.at[0]))
-        while (i < text.len && (is_name_char(text.at[i]) ||
-                                (text.at[i] == '-' && i + 1 < text.len && is_name_start(text.at[i + 1]))))
+        while (i < text.len &&
+               (is_name_char(text.at[i]) || (text.at[i] == '-' && i + 1 < text.len && is_name_start(text.at[i + 1]))))
             i++;
     return (struct text){text.at, i};
 }
@@ -129,7 +130,8 @@ bool parse_word(struct parser *parser, const char *stops, struct item *item, str
         item->is_string = true;
         item->text = inside;
         /* Only a copy where something changes: errors point into the line. */
-        if (rest->at[0] == '"' && inside.len > 0 && memchr(inside.at, '\\', inside.len) && !unescape(parser, inside, &item->text, error))
+        if (rest->at[0] == '"' && inside.len > 0 && memchr(inside.at, '\\', inside.len) &&
+            !unescape(parser, inside, &item->text, error))
             return false;
         *rest = (struct text){rest->at + used, rest->len - used};
         return true;

@@ -125,7 +125,7 @@ void live_refresh(struct session *session)
             live->marks[live->mark_count++] = held->leg[i].from_t;
 }
 
-/* ---- parameters on the way ------------------------------------------------------------------------------------- */
+/* ---- parameters on the way ---- */
 
 bool live_bind(struct session *session, int param, double *from, struct error *error)
 {

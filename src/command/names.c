@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What names mean in expressions: state and observables of the current run first, then parameters, derived quantities, settings, variables, results. */
+/* What names mean in expressions: state and observables of the current run first, then parameters, derived quantities,
+ * settings, variables, results. */
 #include "internal.h"
 
 #include <math.h>
@@ -78,7 +79,8 @@ static struct named_value slot_value(const struct names *names, int slot)
     struct named_value value = {.value = NAN, .quantity = QUANTITY_OTHER};
     switch ((enum name_kind)(slot >> SLOT_KIND)) {
     case NAME_OBSERVABLE: {
-        const struct observable *observable = (const struct observable *)(const void *)catalog_row(&observable_catalog, place);
+        const struct observable *observable =
+            (const struct observable *)(const void *)catalog_row(&observable_catalog, place);
         value.quantity = observable->quantity;
         if (run)
             value.value = run_observable(run, observable);
@@ -92,7 +94,8 @@ static struct named_value slot_value(const struct names *names, int slot)
         break;
     }
     case NAME_DERIVED: {
-        const struct derived_row *derived = (const struct derived_row *)(const void *)catalog_row(&derived_catalog, place);
+        const struct derived_row *derived =
+            (const struct derived_row *)(const void *)catalog_row(&derived_catalog, place);
         const struct measured measured = derived->value(&setup->scene);
         value.value = measured.value;
         value.uncertainty = measured.uncertainty;
@@ -118,7 +121,8 @@ static double scope_load(const void *context, int slot)
     return slot_value(context, slot).value;
 }
 
-void names_each(const struct session *session, void (*offer)(void *context, const char *name, const char *brief), void *context)
+void names_each(const struct session *session, void (*offer)(void *context, const char *name, const char *brief),
+                void *context)
 {
     const struct catalog *const catalogs[] = {&observable_catalog, &param_catalog, &derived_catalog, &setting_catalog};
     for (size_t c = 0; c < COUNT_OF(catalogs); c++)
@@ -189,8 +193,8 @@ enum quantity name_quantity(const struct session *session, struct text name)
 
 bool name_is_taken(const struct session *session, struct text name, const char **kind)
 {
-    const struct catalog *const catalogs[] = {&param_catalog,      &derived_catalog, &setting_catalog,
-                                              &observable_catalog, &function_catalog};
+    const struct catalog *const catalogs[] = {&param_catalog, &derived_catalog, &setting_catalog, &observable_catalog,
+                                              &function_catalog};
     for (size_t i = 0; i < COUNT_OF(catalogs); i++)
         if (catalog_find(catalogs[i], name)) {
             *kind = catalogs[i]->kind;

@@ -108,7 +108,7 @@ void reply_warning(struct reply *reply, const char *format, ...)
     buffer_free(&out);
 }
 
-/* ---- records --------------------------------------------------------------------------------------------------------- */
+/* ---- records ---- */
 
 /* "fit.halves.gamma": the keys of the open levels and the field's own; arrays share one cell. */
 static void put_path(struct reply *reply, const char *key)
@@ -295,7 +295,7 @@ void reply_end(struct reply *reply)
     }
 }
 
-/* ---- one statement ----------------------------------------------------------------------------------------------------- */
+/* ---- one statement ---- */
 
 void reply_command_begin(struct reply *reply, enum output_format format)
 {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How an error is shown: position, line, caret, hint; or one JSON object. Every error of the language goes through here once. */
+/* How an error is shown: position, line, caret, hint; or one JSON object. Every error of the language goes through here
+ * once. */
 #include "internal.h"
 
 #include <string.h>
@@ -109,7 +110,8 @@ static void put_json(struct buffer *out, const struct error *error, const struct
     buffer_put(out, TEXT("}\n"));
 }
 
-static void put_text(struct buffer *out, const struct error *error, const struct source *where, struct text line, size_t column)
+static void put_text(struct buffer *out, const struct error *error, const struct source *where, struct text line,
+                     size_t column)
 {
     if (where && where->name) {
         safe_text(out, text_of(where->name), false);

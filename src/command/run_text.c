@@ -85,7 +85,8 @@ void reply_tiny(const struct run *run, struct reply *reply)
     for (int i = 0; i < run->system.n; i++)
         size = fmax(size, fabs(run->y[i]));
     if (size > 0 && size < TINY)
-        reply_warning(reply, "the squares of numbers below %g are 0: energies read 0 and nothing can be measured", TINY);
+        reply_warning(reply, "the squares of numbers below %g are 0: energies read 0 and nothing can be measured",
+                      TINY);
 }
 
 void reply_coarse(const struct session *session, const struct run *run, struct reply *reply)

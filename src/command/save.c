@@ -108,7 +108,8 @@ static void save_view(const struct view *view, struct buffer *text)
         buffer_char(text, '\n');
     }
     if (view->focus != PANE_POSITION || view->full)
-        buffer_format(text, "focus %s%s\n", catalog_row(&pane_catalog, (size_t)view->focus)->name, view->full ? " full" : "");
+        buffer_format(text, "focus %s%s\n", catalog_row(&pane_catalog, (size_t)view->focus)->name,
+                      view->full ? " full" : "");
     for (size_t i = 0; i < COUNT_OF(ranges); i++) {
         if (isnan(ranges[i].range[0]))
             continue;
@@ -145,7 +146,7 @@ void session_save(const struct session *session, struct buffer *text)
         save_view(&session->view, text);
 }
 
-/* ---- with the runs -------------------------------------------------------------------------------------------------------------- */
+/* ---- with the runs ---- */
 
 /* The run as commands; a comment where it is left out. True if it is there. */
 static bool save_run(const struct session *session, const struct held_run *held, struct buffer *text)
@@ -176,7 +177,8 @@ static bool save_run(const struct session *session, const struct held_run *held,
         why = "it stopped at a condition on a variable or a result";
     if (why) {
         text->len = before;
-        buffer_format(text, "# run %d (%s, to t = %.6g s) is left out: %s\n", run->number, run->method->row.name, run->t, why);
+        buffer_format(text, "# run %d (%s, to t = %.6g s) is left out: %s\n", run->number, run->method->row.name,
+                      run->t, why);
         return false;
     }
     if (run->name[0])

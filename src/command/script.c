@@ -54,7 +54,8 @@ static void put_runs_kept(const struct session *session, struct buffer *text)
     if (session->runs == 1)
         buffer_format(text, ", run %d kept", session->run[0]->run->number);
     else if (session->runs > 1)
-        buffer_format(text, ", runs %d-%d kept", session->run[0]->run->number, session->run[session->runs - 1]->run->number);
+        buffer_format(text, ", runs %d-%d kept", session->run[0]->run->number,
+                      session->run[session->runs - 1]->run->number);
 }
 
 bool script_end(struct script *script, struct session *session, struct reply *reply)
@@ -91,9 +92,11 @@ static bool check_nesting(const char *path, const struct source *parent, struct 
         buffer_format(&chain, "%s%s:%d", chain.len ? ", sourced at " : "", s->name, s->line);
     }
     if (cycle)
-        error_set(error, ERROR_USAGE, "%s would source itself: it is being read already (%s)", path, buffer_view(&chain));
+        error_set(error, ERROR_USAGE, "%s would source itself: it is being read already (%s)", path,
+                  buffer_view(&chain));
     else if (depth >= LIMIT_SOURCE_DEPTH)
-        error_set(error, ERROR_USAGE, "files that source files: more than %d deep (%s)", LIMIT_SOURCE_DEPTH, buffer_view(&chain));
+        error_set(error, ERROR_USAGE, "files that source files: more than %d deep (%s)", LIMIT_SOURCE_DEPTH,
+                  buffer_view(&chain));
     buffer_free(&chain);
     return !cycle && depth < LIMIT_SOURCE_DEPTH;
 }

@@ -21,8 +21,8 @@ struct session *session_create(const struct front *front)
     session->next_run = 1;
     session->record_fd = -1;
     session->live.speed = 1;
-    session->view = (struct view){.x = {NAN, NAN}, .y = {NAN, NAN}, .trail = 2, .paging = true,
-                                  .cursors = {.periods = NAN}};
+    session->view =
+        (struct view){.x = {NAN, NAN}, .y = {NAN, NAN}, .trail = 2, .paging = true, .cursors = {.periods = NAN}};
     return session;
 }
 
@@ -56,7 +56,7 @@ void session_changed(struct session *session)
     session->view.paging = session->setup.settings.view == VIEW_PAGE;
 }
 
-/* ---- runs and recordings ------------------------------------------------------------------------------------------------- */
+/* ---- runs and recordings ---- */
 
 void held_run_release(struct held_run *held)
 {
@@ -89,7 +89,8 @@ bool session_add_run(struct session *session, struct run *run, struct error *err
         *held = (struct held_run){.run = run, .references = 1};
         /* A run that comes from a study has been somewhere already. */
         const double t0 = run->system.t0, t = run->stop == STOP_END ? run->t : copysign(FAR, run->t - t0);
-        if (run->steps > 0 && !journal_add(held, (struct leg){.kind = LEG_GO, .from_t = t0, .t = t, .end = INT64_MAX}, TEXT(""), error)) {
+        if (run->steps > 0 &&
+            !journal_add(held, (struct leg){.kind = LEG_GO, .from_t = t0, .t = t, .end = INT64_MAX}, TEXT(""), error)) {
             free(held);
             held = NULL;
         }
@@ -107,7 +108,8 @@ bool session_add_run(struct session *session, struct run *run, struct error *err
     return true;
 }
 
-bool session_add_recording(struct session *session, struct recording *recording, const char *options, struct error *error)
+bool session_add_recording(struct session *session, struct recording *recording, const char *options,
+                           struct error *error)
 {
     struct held_recording *held = NULL;
     char *copy = NULL;
@@ -177,7 +179,7 @@ int session_find_recording(const struct session *session, struct text name)
     return -1;
 }
 
-/* ---- results ---------------------------------------------------------------------------------------------------------------- */
+/* ---- results ---- */
 
 void session_set_result(struct session *session, const char *name, struct measured value, enum quantity quantity)
 {
@@ -193,7 +195,7 @@ void session_set_result(struct session *session, const char *name, struct measur
     snprintf(result->name, sizeof result->name, "%s", name);
 }
 
-/* ---- what follows from the settings and the front end ------------------------------------------------------------------------ */
+/* ---- what follows from the settings and the front end ---- */
 
 struct write_policy session_policy(const struct session *session, bool force)
 {
@@ -232,7 +234,7 @@ void session_size(const struct session *session, int *width, int *height)
     *height = settings->height ? settings->height : session->front.height ? session->front.height : 24;
 }
 
-/* ---- text for people ------------------------------------------------------------------------------------------------------------- */
+/* ---- text for people ---- */
 
 const char *buffer_view(const struct buffer *buffer)
 {

@@ -7,12 +7,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define PERIOD_COLUMNS_ASCII 8   /* least columns a period that can still be followed */
+#define PERIOD_COLUMNS_ASCII 8 /* least columns a period that can still be followed */
 #define PERIOD_COLUMNS_DOTS 5
-#define TRAIL_PERIODS 2          /* of the phase plot */
-#define UNBOUNDED 3              /* times the median of the other curves' maxima */
-#define FRAME 10                 /* [cell] of the width that labels and frame take */
-#define HARMONICS 6              /* shown of a spectrum */
+#define TRAIL_PERIODS 2 /* of the phase plot */
+#define UNBOUNDED 3     /* times the median of the other curves' maxima */
+#define FRAME 10        /* [cell] of the width that labels and frame take */
+#define HARMONICS 6     /* shown of a spectrum */
 
 struct plot_row {
     struct row row;
@@ -23,10 +23,16 @@ struct plot_row {
 static const struct plot_row plots[] = {
     [PLOT_POSITION] = {{"position", "", "y against t", "", NULL}, "y", "y", true},
     [PLOT_VELOCITY] = {{"velocity", "", "v against t", "", NULL}, "v", "v", true},
-    [PLOT_PHASE] = {{"phase", "", "v against y, the last two periods unless a window is given", "", NULL}, "v", "v", false},
+    [PLOT_PHASE] = {{"phase", "", "v against y, the last two periods unless a window is given", "", NULL},
+                    "v",
+                    "v",
+                    false},
     [PLOT_ENERGY] = {{"energy", "", "energy against t", "", NULL}, "energy", "E", false},
     [PLOT_ERROR] = {{"error", "", "distance from the exact solution against t", "", NULL}, "error", "error", false},
-    [PLOT_RESIDUAL] = {{"residual", "", "the recording minus its fit, or minus the run, against t", "", NULL}, "y", "residual", false},
+    [PLOT_RESIDUAL] = {{"residual", "", "the recording minus its fit, or minus the run, against t", "", NULL},
+                       "y",
+                       "residual",
+                       false},
     [PLOT_SPECTRUM] = {{"spectrum", "", "amplitude spectrum of y", "", NULL}, "y", "amplitude", false},
 };
 const struct catalog plot_catalog = CATALOG("plot", plots);
@@ -39,9 +45,9 @@ struct drawing {
     struct error *error;
     struct curve *curve;
     int curves;
-    double omega0;    /* [rad/s] that v is divided by; 1: not */
-    double period;    /* [s] of the first run, NAN: none */
-    double window[2]; /* [s] */
+    double omega0;       /* [rad/s] that v is divided by; 1: not */
+    double period;       /* [s] of the first run, NAN: none */
+    double window[2];    /* [s] */
     double shown, total; /* [s] */
 };
 
@@ -78,7 +84,7 @@ int figure_recording(const struct session *session, enum plot_kind kind)
     return fmin(a, b) < recording->window[1] && fmax(a, b) > recording->window[0] ? session->current_recording : -1;
 }
 
-/* ---- which part of the time ------------------------------------------------------------------------------------------------ */
+/* ---- which part of the time ---- */
 
 static void span_of(const struct drawing *d, double *from, double *to)
 {
@@ -98,7 +104,8 @@ static void span_of(const struct drawing *d, double *from, double *to)
     }
 }
 
-/* Down to a length whose quarters are short numbers too: a window that lasts has labels that look the same on each page. */
+/* Down to a length whose quarters are short numbers too: a window that lasts has labels that look the same on each
+ * page. */
 static double short_number(double length)
 {
     static const double digits[] = {8, 6, 4, 3.2, 2.4, 2, 1.6, 1.2, 1};
@@ -141,7 +148,8 @@ static void choose_window(struct drawing *d)
     } else if (phase) {
         d->window[0] = fmax(from, to - trail(d) * d->period);
     } else if (request->follow && (request->span > 0 || d->total > most)) {
-        /* A moving window starts a whole number of pages, or of columns, after the start: while the curve grows nothing else moves. */
+        /* A moving window starts a whole number of pages, or of columns, after the start: while the curve grows nothing
+         * else moves. */
         const double turn = most / (request->pages > 0 ? request->pages : 1);
         const double start = from + turn * fmax(0, ceil((now - from - most) / turn - 1e-6));
         d->window[0] = start;
@@ -152,7 +160,7 @@ static void choose_window(struct drawing *d)
     d->shown = d->window[1] - d->window[0];
 }
 
-/* ---- curves ------------------------------------------------------------------------------------------------------------------ */
+/* ---- curves ---- */
 
 static const char *run_label(const struct drawing *d, const struct run *run)
 {
@@ -187,7 +195,8 @@ static bool add_run(struct drawing *d, const struct run *run)
     const double end = trace_time(run->trace, trace_count(run->trace) - 1);
     const double late = phase && isnan(d->request->window[0]) && end < d->window[1] ? d->window[1] - end : 0;
     struct chosen_rows rows;
-    const struct row_request part = {d->window[0] - late, d->window[1], d->request->width, d->period, d->request->follow};
+    const struct row_request part = {d->window[0] - late, d->window[1], d->request->width, d->period,
+                                     d->request->follow};
     if (!choose_rows(run, &part, d->arena, &rows, d->error))
         return false;
     double *x = arena_array(d->arena, rows.n + 1, sizeof *x), *y = arena_array(d->arena, rows.n + 1, sizeof *y);
@@ -212,7 +221,11 @@ static bool add_recording(struct drawing *d, const struct recording *recording)
     if (!recording_series(recording, d->arena, 1, &series, d->error))
         return false;
     series = series_window(series, d->window[0], d->window[1]);
-    *curve = (struct curve){.label = d->request->runs ? "data" : recording->name, .x = series.t, .y = series.y, .n = series.n, .points = true};
+    *curve = (struct curve){.label = d->request->runs ? "data" : recording->name,
+                            .x = series.t,
+                            .y = series.y,
+                            .n = series.n,
+                            .points = true};
     d->curves++;
     if (d->request->kind != PLOT_SPECTRUM)
         return true;
@@ -234,7 +247,8 @@ static bool add_residual(struct drawing *d, const struct recording *recording)
         return error_memory(d->error);
     const double shift = recording->zero - d->session->fit_zero; /* since the fit */
     for (size_t i = 0; i < curve->n; i++)
-        left[i] = curve->y[i] - (fitted ? fit_value(&d->session->fit, curve->x[i]) - shift : run_position(run, curve->x[i]));
+        left[i] =
+            curve->y[i] - (fitted ? fit_value(&d->session->fit, curve->x[i]) - shift : run_position(run, curve->x[i]));
     curve->y = left;
     curve->label = fitted ? "data - fit" : "data - run";
     return true;
@@ -289,12 +303,13 @@ static bool mark_unbounded(struct drawing *d)
     return true;
 }
 
-/* ---- axes ---------------------------------------------------------------------------------------------------------------------- */
+/* ---- axes ---- */
 
 static struct axis make_axis(const char *label, enum quantity quantity, double size)
 {
     const struct unit *unit = unit_display(quantity, quantity == QUANTITY_TIME ? fmax(size, 1) : size);
-    return (struct axis){.label = label, .unit = unit ? unit->row.name : quantity_unit(quantity), .factor = unit ? unit->factor : 1};
+    return (struct axis){
+        .label = label, .unit = unit ? unit->row.name : quantity_unit(quantity), .factor = unit ? unit->factor : 1};
 }
 
 static double size_of(const struct drawing *d, bool x)
@@ -309,7 +324,8 @@ static double size_of(const struct drawing *d, bool x)
 static const char *make_note(const struct drawing *d)
 {
     const struct figure_request *request = d->request;
-    const bool asked = !isnan(request->window[0]) || !isnan(request->window[1]), part = !asked && d->shown < d->total * (1 - 1e-9);
+    const bool asked = !isnan(request->window[0]) || !isnan(request->window[1]),
+               part = !asked && d->shown < d->total * (1 - 1e-9);
     struct buffer text = {0};
     if (request->kind == PLOT_PHASE && part)
         buffer_format(&text, "last %.4g T", trail(d));
@@ -345,10 +361,11 @@ static void mark_present(const struct drawing *d, struct figure *figure)
     figure->point[1] = curve->y[curve->n - 1];
 }
 
-bool session_figure(const struct session *session, const struct figure_request *request, struct arena *arena, struct figure *figure,
-                    struct error *error)
+bool session_figure(const struct session *session, const struct figure_request *request, struct arena *arena,
+                    struct figure *figure, struct error *error)
 {
-    struct drawing d = {.session = session, .request = request, .arena = arena, .error = error, .omega0 = 1, .period = NAN};
+    struct drawing d = {
+        .session = session, .request = request, .arena = arena, .error = error, .omega0 = 1, .period = NAN};
     d.curve = arena_array(arena, (size_t)request->runs + 1, sizeof *d.curve);
     if (!d.curve)
         return error_memory(error);
@@ -378,11 +395,17 @@ bool session_figure(const struct session *session, const struct figure_request *
     if (!mark_unbounded(&d))
         return false;
 
-    *figure = (struct figure){.title = plots[request->kind].row.name, .curve = d.curve, .curves = d.curves,
-                              .zero_line = request->kind != PLOT_ENERGY && !spectrum, .equal = phase && d.omega0 != 1, .note = make_note(&d)};
-    figure->x = phase ? make_axis("y", QUANTITY_LENGTH, size_of(&d, true))
-                      : spectrum ? (struct axis){.label = "f", .unit = "Hz"} : make_axis("t", QUANTITY_TIME, d.window[1]);
-    figure->y = make_axis(phase && d.omega0 != 1 ? "v/omega0" : plots[request->kind].label, y_quantity(&d), size_of(&d, false));
+    *figure = (struct figure){.title = plots[request->kind].row.name,
+                              .curve = d.curve,
+                              .curves = d.curves,
+                              .zero_line = request->kind != PLOT_ENERGY && !spectrum,
+                              .equal = phase && d.omega0 != 1,
+                              .note = make_note(&d)};
+    figure->x = phase      ? make_axis("y", QUANTITY_LENGTH, size_of(&d, true))
+                : spectrum ? (struct axis){.label = "f", .unit = "Hz"}
+                           : make_axis("t", QUANTITY_TIME, d.window[1]);
+    figure->y =
+        make_axis(phase && d.omega0 != 1 ? "v/omega0" : plots[request->kind].label, y_quantity(&d), size_of(&d, false));
     figure->y.log = request->log;
     if (figure->equal) {
         figure->y.factor = figure->x.factor;

@@ -86,7 +86,8 @@ static bool parse_record(struct settings *settings, struct text value, struct er
         settings->record = (struct recording_rule){text_is(word, "all") ? RECORD_ALL : RECORD_AUTO, 1};
         return true;
     }
-    if (text_is(word, "every") && real_parse(rest, &every) == REAL_OK && every >= 1 && every <= 1e15 && every == floor(every)) {
+    if (text_is(word, "every") && real_parse(rest, &every) == REAL_OK && every >= 1 && every <= 1e15 &&
+        every == floor(every)) {
         settings->record = (struct recording_rule){RECORD_EVERY, (int64_t)every};
         return true;
     }
@@ -109,8 +110,8 @@ static bool parse_size(struct settings *settings, struct text value, struct erro
         settings->width = settings->height = 0;
         return true;
     }
-    if (!text_split(&rest, 'x', &width) || real_parse(width, &w) != REAL_OK || real_parse(rest, &h) != REAL_OK || w < 1 ||
-        h < 1 || w > 1000 || h > 1000 || w != floor(w) || h != floor(h))
+    if (!text_split(&rest, 'x', &width) || real_parse(width, &w) != REAL_OK || real_parse(rest, &h) != REAL_OK ||
+        w < 1 || h < 1 || w > 1000 || h > 1000 || w != floor(w) || h != floor(h))
         return error_at(error, value, "size is WIDTHxHEIGHT in characters from 1x1 to 1000x1000, or auto");
     settings->width = (int)w;
     settings->height = (int)h;
@@ -154,35 +155,75 @@ static void show_fps(const struct settings *settings, struct buffer *text)
 }
 
 #define FIELD(name) offsetof(struct settings, name)
-#define BRIEF(name, unit, brief) {name, unit, brief, "", NULL}
+#define BRIEF(name, unit, brief)                                                                                       \
+    {                                                                                                                  \
+        name, unit, brief, "", NULL                                                                                    \
+    }
 
 static const struct setting settings_rows[] = {
-    {.row = BRIEF("duration", "s", "how long run goes"), .quantity = QUANTITY_TIME, .offset = FIELD(duration), .most = 1e300},
-    {.row = BRIEF("dt", "s", "time step; the first one where the method adapts"), .quantity = QUANTITY_TIME,
-     .offset = FIELD(dt), .most = 1e300},
-    {.row = BRIEF("tol", "", "tolerance of adaptive methods, relative to the size of the scene, or off"), .offset = FIELD(tol), .most = 1,
-     .parse = parse_tol, .show = show_tol},
-    {.row = BRIEF("record", "", "what is kept of a run: auto, all, every N"), .parse = parse_record, .show = show_record},
+    {.row = BRIEF("duration", "s", "how long run goes"),
+     .quantity = QUANTITY_TIME,
+     .offset = FIELD(duration),
+     .most = 1e300},
+    {.row = BRIEF("dt", "s", "time step; the first one where the method adapts"),
+     .quantity = QUANTITY_TIME,
+     .offset = FIELD(dt),
+     .most = 1e300},
+    {.row = BRIEF("tol", "", "tolerance of adaptive methods, relative to the size of the scene, or off"),
+     .offset = FIELD(tol),
+     .most = 1,
+     .parse = parse_tol,
+     .show = show_tol},
+    {.row = BRIEF("record", "", "what is kept of a run: auto, all, every N"),
+     .parse = parse_record,
+     .show = show_record},
     {.row = BRIEF("digits", "", "significant digits in text"), .parse = parse_digits, .show = show_digits},
-    {.row = BRIEF("format", "", "form of results: text, csv, json"), .offset = FIELD(format), .display = true, .choices = &format_choice_catalog},
-    {.row = BRIEF("size", "", "size of plots, WIDTHxHEIGHT, or auto"), .display = true, .parse = parse_size,
+    {.row = BRIEF("format", "", "form of results: text, csv, json"),
+     .offset = FIELD(format),
+     .display = true,
+     .choices = &format_choice_catalog},
+    {.row = BRIEF("size", "", "size of plots, WIDTHxHEIGHT, or auto"),
+     .display = true,
+     .parse = parse_size,
      .show = show_size},
-    {.row = BRIEF("charset", "", "characters of plots"), .offset = FIELD(charset), .display = true, .choices = &charset_choice_catalog},
-    {.row = BRIEF("color", "", "colour in plots"), .offset = FIELD(color), .display = true, .choices = &color_choice_catalog},
-    {.row = BRIEF("fps", "", "frames a second of the live view"), .display = true, .parse = parse_fps, .show = show_fps},
-    {.row = BRIEF("sync", "", "whether frames wait for the terminal"), .offset = FIELD(sync), .display = true,
+    {.row = BRIEF("charset", "", "characters of plots"),
+     .offset = FIELD(charset),
+     .display = true,
+     .choices = &charset_choice_catalog},
+    {.row = BRIEF("color", "", "colour in plots"),
+     .offset = FIELD(color),
+     .display = true,
+     .choices = &color_choice_catalog},
+    {.row = BRIEF("fps", "", "frames a second of the live view"),
+     .display = true,
+     .parse = parse_fps,
+     .show = show_fps},
+    {.row = BRIEF("sync", "", "whether frames wait for the terminal"),
+     .offset = FIELD(sync),
+     .display = true,
      .choices = &sync_choice_catalog},
-    {.row = BRIEF("view", "", "how the live view moves"), .offset = FIELD(view), .display = true, .choices = &view_choice_catalog},
-    {.row = BRIEF("phase-axes", "", "vertical axis of the phase plot"), .offset = FIELD(phase_axes),
+    {.row = BRIEF("view", "", "how the live view moves"),
+     .offset = FIELD(view),
+     .display = true,
+     .choices = &view_choice_catalog},
+    {.row = BRIEF("phase-axes", "", "vertical axis of the phase plot"),
+     .offset = FIELD(phase_axes),
      .choices = &phase_axes_catalog},
-    {.row = BRIEF("timing", "", "how carefully compare times its runs"), .offset = FIELD(timing), .choices = &timing_catalog},
+    {.row = BRIEF("timing", "", "how carefully compare times its runs"),
+     .offset = FIELD(timing),
+     .choices = &timing_catalog},
 };
 const struct catalog setting_catalog = CATALOG("setting", settings_rows);
 
 void session_default_settings(struct settings *settings)
 {
-    *settings = (struct settings){.dt = 0.01, .tol = 1e-6, .duration = 10, .record = {RECORD_AUTO, 1}, .digits = 6,
-                                  .timing = TIMING_QUICK, .fps = 10};
+    *settings = (struct settings){.dt = 0.01,
+                                  .tol = 1e-6,
+                                  .duration = 10,
+                                  .record = {RECORD_AUTO, 1},
+                                  .digits = 6,
+                                  .timing = TIMING_QUICK,
+                                  .fps = 10};
 }
 
 bool setting_read(const struct setting *setting, struct parser *parser, struct settings *settings, struct error *error)
@@ -214,7 +255,8 @@ bool setting_read(const struct setting *setting, struct parser *parser, struct s
     if (!parse_value(parser, setting->row.name, setting->quantity, &item, error) || !refuse_rest(parser, &item, error))
         return false;
     if (!(item.value.value > setting->least && item.value.value <= setting->most))
-        return error_at(error, item.text, "%s must be more than 0, got '%.*s'", setting->row.name, (int)item.text.len, item.text.at);
+        return error_at(error, item.text, "%s must be more than 0, got '%.*s'", setting->row.name, (int)item.text.len,
+                        item.text.at);
     if (item.value.uncertainty > 0)
         return error_at(error, item.text, "%s is exact: it takes no uncertainty", setting->row.name);
     memcpy((char *)settings + setting->offset, &item.value.value, sizeof item.value.value);

@@ -62,18 +62,20 @@ static bool open_run(struct run *run, const struct given *window, bool energy, s
         return false;
     if (window && window->count) {
         const double *range = window->item->range;
-        subject->series = series_window(subject->series, isnan(range[0]) ? -HUGE_VAL : range[0], isnan(range[1]) ? HUGE_VAL : range[1]);
+        subject->series = series_window(subject->series, isnan(range[0]) ? -HUGE_VAL : range[0],
+                                        isnan(range[1]) ? HUGE_VAL : range[1]);
     }
     if (subject->series.n >= least)
         return true;
-    error_set(error, ERROR_COMMAND, "%s holds %zu samples there, at least %zu are needed", subject->name, subject->series.n, least);
+    error_set(error, ERROR_COMMAND, "%s holds %zu samples there, at least %zu are needed", subject->name,
+              subject->series.n, least);
     if (window && window->count)
         error->where = window->where;
     return false;
 }
 
-static bool open_recording(const struct session *session, struct recording *recording, const struct given *window, bool energy,
-                           size_t least, struct arena *arena, struct subject *subject, struct error *error)
+static bool open_recording(const struct session *session, struct recording *recording, const struct given *window,
+                           bool energy, size_t least, struct arena *arena, struct subject *subject, struct error *error)
 {
     subject->recording = recording;
     snprintf(subject->name, sizeof subject->name, "data %s", recording->name);
@@ -82,7 +84,8 @@ static bool open_recording(const struct session *session, struct recording *reco
     bool ok = true;
     if (window && window->count) {
         const double *range = window->item->range;
-        ok = recording_window(recording, isnan(range[0]) ? -HUGE_VAL : range[0], isnan(range[1]) ? HUGE_VAL : range[1], error);
+        ok = recording_window(recording, isnan(range[0]) ? -HUGE_VAL : range[0], isnan(range[1]) ? HUGE_VAL : range[1],
+                              error);
     }
     ok = ok && recording_series(recording, arena, least, &subject->series, error);
     recording->window[0] = before[0];
@@ -92,14 +95,16 @@ static bool open_recording(const struct session *session, struct recording *reco
     return ok && (!energy || data_energy(session, arena, &subject->series, error));
 }
 
-bool subject_open(struct session *session, const struct given *run, const struct given *data, const struct given *window,
-                  bool energy, size_t least, struct arena *arena, struct subject *subject, struct error *error)
+bool subject_open(struct session *session, const struct given *run, const struct given *data,
+                  const struct given *window, bool energy, size_t least, struct arena *arena, struct subject *subject,
+                  struct error *error)
 {
     *subject = (struct subject){.energy = energy};
     if (run && run->count)
         return open_run(session->run[run->item->index]->run, window, energy, least, arena, subject, error);
     if (data && data->count)
-        return open_recording(session, session->recording[data->item->index]->recording, window, energy, least, arena, subject, error);
+        return open_recording(session, session->recording[data->item->index]->recording, window, energy, least, arena,
+                              subject, error);
     struct run *latest = session_run(session);
     struct recording *recording = session_recording(session);
     if (recording && (session->data_is_latest || !latest))
@@ -158,7 +163,8 @@ struct data_distance run_data_distance(const struct run *run, const struct recor
         const double y0 = left[0], v0 = left[1];
         const double *right = trace_state(run->trace, row + 1);
         const double h = b - a, x = (t - a) / h, z = 1 - x;
-        const double y = z * z * (1 + 2 * x) * y0 + x * x * (3 - 2 * x) * right[0] + h * x * z * (z * v0 - x * right[1]);
+        const double y =
+            z * z * (1 + 2 * x) * y0 + x * x * (3 - 2 * x) * right[0] + h * x * z * (z * v0 - x * right[1]);
         distance[count++] = fabs(y - data.y[i]);
     }
     if (count >= 2)
@@ -167,7 +173,7 @@ struct data_distance run_data_distance(const struct run *run, const struct recor
     return result;
 }
 
-/* ---- what it is measured against, and what is left of it ----------------------------------------------------------------------- */
+/* ---- what it is measured against, and what is left of it ---- */
 
 const struct scene *subject_scene(const struct session *session, const struct run *run)
 {
@@ -189,8 +195,8 @@ double scene_period(const struct scene *scene)
     return isfinite(damped) ? damped : derived_value(scene, "T0");
 }
 
-bool session_keep_measurement(struct session *session, const char *name, const char *of, struct measured value, enum quantity unit,
-                              double periods, struct error *error)
+bool session_keep_measurement(struct session *session, const char *name, const char *of, struct measured value,
+                              enum quantity unit, double periods, struct error *error)
 {
     if ((session->measurements & (session->measurements - 1)) == 0) { /* full at every power of two */
         const size_t room = session->measurements ? 2 * (size_t)session->measurements : 1;

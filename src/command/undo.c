@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Undo, redo and checkpoints: copies of the set-up, and the lists of runs and recordings as they were. A run that has gone on since is taken back to
- * its step by dropping rows; one that was taken back is advanced again, which gives the same bits.
+ * Undo, redo and checkpoints: copies of the set-up, and the lists of runs and recordings as they were. A run that has
+ * gone on since is taken back to its step by dropping rows; one that was taken back is advanced again, which gives the
+ * same bits.
  */
 #include "journal.h"
 #include "undo.h"
@@ -10,7 +11,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
 
 struct run_mark {
     struct held_run *held;
@@ -58,8 +58,11 @@ struct snapshot *snapshot_take(const struct session *session, const char *label)
     for (int i = 0; i < session->runs; i++) {
         const struct run *run = session->run[i]->run;
         struct run_mark *mark = &snapshot->run[snapshot->runs++];
-        *mark = (struct run_mark){.held = session->run[i], .steps = run->steps, .t = run->t, .stop = run->stop,
-                                 .controller = run->controller};
+        *mark = (struct run_mark){.held = session->run[i],
+                                  .steps = run->steps,
+                                  .t = run->t,
+                                  .stop = run->stop,
+                                  .controller = run->controller};
         memcpy(mark->name, run->name, sizeof mark->name);
         mark->held->references++;
         if (!journal_copy(mark->held->leg, mark->held->legs, &mark->leg)) {

@@ -30,7 +30,8 @@ static bool starts_uncertainty(struct text text)
 struct text before_option(struct text text)
 {
     for (size_t i = 1; i + 2 < text.len; i++)
-        if (strchr(" \t", text.at[i - 1]) && text_starts((struct text){text.at + i, text.len - i}, TEXT("--")) && is_name_start(text.at[i + 2]))
+        if (strchr(" \t", text.at[i - 1]) && text_starts((struct text){text.at + i, text.len - i}, TEXT("--")) &&
+            is_name_start(text.at[i + 2]))
             return (struct text){text.at, i};
     return text;
 }
@@ -68,8 +69,8 @@ static bool wrong_quantity(const char *what, enum quantity wanted, const struct 
                            struct error *error)
 {
     if (wanted == QUANTITY_NUMBER)
-        return error_at(error, typed, "%s needs a pure number, got '%.*s' (%s)", what, shown_length(typed),
-                        typed.at, quantity_name(unit->quantity));
+        return error_at(error, typed, "%s needs a pure number, got '%.*s' (%s)", what, shown_length(typed), typed.at,
+                        quantity_name(unit->quantity));
     struct buffer units = {0};
     quantity_units(wanted, &units);
     const char *name = quantity_name(wanted);
@@ -126,7 +127,7 @@ bool parse_value(struct parser *parser, const char *what, enum quantity wanted, 
     if (!to_si(&number, spread.unit, what, wanted, typed, &item->value.value, error) ||
         (uncertain && !to_si(&spread, number.unit, what, wanted, typed, &item->value.uncertainty, error)))
         return false;
-    item->quantity = item->unit              ? (wanted == QUANTITY_OTHER ? item->unit->quantity : wanted)
+    item->quantity = item->unit                 ? (wanted == QUANTITY_OTHER ? item->unit->quantity : wanted)
                      : wanted == QUANTITY_OTHER ? quantity_of_name(parser, typed)
                                                 : wanted;
     if (!isfinite(item->value.value))
@@ -171,7 +172,8 @@ bool parse_range(struct parser *parser, const char *what, enum quantity wanted, 
     }
     item->text = between(start, parser->rest.at);
     if (item->range[0] >= item->range[1])
-        return error_at(error, item->text, "%s: the range '%.*s' is empty", what, shown_length(item->text), item->text.at);
+        return error_at(error, item->text, "%s: the range '%.*s' is empty", what, shown_length(item->text),
+                        item->text.at);
     return true;
 }
 
@@ -260,10 +262,11 @@ bool check_condition(struct parser *parser, struct text condition, struct error 
     const size_t end = at + 1 + (at + 1 < condition.len && condition.at[at + 1] == '=');
     if (end > condition.len)
         return true;
-    const struct text left = {condition.at, at}, right = text_trim((struct text){condition.at + end, condition.len - end});
+    const struct text left = {condition.at, at},
+                      right = text_trim((struct text){condition.at + end, condition.len - end});
     const enum quantity a = side_quantity(parser, left), b = side_quantity(parser, right);
     if (a == QUANTITY_OTHER || b == QUANTITY_OTHER || a == b)
         return true;
-    return error_at(error, right, "'%.*s' (%s) cannot be compared with '%.*s' (%s)", shown_length(text_trim(left)), text_trim(left).at,
-                    quantity_name(a), shown_length(right), right.at, quantity_name(b));
+    return error_at(error, right, "'%.*s' (%s) cannot be compared with '%.*s' (%s)", shown_length(text_trim(left)),
+                    text_trim(left).at, quantity_name(a), shown_length(right), right.at, quantity_name(b));
 }

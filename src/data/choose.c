@@ -93,8 +93,7 @@ static bool is_index(const struct recording *recording, const struct profile *p,
            (name_has_word(column->name, INDEX_WORDS) || (i == 0 && unnamed(column, i) && (p->low == 0 || p->low == 1)));
 }
 
-/* ---- what the user says
- * ----------------------------------------------------------------------------------------------- */
+/* ---- what the user says ---- */
 
 static void list_columns(const struct recording *recording, struct error *error)
 {
@@ -141,8 +140,7 @@ static bool find_column(const struct recording *recording, struct text wanted, i
     return false;
 }
 
-/* ---- what the file says
- * ------------------------------------------------------------------------------------------------ */
+/* ---- what the file says ---- */
 
 static bool pick(struct recording *recording, const struct profile *profile, bool flat)
 {

@@ -31,8 +31,7 @@ static void pass_on(struct sink *sink, size_t most)
     buffer_clear(sink->text);
 }
 
-/* ---- CSV, TSV
- * ------------------------------------------------------------------------------------------------------------ */
+/* ---- CSV, TSV ---- */
 
 /* Quoted where it holds a separator, a quote or a line end; what a spreadsheet would run as a formula gets a ' in
  * front. */
@@ -97,8 +96,7 @@ static void put_separated(const struct table *table, char separator, struct sink
     }
 }
 
-/* ---- JSON
- * ---------------------------------------------------------------------------------------------------------------- */
+/* ---- JSON ---- */
 
 void buffer_json_text(struct buffer *out, struct text text)
 {
@@ -110,7 +108,8 @@ void buffer_json_text(struct buffer *out, struct text text)
         if (special)
             buffer_format(out, "\\%c", letters[special - escaped]);
         else if (codepoint > 0xFFFF && codepoint_hidden(codepoint)) /* a pair of surrogates */
-            buffer_format(out, "\\u%04x\\u%04x", (unsigned)(0xD7C0 + (codepoint >> 10)), (unsigned)(0xDC00 + (codepoint & 0x3FF)));
+            buffer_format(out, "\\u%04x\\u%04x", (unsigned)(0xD7C0 + (codepoint >> 10)),
+                          (unsigned)(0xDC00 + (codepoint & 0x3FF)));
         else if (codepoint < 0x20 || codepoint == 0x7F || codepoint_hidden(codepoint))
             buffer_format(out, "\\u%04x", (unsigned)codepoint);
         else

@@ -29,8 +29,7 @@ void recording_warn(struct recording *recording, const char *format, ...)
     buffer_free(&sentence);
 }
 
-/* ---- refusals
- * ------------------------------------------------------------------------------------------------------------ */
+/* ---- refusals ---- */
 
 static const struct {
     const char *start, *what;
@@ -66,8 +65,7 @@ static bool refuse_binary(struct text text, const char *name, struct error *erro
     return true;
 }
 
-/* ---- loading
- * ------------------------------------------------------------------------------------------------------------- */
+/* ---- loading ---- */
 
 static bool split_head(struct table_text *text, struct arena *arena)
 {
@@ -192,8 +190,7 @@ void recording_destroy(struct recording *recording)
     free(recording);
 }
 
-/* ---- the part in use
- * ------------------------------------------------------------------------------------------------------ */
+/* ---- the part in use ---- */
 
 void recording_restore(struct recording *recording)
 {

@@ -38,6 +38,7 @@ struct stretch {
 struct stretch stretch_measure(double from, double to, double dt); /* to may be infinite */
 
 /* ---- trace ----
+ *
  * Row: n state values, the step index if `indexed` (RECORD_AUTO), the time if `timed` (adaptive). Otherwise row i is
  * step i * every. The present state is shown as a last row when it was not recorded itself.
  */

@@ -94,6 +94,7 @@ static bool append(struct trace *trace, int64_t step, double t, const double *y)
 }
 
 /* ---- decimation ----
+ *
  * A bucket of 2^k steps keeps its first row and those of smallest and largest position (of equals the earliest).
  * Merging two buckets gives the rows that one bucket of twice the size would have kept, so the trace depends on the
  * step count only.

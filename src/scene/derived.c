@@ -20,7 +20,7 @@ const char *reynolds_regime(double reynolds)
                               : "undefined";
 }
 
-/* ---- values: NaN where there is nothing to speak of -------------------------------------------------------------- */
+/* ---- values: NaN where there is nothing to speak of ---- */
 
 static double omega0(const struct scene *scene)
 {
@@ -113,7 +113,7 @@ static struct measured propagate(const struct scene *scene, double (*value)(cons
     return (struct measured){value(scene), sqrt(variance)};
 }
 
-/* ---- inverses: the value of `target` that gives the quantity this value; NaN for values it cannot take ----------- */
+/* ---- inverses: the value of `target` that gives the quantity this value; NaN for values it cannot take ---- */
 
 static double omega0_inverse(const struct scene *scene, double value)
 {
@@ -162,14 +162,14 @@ static double tau_inverse(const struct scene *scene, double value)
     ROW(E0, "J", ENERGY, "energy at the start", "", NULL, NULL)                                                        \
     ROW(Re, "", NUMBER, "Reynolds number at the largest speed, amplitude * omega0", "Reynolds 1883", NULL, NULL)
 
-#define MEASURED(name, ...) \
-    static struct measured name##_measured(const struct scene *scene) \
-    { \
-        return propagate(scene, name); \
+#define MEASURED(name, ...)                                                                                            \
+    static struct measured name##_measured(const struct scene *scene)                                                  \
+    {                                                                                                                  \
+        return propagate(scene, name);                                                                                 \
     }
 DERIVED_ROWS(MEASURED)
 
-#define ROW(name, unit, kind, brief, citation, back, param) \
+#define ROW(name, unit, kind, brief, citation, back, param)                                                            \
     {{#name, unit, brief, citation, NULL}, QUANTITY_##kind, name##_measured, back, param},
 static const struct derived_row rows[] = {DERIVED_ROWS(ROW)};
 

@@ -8,7 +8,7 @@
 
 #include "expr.h"
 
-/* ---- evaluation -------------------------------------------------------------------------------------------------- */
+/* ---- evaluation ---- */
 
 /* Applies an operator or a function; top points behind the last value. Returns the new top. */
 static inline double *apply(const struct op *op, double *top)
@@ -74,7 +74,7 @@ bool expr_constant(const struct expr *expr, double *value)
     return true;
 }
 
-/* ---- compilation ------------------------------------------------------------------------------------------------- */
+/* ---- compilation ---- */
 
 /* What waits for its operands: an operator, an open parenthesis or an open call. */
 struct pending {
@@ -305,8 +305,8 @@ static bool read_word(struct compiler *c)
     }
     int slot;
     if (row && !(c->scope && c->scope->find(c->scope->context, word, &slot)))
-        return error_at(c->error, word, "%s is a function: write %.*s", row->name,
-                        (int)strcspn(row->brief, ":"), row->brief);
+        return error_at(c->error, word, "%s is a function: write %.*s", row->name, (int)strcspn(row->brief, ":"),
+                        row->brief);
     return read_name(c);
 }
 

@@ -11,7 +11,7 @@
 #define ABOVE(limit) .least = (limit), .least_excluded = true
 
 static const struct param_row rows[] = {
-#define PARAM(name, unit, kind, value, range, brief) \
+#define PARAM(name, unit, kind, value, range, brief)                                                                   \
     {.row = {#name, (unit), (brief), "", NULL}, .quantity = QUANTITY_##kind, .initial = (value), range},
 #include "terms.def"
 };

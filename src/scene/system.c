@@ -122,7 +122,7 @@ struct variable system_variable(const struct system *system, int i)
     return variable;
 }
 
-/* ---- binding ----------------------------------------------------------------------------------------------------- */
+/* ---- binding ---- */
 
 static double clamp_scale(double scale)
 {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* compare: the same scene integrated by several methods and step sizes, with error, energy, cost and a verdict in words. */
+/* compare: the same scene integrated by several methods and step sizes, with error, energy, cost and a verdict in
+ * words. */
 #include <hooke/study.h>
 
 #include <stdio.h>
@@ -15,8 +16,8 @@ struct prediction {
 };
 
 /*
- * A matrix [a b; c d] of determinant 1 with complex eigenvalues keeps -c q^2 + (a - d) q p + b p^2 constant. The energy q^2 + p^2 then stays within
- * the ratio of that form's eigenvalues.
+ * A matrix [a b; c d] of determinant 1 with complex eigenvalues keeps -c q^2 + (a - d) q p + b p^2 constant. The energy
+ * q^2 + p^2 then stays within the ratio of that form's eigenvalues.
  */
 static double ellipse_swing(const double matrix[4])
 {
@@ -33,14 +34,14 @@ static struct prediction predict(const struct run *run)
     const struct oscillator *o = &run->system.oscillator;
     struct prediction prediction = {.growth = run->plan.growth, .factor = NAN, .exact = NAN, .swing = NAN};
     bool oscillates = o->stiffness > 0 && fabs(o->damping) < 2 * sqrt(o->stiffness);
-    if (!o->whole || !run->system.linear || !run->system.autonomous || o->gravity != 0 || !oscillates || run->plan.adaptive ||
-        isnan(run->plan.growth)) {
+    if (!o->whole || !run->system.linear || !run->system.autonomous || o->gravity != 0 || !oscillates ||
+        run->plan.adaptive || isnan(run->plan.growth)) {
         return prediction;
     }
     double omega = sqrt(o->stiffness);
     double matrix[4];
-    prediction.known =
-        method_amplification(run->method, run->settings.drag, omega * run->settings.dt, o->damping / (2 * omega), matrix);
+    prediction.known = method_amplification(run->method, run->settings.drag, omega * run->settings.dt,
+                                            o->damping / (2 * omega), matrix);
     prediction.factor = exp(2 * (double)run->steps * log(run->plan.growth));
     prediction.exact = exp(-o->damping * (run->t - run->system.t0));
     prediction.swing = prediction.known ? ellipse_swing(matrix) : NAN;
@@ -82,14 +83,17 @@ static void judge(struct comparison *row)
                      agrees ? "as predicted" : "but NOT as predicted", row->ledger.error_max, span);
         } else {
             bool agrees = fabs(predicted - log(row->energy_factor)) <= 0.1 * fabs(predicted) + BOUNDED + swing;
-            int used = snprintf(row->verdict, sizeof row->verdict, "energy x %.4g in %s, %s: amplitude x %.6g a step",
-                                row->energy_factor, span, agrees ? "as predicted" : "NOT as predicted", prediction.growth);
+            int used =
+                snprintf(row->verdict, sizeof row->verdict, "energy x %.4g in %s, %s: amplitude x %.6g a step",
+                         row->energy_factor, span, agrees ? "as predicted" : "NOT as predicted", prediction.growth);
             if (!run->system.conservative && used > 0 && (size_t)used < sizeof row->verdict) {
-                snprintf(row->verdict + used, sizeof row->verdict - (size_t)used, " (exact: energy x %.4g)", prediction.exact);
+                snprintf(row->verdict + used, sizeof row->verdict - (size_t)used, " (exact: energy x %.4g)",
+                         prediction.exact);
             }
         }
     } else if (!isnan(row->ledger.error_max)) {
-        snprintf(row->verdict, sizeof row->verdict, "energy balance within %.2g of E0 in %s", row->ledger.error_max, span);
+        snprintf(row->verdict, sizeof row->verdict, "energy balance within %.2g of E0 in %s", row->ledger.error_max,
+                 span);
     } else {
         snprintf(row->verdict, sizeof row->verdict, "reached %s", span);
     }
@@ -119,8 +123,8 @@ static bool compare_one(const struct compare_request *request, const struct cont
     run_ledger(row->run, &row->ledger);
     row->energy_factor = row->ledger.final / row->ledger.initial;
     if (row->run->stop == STOP_END) {
-        time_solve(&row->run->system, contender->method, &row->run->settings, request->duration, request->timing, request->cancel,
-                   &row->time);
+        time_solve(&row->run->system, contender->method, &row->run->settings, request->duration, request->timing,
+                   request->cancel, &row->time);
     } else {
         row->time = (struct timing_result){NAN, NAN, NAN, 0};
     }
@@ -182,12 +186,14 @@ bool study_compare(const struct compare_request *request, struct comparison *row
                 break; /* tolerances mean nothing to a fixed-step method: one row */
             }
             struct comparison *row = &rows[*count];
-            if (!compare_one(request, &request->contender[c], request->dt[by_tol ? 0 : s], adaptive ? request->tol[s] : 0, row, error)) {
+            if (!compare_one(request, &request->contender[c], request->dt[by_tol ? 0 : s],
+                             adaptive ? request->tol[s] : 0, row, error)) {
                 return false;
             }
             if (cancelled(request->cancel)) {
                 comparison_free(row);
-                return error_set(error, ERROR_CANCELLED, "stopped: %d of %d finished", *count, request->contenders * settings);
+                return error_set(error, ERROR_CANCELLED, "stopped: %d of %d finished", *count,
+                                 request->contenders * settings);
             }
             if (!by_tol && s > 0) {
                 row->order = observed_order(row - 1, row);

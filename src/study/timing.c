@@ -15,7 +15,8 @@ const struct catalog timing_catalog = CATALOG("timing", timing_rows);
 
 static const struct protocol {
     int samples;
-    double sample_seconds, budget_seconds; /* a sample lasts at least, all of them together at most (but one is always taken) */
+    double sample_seconds,
+        budget_seconds; /* a sample lasts at least, all of them together at most (but one is always taken) */
 } protocols[] = {
     [TIMING_OFF] = {0, 0, 0},
     [TIMING_QUICK] = {5, 2e-4, 0.02},
@@ -75,7 +76,8 @@ static double time_batch(struct solve *s, int64_t batch, const struct cancel *ca
         if (!solve_once(s, cancel)) {
             return NAN;
         }
-        start[0] = s->system->start[0] + 1e-300 * s->y[0]; /* too small to change the number, but the processor must wait for it */
+        start[0] = s->system->start[0] +
+                   1e-300 * s->y[0]; /* too small to change the number, but the processor must wait for it */
     }
     return (double)(clock_ns() - begin) * 1e-9;
 }
@@ -93,8 +95,8 @@ static double median_of(double *values, int count)
     return count % 2 ? values[count / 2] : 0.5 * (values[count / 2 - 1] + values[count / 2]);
 }
 
-void time_solve(const struct system *system, const struct method *method, const struct run_settings *settings, double span,
-                enum timing timing, const struct cancel *cancel, struct timing_result *result)
+void time_solve(const struct system *system, const struct method *method, const struct run_settings *settings,
+                double span, enum timing timing, const struct cancel *cancel, struct timing_result *result)
 {
     *result = (struct timing_result){NAN, NAN, NAN, 0};
     struct protocol protocol = protocols[timing];
@@ -118,7 +120,8 @@ void time_solve(const struct system *system, const struct method *method, const 
     }
     double sample[MAX_SAMPLES];
     double spent = 0;
-    while (!isnan(once) && result->samples < protocol.samples && (result->samples == 0 || spent < protocol.budget_seconds)) {
+    while (!isnan(once) && result->samples < protocol.samples &&
+           (result->samples == 0 || spent < protocol.budget_seconds)) {
         double seconds = time_batch(&s, batch, cancel);
         if (isnan(seconds)) {
             break;

@@ -11,10 +11,12 @@
 /* A piece of the frame without writing, where a letter can stand. */
 static bool is_bare_frame(const struct screen *screen, const struct canvas *canvas, int x, int y)
 {
-    return canvas->cell[(size_t)y * (size_t)canvas->width + (size_t)x].codepoint == (screen->charset == CHARSET_ASCII ? '-' : 0x2500);
+    return canvas->cell[(size_t)y * (size_t)canvas->width + (size_t)x].codepoint ==
+           (screen->charset == CHARSET_ASCII ? '-' : 0x2500);
 }
 
-void cursors_draw(const struct screen *screen, const struct figure_layout *layout, struct canvas *canvas, struct rectangle at, bool letters)
+void cursors_draw(const struct screen *screen, const struct figure_layout *layout, struct canvas *canvas,
+                  struct rectangle at, bool letters)
 {
     const struct cursors *cursors = &screen->session->view.cursors;
     uint32_t line = screen->charset == CHARSET_ASCII ? ':' : 0x250A;
@@ -30,14 +32,15 @@ void cursors_draw(const struct screen *screen, const struct figure_layout *layou
                 canvas_put(canvas, x, y + row, line, i == cursors->active ? STYLE_BOLD : STYLE_DIM);
         }
         if (letters)
-            canvas_put(canvas, x, is_bare_frame(screen, canvas, x, at.y) ? at.y : y, (uint32_t)"AB"[i], STYLE_BOLD);
+            canvas_put(canvas, x, is_bare_frame(screen, canvas, x, at.y) ? at.y : y, (uint32_t) "AB"[i], STYLE_BOLD);
     }
 }
 
 /* "1.4530(4)": the uncertainty in units of the last digit. That of a simulation is beyond what is shown. */
 static void put_parenthesis(struct buffer *out, double value, double uncertainty)
 {
-    int decimals = uncertainty > 0 && uncertainty < 9.5 ? larger(-(int)floor(log10(uncertainty * 1.0526)), 0) : DECIMALS_MOST + 1;
+    int decimals =
+        uncertainty > 0 && uncertainty < 9.5 ? larger(-(int)floor(log10(uncertainty * 1.0526)), 0) : DECIMALS_MOST + 1;
     if (decimals > DECIMALS_MOST) /* 1.0526: 9.5 rounds to 10 */
         buffer_format(out, "%.*f", DECIMALS_MOST, value);
     else
@@ -106,11 +109,15 @@ void cursors_table(const struct screen *screen, struct rectangle at)
     int side_x = larger(SIDE, larger(text_width(buffer_text(&line[0])), text_width(buffer_text(&line[1]))) + 2);
     for (int i = 0, y = at.y; i < TABLE_ROWS; i++) {
         if (shown[i])
-            line_draw(screen, at.x, y++, at.width, buffer_text(&line[i]), i == cursors->active ? STYLE_BOLD : i < 4 ? STYLE_PLAIN : STYLE_DIM);
+            line_draw(screen, at.x, y++, at.width, buffer_text(&line[i]),
+                      i == cursors->active ? STYLE_BOLD
+                      : i < 4              ? STYLE_PLAIN
+                                           : STYLE_DIM);
         buffer_free(&line[i]);
     }
     char side[2][LIMIT_NAME + 32];
-    snprintf(side[0], sizeof side[0], "snap: %s%s", catalog_row(&snap_catalog, (size_t)cursors->snap)->name, cursors->locked ? ", locked" : "");
+    snprintf(side[0], sizeof side[0], "snap: %s%s", catalog_row(&snap_catalog, (size_t)cursors->snap)->name,
+             cursors->locked ? ", locked" : "");
     snprintf(side[1], sizeof side[1], "on: %s", cursors->of);
     for (int i = 0; i < 2 && at.height > 2 && at.width >= side_x + 10; i++)
         line_draw(screen, at.x + side_x, at.y + i, at.width - side_x, text_of(side[i]), STYLE_PLAIN);

@@ -17,11 +17,12 @@ struct rectangle {
     int x, y, width, height;
 };
 
-/* ---- layouts.c: which panes stand where ------------------------------------------------------------------------------------ */
+/* ---- layouts.c: which panes stand where ---- */
 
 #define PLACES_MOST 8
 
-/* One pane on the screen. Panes that share a time axis stand over each other in one frame; only the last of them has labels below. */
+/* One pane on the screen. Panes that share a time axis stand over each other in one frame; only the last of them has
+ * labels below. */
 struct place {
     enum pane pane;
     struct rectangle at;
@@ -39,18 +40,19 @@ struct division screen_division(const struct session *session, int height);
 int screen_places(const struct session *session, struct rectangle area, struct place place[PLACES_MOST]);
 bool pane_is_timed(enum pane pane); /* its horizontal axis is the time */
 
-/* ---- panes.c ------------------------------------------------------------------------------------------------------------------ */
+/* ---- panes.c ---- */
 
 bool panes_draw(struct screen *screen, const struct place *place, int places); /* false: no memory */
 /* [s] one column of the focused time plot; 0: none. */
 double panes_column_time(struct screen *screen, const struct place *place, int places);
 
-/* ---- cursors.c ---------------------------------------------------------------------------------------------------------------- */
+/* ---- cursors.c ---- */
 
-void cursors_draw(const struct screen *screen, const struct figure_layout *layout, struct canvas *canvas, struct rectangle at, bool letters);
+void cursors_draw(const struct screen *screen, const struct figure_layout *layout, struct canvas *canvas,
+                  struct rectangle at, bool letters);
 void cursors_table(const struct screen *screen, struct rectangle at);
 
-/* ---- one file each ------------------------------------------------------------------------------------------------------------ */
+/* ---- one file each ---- */
 
 void state_line_draw(const struct screen *screen, int y);
 void numbers_draw(const struct screen *screen, struct text hint, int y);

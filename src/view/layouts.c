@@ -2,15 +2,15 @@
 /* Layouts: how the height is divided, and which panes stand where. A layout is a row of the table. */
 #include "internal.h"
 
-#define PLOT_ROWS 8      /* frame, axis with labels, and four rows of curve: before that the log gets one row only */
-#define SHARED_ROWS 3    /* axis, labels and lower frame of panes over each other */
-#define CURVE_ROWS 3     /* at least, of each of them */
-#define PHASE_LEAST 24   /* [cell] */
-#define PHASE_LABELS 7   /* [cell] frame and labels of the phase plot beside its square */
+#define PLOT_ROWS 8    /* frame, axis with labels, and four rows of curve: before that the log gets one row only */
+#define SHARED_ROWS 3  /* axis, labels and lower frame of panes over each other */
+#define CURVE_ROWS 3   /* at least, of each of them */
+#define PHASE_LEAST 24 /* [cell] */
+#define PHASE_LABELS 7 /* [cell] frame and labels of the phase plot beside its square */
 
 /*
- * What gives way when the height shrinks (INTERFACE.md, section 6): numbers line, rows of the log but one, then the plots lose labels and
- * frame by themselves; at last there is only the prompt.
+ * What gives way when the height shrinks (INTERFACE.md, section 6): numbers line, rows of the log but one, then the
+ * plots lose labels and frame by themselves; at last there is only the prompt.
  */
 struct division screen_division(const struct session *session, int height)
 {
@@ -29,21 +29,22 @@ struct division screen_division(const struct session *session, int height)
 struct arrangement {
     int least_width, least_height; /* of the area; below, `smaller` is taken instead */
     enum layout smaller;
-    bool shared;    /* the panes of the left column share one time axis */
+    bool shared; /* the panes of the left column share one time axis */
     bool numbered;
-    int first;      /* share of the first pane of the left column, the others have 1 */
+    int first; /* share of the first pane of the left column, the others have 1 */
     int lefts, rights;
     enum pane left[3], right[2];
 };
 
 static const struct arrangement arrangements[] = {
     [LAYOUT_SINGLE] = {.first = 1, .lefts = 1, .left = {PANE_POSITION}},
-    [LAYOUT_DUO] = {60, 0, LAYOUT_SINGLE, .first = 1, .lefts = 1, .left = {PANE_POSITION}, .rights = 1, .right = {PANE_PHASE}},
-    [LAYOUT_TRIO] = {60, 0, LAYOUT_SINGLE, .shared = true, .first = 2, .lefts = 2, .left = {PANE_POSITION, PANE_ENERGY}, .rights = 1,
-                     .right = {PANE_PHASE}},
+    [LAYOUT_DUO] = {60, 0, LAYOUT_SINGLE, .first = 1, .lefts = 1, .left = {PANE_POSITION}, .rights = 1,
+                    .right = {PANE_PHASE}},
+    [LAYOUT_TRIO] = {60, 0, LAYOUT_SINGLE, .shared = true, .first = 2, .lefts = 2, .left = {PANE_POSITION, PANE_ENERGY},
+                     .rights = 1, .right = {PANE_PHASE}},
     [LAYOUT_STACK] = {.shared = true, .first = 1, .lefts = 3, .left = {PANE_POSITION, PANE_VELOCITY, PANE_ENERGY}},
-    [LAYOUT_QUAD] = {110, 24, LAYOUT_TRIO, .numbered = true, .first = 1, .lefts = 2, .left = {PANE_POSITION, PANE_VELOCITY}, .rights = 2,
-                     .right = {PANE_PHASE, PANE_ENERGY}},
+    [LAYOUT_QUAD] = {110, 24, LAYOUT_TRIO, .numbered = true, .first = 1, .lefts = 2,
+                     .left = {PANE_POSITION, PANE_VELOCITY}, .rights = 2, .right = {PANE_PHASE, PANE_ENERGY}},
     [LAYOUT_PLOT] = {.first = 1, .lefts = 1, .left = {PANE_POSITION}},
     [LAYOUT_LOG] = {.first = 1},
 };
@@ -78,7 +79,8 @@ static bool holds(const enum pane *pane, int count, enum pane wanted)
 }
 
 /* One column from top to bottom. Returns how many places it has: panes for which there is no height are left out. */
-static int stack_column(struct rectangle area, const struct arrangement *a, const enum pane *pane, int count, struct place *place)
+static int stack_column(struct rectangle area, const struct arrangement *a, const enum pane *pane, int count,
+                        struct place *place)
 {
     bool shared = a->shared;
     for (int i = 0; i < count; i++)
@@ -93,8 +95,8 @@ static int stack_column(struct rectangle area, const struct arrangement *a, cons
         int height = shared ? (rows * (i ? 1 : a->first) + shares / 2) / shares + 1 : (area.height * 5 + 4) / 9;
         if (last)
             height = area.y + area.height - y;
-        place[i] = (struct place){.pane = pane[i], .at = {area.x, y, area.width, height}, .open = shared && !last,
-                                  .joined = shared && i > 0};
+        place[i] = (struct place){
+            .pane = pane[i], .at = {area.x, y, area.width, height}, .open = shared && !last, .joined = shared && i > 0};
         y += height;
     }
     return count;
@@ -118,7 +120,8 @@ int screen_places(const struct session *session, struct rectangle area, struct p
     const struct arrangement *a = &arrangements[layout];
 
     enum pane left[3], right[2];
-    int lefts = choose_panes(session, a->left, a->lefts, left), rights = choose_panes(session, a->right, a->rights, right);
+    int lefts = choose_panes(session, a->left, a->lefts, left),
+        rights = choose_panes(session, a->right, a->rights, right);
     if (!lefts && !rights)
         left[lefts++] = PANE_POSITION;
     if (offered(session, view->focus) && !holds(left, lefts, view->focus) && !holds(right, rights, view->focus))
@@ -130,8 +133,10 @@ int screen_places(const struct session *session, struct rectangle area, struct p
         return n;
     }
     int width = right_width(a, right, rights, area);
-    struct rectangle sides[2] = {{area.x, area.y, area.width - width, area.height}, {area.x + area.width - width, area.y, width, area.height}};
-    int n = stack_column(sides[0], a, left, lefts, place), all = n + stack_column(sides[1], a, right, rights, place + n);
+    struct rectangle sides[2] = {{area.x, area.y, area.width - width, area.height},
+                                 {area.x + area.width - width, area.y, width, area.height}};
+    int n = stack_column(sides[0], a, left, lefts, place),
+        all = n + stack_column(sides[1], a, right, rights, place + n);
     for (int i = 0; i < all && a->numbered; i++) /* by rows, as one reads */
         place[i].number = i < n ? 2 * i + 1 : 2 * (i - n) + 2;
     return all;

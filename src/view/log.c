@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The log: the last lines that commands said, from the top as on paper; once the pane is full the newest line is the lowest. */
+/* The log: the last lines that commands said, from the top as on paper; once the pane is full the newest line is the
+ * lowest. */
 #include "internal.h"
 
 #include <string.h>

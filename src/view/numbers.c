@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The numbers line: energy, its error, which run, the keys. Fields have fixed places, so that a new number changes few cells. */
+/* The numbers line: energy, its error, which run, the keys. Fields have fixed places, so that a new number changes few
+ * cells. */
 #include "internal.h"
 
 #include <stdio.h>
@@ -17,7 +18,8 @@ static double present(const struct run *run, const char *name)
 static void put_energy(struct buffer *out, const struct run *run, double energy)
 {
     double start = system_kinetic(&run->system, run->system.start) + system_potential(&run->system, run->system.start);
-    const struct unit *unit = unit_display(QUANTITY_ENERGY, fabs(energy) < 100 * fabs(start) && fabs(start) < 100 * fabs(energy) ? start : energy);
+    const struct unit *unit = unit_display(
+        QUANTITY_ENERGY, fabs(energy) < 100 * fabs(start) && fabs(start) < 100 * fabs(energy) ? start : energy);
     buffer_format(out, "E=%#.4g %s", energy / (unit ? unit->factor : 1), unit ? unit->row.name : "J");
 }
 
@@ -73,7 +75,8 @@ static int put_numbers(const struct screen *screen, int x, int y)
 
 void numbers_draw(const struct screen *screen, struct text hint, int y)
 {
-    static const char long_keys[] = "F1 help  F5 run/pause  F6 layout  F7 cursors  PgUp log", keys[] = "F1 help  F5 run  F7 cursors";
+    static const char long_keys[] = "F1 help  F5 run/pause  F6 layout  F7 cursors  PgUp log",
+                      keys[] = "F1 help  F5 run  F7 cursors";
     int width = screen->canvas->width;
     uint32_t across = screen->charset == CHARSET_ASCII ? '-' : 0x2500;
 

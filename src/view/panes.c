@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Panes: the plots on the screen. Each is a figure of the session with axes that stay where they are while a curve grows. */
+/* Panes: the plots on the screen. Each is a figure of the session with axes that stay where they are while a curve
+ * grows. */
 #include "internal.h"
 
 #include <stdio.h>
@@ -18,16 +19,13 @@ struct pane_kind {
 };
 
 static const struct pane_kind kinds[] = {
-    [PANE_POSITION] = {PLOT_POSITION, "", NULL, false},
-    [PANE_ENERGY] = {PLOT_ENERGY, "", "energy", true},
-    [PANE_PHASE] = {PLOT_PHASE, "phase", NULL, false},
-    [PANE_VELOCITY] = {PLOT_VELOCITY, "", NULL, false},
-    [PANE_ERROR] = {PLOT_ERROR, "", "error", false},
-    [PANE_RESIDUAL] = {PLOT_RESIDUAL, "", NULL, false},
+    [PANE_POSITION] = {PLOT_POSITION, "", NULL, false},        [PANE_ENERGY] = {PLOT_ENERGY, "", "energy", true},
+    [PANE_PHASE] = {PLOT_PHASE, "phase", NULL, false},         [PANE_VELOCITY] = {PLOT_VELOCITY, "", NULL, false},
+    [PANE_ERROR] = {PLOT_ERROR, "", "error", false},           [PANE_RESIDUAL] = {PLOT_RESIDUAL, "", NULL, false},
     [PANE_SPECTRUM] = {PLOT_SPECTRUM, "spectrum", NULL, true},
 };
 
-/* ---- what is asked of the session --------------------------------------------------------------------------------------- */
+/* ---- what is asked of the session ---- */
 
 static double planned_end(const struct run *run)
 {
@@ -104,16 +102,22 @@ static void empty_figure(const struct screen *screen, const struct place *place,
     const struct setup *setup = &screen->session->setup;
     struct system system;
     struct error ignored;
-    *figure = (struct figure){.x = {.label = "t", .unit = "s", .from = 0, .to = setup->settings.duration, .fixed = true},
-                              .y = {.label = "y", .unit = "m", .factor = 1}, .zero_line = true};
+    *figure =
+        (struct figure){.x = {.label = "t", .unit = "s", .from = 0, .to = setup->settings.duration, .fixed = true},
+                        .y = {.label = "y", .unit = "m", .factor = 1},
+                        .zero_line = true};
     if (place->pane == PANE_POSITION && scene_bind(&setup->scene, &system, &ignored)) {
         const struct unit *unit = unit_display(QUANTITY_LENGTH, system.scale[0]);
-        figure->y = (struct axis){.label = "y", .unit = unit ? unit->row.name : "m", .factor = unit ? unit->factor : 1,
-                                  .from = -system.scale[0], .to = system.scale[0], .fixed = true};
+        figure->y = (struct axis){.label = "y",
+                                  .unit = unit ? unit->row.name : "m",
+                                  .factor = unit ? unit->factor : 1,
+                                  .from = -system.scale[0],
+                                  .to = system.scale[0],
+                                  .fixed = true};
     }
 }
 
-/* ---- ranges that do not move with every sample ---------------------------------------------------------------------------- */
+/* ---- ranges that do not move with every sample ---- */
 
 struct extent {
     double low, high; /* low > high: nothing */
@@ -140,8 +144,8 @@ static struct extent extent_of(const struct figure *figure, bool vertical)
 }
 
 /*
- * Outward to quarter steps of the labels: the range jumps now and then instead of creeping. About zero an oscillation gets as much room below
- * as above. What varies by rounding only is left as it is.
+ * Outward to quarter steps of the labels: the range jumps now and then instead of creeping. About zero an oscillation
+ * gets as much room below as above. What varies by rounding only is left as it is.
  */
 static void settle(struct axis *axis, struct extent extent, int rows)
 {
@@ -242,7 +246,7 @@ static void join_dense(struct screen *screen, const struct figure_request *reque
     }
 }
 
-/* ---- one pane -------------------------------------------------------------------------------------------------------------------- */
+/* ---- one pane ---- */
 
 static const char *numbered_title(struct screen *screen, const struct place *place)
 {
@@ -296,7 +300,8 @@ static int drawn_height(const struct place *place)
 }
 
 /* A parameter was changed here while the run went on. */
-static void draw_marks(const struct screen *screen, const struct figure_layout *layout, struct canvas *canvas, struct rectangle at)
+static void draw_marks(const struct screen *screen, const struct figure_layout *layout, struct canvas *canvas,
+                       struct rectangle at)
 {
     const struct live *live = &screen->session->live;
     uint32_t mark = screen->charset == CHARSET_ASCII ? '^' : 0x25B2;
@@ -319,13 +324,15 @@ static void copy_rows(const struct canvas *from, struct canvas *to, struct recta
 {
     for (int y = 0; y < at.height; y++)
         for (int x = 0; x < at.width; x++)
-            to->cell[(size_t)(at.y + y) * (size_t)to->width + (size_t)(at.x + x)] = from->cell[(size_t)y * (size_t)from->width + (size_t)x];
+            to->cell[(size_t)(at.y + y) * (size_t)to->width + (size_t)(at.x + x)] =
+                from->cell[(size_t)y * (size_t)from->width + (size_t)x];
 }
 
 static bool draw_pane(struct screen *screen, const struct place *place, const struct figure *figure)
 {
     struct rectangle at = {0, 0, place->at.width, drawn_height(place)};
-    struct canvas sheet = {at.width, at.height, arena_array(&screen->arena, (size_t)at.width * (size_t)at.height, sizeof *sheet.cell)};
+    struct canvas sheet = {at.width, at.height,
+                           arena_array(&screen->arena, (size_t)at.width * (size_t)at.height, sizeof *sheet.cell)};
     struct figure_layout layout;
 
     if (!sheet.cell || !figure_draw(figure, &sheet, 0, 0, at.width, at.height, screen->charset))

@@ -6,7 +6,8 @@
 
 #define PIECE 8
 
-/* Takes the next thing off the text as it is shown: a code point, `^J` for a control character, `\xNN` for a byte that is no UTF-8. */
+/* Takes the next thing off the text as it is shown: a code point, `^J` for a control character, `\xNN` for a byte that
+ * is no UTF-8. */
 static struct text next_piece(struct text *text, char out[PIECE])
 {
     static const char invalid[] = "\xEF\xBF\xBD"; /* U+FFFD itself */

@@ -27,7 +27,8 @@ static void draw_parts(struct screen *screen, const struct prompt_line *prompt, 
         numbers_draw(screen, prompt->hint, y);
 }
 
-bool screen_draw(const struct session *session, const struct prompt_line *prompt, struct canvas *canvas, int *cursor_x, int *cursor_y)
+bool screen_draw(const struct session *session, const struct prompt_line *prompt, struct canvas *canvas, int *cursor_x,
+                 int *cursor_y)
 {
     struct screen screen = {.session = session, .canvas = canvas, .charset = session_charset(session)};
     bool ok = true;
@@ -59,7 +60,9 @@ double screen_column_time(const struct session *session, int width, int height)
     struct screen screen = {.session = session, .charset = session_charset(session)};
     struct division division = screen_division(session, height);
     struct place place[PLACES_MOST];
-    int places = division.plots ? screen_places(session, (struct rectangle){0, division.state, width, division.plots}, place) : 0;
+    int places = division.plots
+                     ? screen_places(session, (struct rectangle){0, division.state, width, division.plots}, place)
+                     : 0;
     double time = panes_column_time(&screen, place, places);
     arena_reset(&screen.arena);
     return time;

@@ -11,10 +11,10 @@ struct form {
 };
 
 static const struct form forms[] = {
-    {true, true, true, true, true, true, true, true},        {true, false, true, true, true, true, true, true},
-    {true, false, true, true, true, false, true, true},      {true, false, false, true, true, false, true, true},
-    {true, false, false, true, true, false, true, false},    {false, false, false, true, true, false, true, false},
-    {false, false, false, true, false, false, true, false},  {false, false, false, false, false, false, true, false},
+    {true, true, true, true, true, true, true, true},         {true, false, true, true, true, true, true, true},
+    {true, false, true, true, true, false, true, true},       {true, false, false, true, true, false, true, true},
+    {true, false, false, true, true, false, true, false},     {false, false, false, true, true, false, true, false},
+    {false, false, false, true, false, false, true, false},   {false, false, false, false, false, false, true, false},
     {false, false, false, false, false, false, false, false},
 };
 

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Speed as ratios, measured in one run: a recorded run of each method against a hand-written loop for exactly that method and scene, compiled
- * with the same flags; what a left-out thing costs; numbers in and out. Nothing here is a test.
+ * Speed as ratios, measured in one run: a recorded run of each method against a hand-written loop for exactly that
+ * method and scene, compiled with the same flags; what a left-out thing costs; numbers in and out. Nothing here is a
+ * test.
  */
 #include <hooke/hooke.h>
 
@@ -112,7 +113,8 @@ static void bench_steps(void)
                 y[0] = system.start[0] + 1e-300 * y[STEPS];
                 v[0] = system.start[1];
                 int64_t begin = clock_ns();
-                hands[m].loop(system.oscillator.stiffness, system.oscillator.damping, system.oscillator.quadratic, 0.01, y, v);
+                hands[m].loop(system.oscillator.stiffness, system.oscillator.damping, system.oscillator.quadratic, 0.01,
+                              y, v);
                 hand = least(hand, (double)(clock_ns() - begin) / STEPS);
             }
             printf("%-18s %-16s %10.2f %10.2f %8.2f\n", hands[m].method, cases[s].name, mine, hand, mine / hand);
@@ -140,7 +142,8 @@ static void bench_left_out(void)
         without = least(without, run_ns(&plain, rk4));
         with = least(with, run_ns(&zeroed, rk4));
     }
-    printf("\nterms with zero coefficients: %.2f ns a step, without them %.2f: ratio %.3f\n", with, without, with / without);
+    printf("\nterms with zero coefficients: %.2f ns a step, without them %.2f: ratio %.3f\n", with, without,
+           with / without);
 }
 
 static void bench_numbers(void)
@@ -177,7 +180,8 @@ static void bench_numbers(void)
     }
     (void)sink;
     buffer_free(&text);
-    printf("numbers out (17 digits needed): %.1f M/s; numbers in (3 decimals): %.1f M/s\n", 1e3 / best_out, 1e3 / best_in);
+    printf("numbers out (17 digits needed): %.1f M/s; numbers in (3 decimals): %.1f M/s\n", 1e3 / best_out,
+           1e3 / best_in);
 }
 
 int main(void)

@@ -25,7 +25,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-/* ---- the folder -----------------------------------------------------------------------------------------------------
+/* ---- the folder ----
  */
 
 #define SIZE 150000
@@ -113,8 +113,7 @@ static bool put(const char *path, char letter, struct write_policy policy, struc
     return writer_commit(&writer, error);
 }
 
-/* ---- every system call
- * ------------------------------------------------------------------------------------------------ */
+/* ---- every system call ---- */
 
 static const struct scenario {
     const char *name;
@@ -254,8 +253,7 @@ static void killed_at_random_moments(void **state)
     }
 }
 
-/* ---- real trouble
- * ----------------------------------------------------------------------------------------------------- */
+/* ---- real trouble ---- */
 
 static void a_full_disk_is_told(void **state)
 {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Running out of memory ends a command, not the session: allocations of a long script fail one by one, once and for ever. */
+/* Running out of memory ends a command, not the session: allocations of a long script fail one by one, once and for
+ * ever. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -27,7 +27,8 @@ static uint64_t replay_random(uint64_t *state) /* xorshift64*, Vigna 2016 */
 /* Flips, overwrites, cuts and doubles bytes. */
 static size_t replay_mutate(uint8_t *data, size_t size, size_t room, uint64_t *state)
 {
-    static const char *const words[] = {"1e400", "nan", "-", "(", ")", "\"", "'", ";", "#", "+-", ",", ":", "=", "\t", "\r\n", "\xff", "0x1", "9e99", "..", "\x1b["};
+    static const char *const words[] = {"1e400", "nan", "-", "(",  ")",    "\"",   "'",   ";",    "#",  "+-",
+                                        ",",     ":",   "=", "\t", "\r\n", "\xff", "0x1", "9e99", "..", "\x1b["};
     for (uint64_t times = replay_random(state) % 6; times > 0 && size > 0; times--) {
         size_t at = replay_random(state) % size;
         switch (replay_random(state) % 5) {
@@ -91,7 +92,8 @@ int main(void)
     }
     free(entry);
     close(corpus);
-    printf("%s 1 - " CORPUS ": %d files and %ld mutations of each\n1..1\n", replayed > 0 ? "ok" : "not ok", replayed, rounds);
+    printf("%s 1 - " CORPUS ": %d files and %ld mutations of each\n1..1\n", replayed > 0 ? "ok" : "not ok", replayed,
+           rounds);
     return replayed > 0 ? 0 : 1;
 }
 

@@ -251,8 +251,7 @@ static void test_stiffness_is_noticed(void **state)
     assert_above("estimate", shared.controller.stiffness, 0.1);
 }
 
-/* ---- dense output
- * ---------------------------------------------------------------------------------------------------- */
+/* ---- dense output ---- */
 
 /* Largest error inside one step of h from the start. */
 static double dense_error(const struct method *method, const struct system *system, double h)

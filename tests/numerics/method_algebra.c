@@ -18,7 +18,8 @@
 
 enum { ORDERS = 9, TREES = 1024, STAGES = 64, WORDS = 10 };
 
-/* ---- rooted trees --------------------------------------------------------------------------------------------------
+/* ---- rooted trees ----
+ *
  * A tree is a smaller tree with one more branch at its root. Written so that branches never grow (in table order), each
  * tree appears once.
  */
@@ -206,8 +207,7 @@ static void test_a_typo_is_seen(void **state)
     assert_above("typo", violation(&forest, rk4, weight, b, 1, 1), 10 * HOLDS);
 }
 
-/* ---- splittings: coefficients of all words in A (0) and B (1) up to WORDS letters
- * ------------------------------------ */
+/* ---- splittings: coefficients of all words in A (0) and B (1) up to WORDS letters ---- */
 
 struct series {
     double word[WORDS + 1][1 << WORDS]; /* [length][letters as bits, the last letter lowest] */

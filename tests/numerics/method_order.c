@@ -68,10 +68,8 @@ static void pushed_jacobian(const double *c, double t, const double *y, double *
     jac[0] -= cos(y[0]);
 }
 
-static const struct term_row pushed_row = {.row = {"pushed", "m/s^2", "", "", NULL},
-                                           .flags = TERM_TIME,
-                                           .add = pushed_add,
-                                           .jacobian = pushed_jacobian};
+static const struct term_row pushed_row = {
+    .row = {"pushed", "m/s^2", "", "", NULL}, .flags = TERM_TIME, .add = pushed_add, .jacobian = pushed_jacobian};
 
 static void solve_reference(struct problem *problem)
 {

@@ -210,8 +210,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_spring_after_10_s),  cmocka_unit_test(test_drag_variants_by_formula),
         cmocka_unit_test(test_implicit_equations), cmocka_unit_test(test_newton_agrees_with_closed_form),
-        cmocka_unit_test(test_extreme_stiffness),
-        cmocka_unit_test(test_rk4_agrees_with_gsl),
+        cmocka_unit_test(test_extreme_stiffness),  cmocka_unit_test(test_rk4_agrees_with_gsl),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -20,27 +20,35 @@ struct row_of_limits {
 
 /* Computed with 40 digits from the one-step matrices. */
 static const struct row_of_limits limits[] = {
-    {{"euler"}, DRAG_DEFAULT,
+    {{"euler"},
+     DRAG_DEFAULT,
      {0, 0.002, 0.02, 0.1, 0.2, 0.4, 1, 1.4142136, 2, 0.53589838, 0.20204103, 0.10025126, 0.01000025}},
-    {{"symplectic-euler", "symplectic-euler-kick", "position-verlet"}, DRAG_EXPLICIT,
+    {{"symplectic-euler", "symplectic-euler-kick", "position-verlet"},
+     DRAG_EXPLICIT,
      {2, 1.998001, 1.9801, 1.9024984, 1.8099751, 1.6396078, 1.236068, 1.0352762, 0.82842712, 0.47213595, 0.19803903,
       0.099751242, 0.00999975}},
-    {{"symplectic-euler", "symplectic-euler-kick"}, DRAG_IMPLICIT,
+    {{"symplectic-euler", "symplectic-euler-kick"},
+     DRAG_IMPLICIT,
      {2, 2.002001, 2.0201, 2.1024984, 2.2099751, 2.4396078, 3.236068, 3.8637033, 4.8284271, 8.472136, 20.198039,
       40.099751, 400.01}},
-    {{"symplectic-euler", "symplectic-euler-kick"}, DRAG_EXACT,
+    {{"symplectic-euler", "symplectic-euler-kick"},
+     DRAG_EXACT,
      {2, 2.0000013, 2.0001333, 2.0033395, 2.0134315, 2.0549247, 2.3993573, 2.9208292, 4.0026703, 8, 20, 40, 400}},
-    {{"verlet"}, DRAG_EXPLICIT,
+    {{"verlet"},
+     DRAG_EXPLICIT,
      {2, 1.9990013, 1.990125, 1.9531291, 1.9125723, 1.8514043, 2, 2.8284271, 2, 1, 0.4, 0.2, 0.02}},
     {{"verlet", "position-verlet"}, DRAG_IMPLICIT, {2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2}},
     {{"verlet", "position-verlet"}, DRAG_EXACT, {2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2}},
-    {{"midpoint", "heun"}, DRAG_DEFAULT,
+    {{"midpoint", "heun"},
+     DRAG_DEFAULT,
      {0, 0.20132884, 0.44400333, 0.8, 1.0497546, 1.3939076, 2, 2.1831059, 2, 0.53589838, 0.20204103, 0.10025126,
       0.01000025}},
-    {{"rk4"}, DRAG_DEFAULT,
+    {{"rk4"},
+     DRAG_DEFAULT,
      {2.8284271, 2.8305407, 2.8485701, 2.9097997, 2.950853, 2.9400877, 2.6225425, 2.7043535, 2.7852936, 0.74631716,
       0.28137179, 0.13961459, 0.013926816}},
-    {{"dopri5"}, DRAG_DEFAULT,
+    {{"dopri5"},
+     DRAG_DEFAULT,
      {0.99718901, 1.3809078, 1.8721301, 2.4025609, 2.6814071, 3.0007419, 3.3989915, 3.2966448, 3.3065679, 0.8859922,
       0.33403119, 0.1657438, 0.016533253}},
 };
@@ -149,8 +157,8 @@ static void test_spectral_radius(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_spectral_radius),    cmocka_unit_test(test_one_step_matrices),
-        cmocka_unit_test(test_limits_table),       cmocka_unit_test(test_closed_forms),
+        cmocka_unit_test(test_spectral_radius), cmocka_unit_test(test_one_step_matrices),
+        cmocka_unit_test(test_limits_table),    cmocka_unit_test(test_closed_forms),
         cmocka_unit_test(test_stability_flags),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

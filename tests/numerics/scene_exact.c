@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- an independent solution ------------------------------------------------------------------------------------- */
+/* ---- an independent solution ---- */
 /*
  * q'' = -w2 q - gamma q' - g + f cos(omega t + phase) by its Taylor coefficients:
  * (i+2)(i+1) q[i+2] = -w2 q[i] - gamma (i+1) q[i+1] + drive[i].
@@ -156,7 +156,7 @@ static void test_meeting_roots(void **state)
         }
 }
 
-/* ---- closed forms in the limits ---------------------------------------------------------------------------------- */
+/* ---- closed forms in the limits ---- */
 
 static void expect_near(double got, double wanted, double tolerance)
 {
@@ -235,7 +235,7 @@ static void test_stiff_driven(void **state)
     }
 }
 
-/* ---- extremes ---------------------------------------------------------------------------------------------------- */
+/* ---- extremes ---- */
 
 static void test_any_amplitude(void **state)
 {
@@ -281,7 +281,7 @@ static void test_growth_ends_as_infinity(void **state)
     assert_true(y[0] == 0 && y[1] == 0);
 }
 
-/* ---- what every flow satisfies ----------------------------------------------------------------------------------- */
+/* ---- what every flow satisfies ---- */
 
 static void test_semigroup(void **state)
 {
@@ -340,7 +340,7 @@ static void test_floor(void **state)
         system_exact(&other, 0, system.start, t, moved, NULL);
         for (int j = 0; j < 2; j++) {
             double change = fabs(moved[j] - y[j]) * 0x1p-12; /* 2^-40 to 2^-52 */
-            expect_near(change, 0, 5 * floor[j]); /* a floor is an estimate */
+            expect_near(change, 0, 5 * floor[j]);            /* a floor is an estimate */
             tightest = fmax(tightest, change / floor[j]);
         }
         if (o.drive == 0 && o.damping == 0) {
@@ -363,7 +363,7 @@ static void test_which_systems_have_one(void **state)
     assert_false(system_has_exact(&plain));
 }
 
-/* ---- the reference table ----------------------------------------------------------------------------------------- */
+/* ---- the reference table ---- */
 
 /* The number behind `key` in the parameters column; `other` where it is not there. */
 static double keyed(const char *parameters, const char *key, double other)

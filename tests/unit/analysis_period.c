@@ -51,7 +51,8 @@ static void crossings_are_as_good_as_promised(void **state)
     assert_true(close_to(sqrt(pull / pairs), 1, 0.15)); /* the uncertainties are true */
 }
 
-/* Missed echoes before the first true crossing cross the level, too; the periods are counted from where the others agree. */
+/* Missed echoes before the first true crossing cross the level, too; the periods are counted from where the others
+ * agree. */
 static void spikes_that_cross_first_do_not_matter(void **state)
 {
     (void)state;
@@ -70,7 +71,8 @@ static void spikes_that_cross_first_do_not_matter(void **state)
                 struct period period;
                 struct error error = {0};
                 tried++;
-                wrong += !series_period(&s.series, &arena, &period, &error) || !close_to(period.period.value, 1.937, 0.01);
+                wrong +=
+                    !series_period(&s.series, &arena, &period, &error) || !close_to(period.period.value, 1.937, 0.01);
                 arena_reset(&arena);
                 synthetic_free(&s);
             }

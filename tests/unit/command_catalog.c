@@ -43,7 +43,8 @@ static void every_command_is_described(void **state)
     bench_close(&b);
 }
 
-/* An option that no command has, and a quote without end: an error with a caret, for every command that does not take any text. */
+/* An option that no command has, and a quote without end: an error with a caret, for every command that does not take
+ * any text. */
 static void every_command_refuses_nonsense(void **state)
 {
     (void)state;
@@ -75,8 +76,9 @@ static void every_command_refuses_nonsense(void **state)
 static void every_row_has_help(void **state)
 {
     (void)state;
-    const struct catalog *const catalogs[] = {&param_catalog, &derived_catalog, &setting_catalog, &method_catalog,
-                                              &preset_catalog, &unit_catalog,   &observable_catalog, &function_catalog};
+    const struct catalog *const catalogs[] = {&param_catalog,      &derived_catalog, &setting_catalog,
+                                              &method_catalog,     &preset_catalog,  &unit_catalog,
+                                              &observable_catalog, &function_catalog};
     struct bench b;
     bench_open(&b, false);
     for (size_t c = 0; c < COUNT_OF(catalogs); c++)
@@ -160,8 +162,8 @@ static void completion_follows_the_type(void **state)
         size_t start = 0;
         bool file;
         complete(&b, cases[i].line, &found, &start, &file);
-        if (!strstr(found.names.data, cases[i].with) || strstr(found.names.data, cases[i].without) || start != cases[i].start ||
-            file != cases[i].file)
+        if (!strstr(found.names.data, cases[i].with) || strstr(found.names.data, cases[i].without) ||
+            start != cases[i].start || file != cases[i].file)
             fail_msg("'%s': start %zu, file %d:%s", cases[i].line, start, file, found.names.data);
         buffer_free(&found.names);
     }
@@ -194,8 +196,8 @@ static void completion_survives_anything(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_command_is_described),  cmocka_unit_test(every_command_refuses_nonsense),
-        cmocka_unit_test(every_row_has_help),          cmocka_unit_test(completion_follows_the_type),
+        cmocka_unit_test(every_command_is_described),   cmocka_unit_test(every_command_refuses_nonsense),
+        cmocka_unit_test(every_row_has_help),           cmocka_unit_test(completion_follows_the_type),
         cmocka_unit_test(completion_survives_anything),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -23,7 +23,9 @@ static void dialects_of_text_files(void **state)
     (void)state;
     struct bench b;
     bench_open(&b, false);
-    assert_true(SCRIPT(&b, "\xEF\xBB\xBFm\t=\t300 g\r\n\trun 1 s \\\r\n\r\n# c \\\nmethod \\\n  rk4 \\\n dt=5ms\r\nprint m; print dt"));
+    assert_true(SCRIPT(
+        &b,
+        "\xEF\xBB\xBFm\t=\t300 g\r\n\trun 1 s \\\r\n\r\n# c \\\nmethod \\\n  rk4 \\\n dt=5ms\r\nprint m; print dt"));
     assert_says(&b.out, "m = 300 g");
     assert_says(&b.out, "dt = 5 ms");
     assert_says(&b.out, "\n300 g\n5 ms\n");
@@ -39,7 +41,9 @@ static void a_script_stops_at_its_first_error(void **state)
     struct bench b;
     bench_open(&b, false);
     assert_false(SCRIPT(&b, "m = 300 g\nrun 1 s\n\nset gama 3; echo no\nm = 400 g\n"));
-    assert_says(&b.err, "s.hk:4:5: error: unknown parameter 'gama'\n    set gama 3; echo no\n        ^~~~\n  did you mean 'gamma'?");
+    assert_says(
+        &b.err,
+        "s.hk:4:5: error: unknown parameter 'gama'\n    set gama 3; echo no\n        ^~~~\n  did you mean 'gamma'?");
     assert_says(&b.err, "s.hk: stopped at line 4 (2 commands run, run 1 kept)\n");
     assert_null(strstr(said(&b.out), "no\n"));
     assert_true(b.session->setup.scene.value[param_index("m")] == 0.3);

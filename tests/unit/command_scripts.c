@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Runs tests/cli/NAME.hk: one file is one test. Each line is executed as if it stood in a script; comments beside it (or on lines of their own
- * directly below) say what has to come of it:
- *   # expect: TEXT    some line of its output contains TEXT
- *   # error: TEXT     it fails, and the message contains TEXT
- *   # warning: TEXT   a message that is no error contains TEXT
- *   # never: TEXT     neither output nor messages contain TEXT
- * A line without `# error:` has to succeed. Every line starts where the one before left the session. Files are written in a folder of their own.
+ * Runs tests/cli/NAME.hk: one file is one test. Each line is executed as if it stood in a script; comments beside it
+ * (or on lines of their own directly below) say what has to come of it: # expect: TEXT    some line of its output
+ * contains TEXT # error: TEXT     it fails, and the message contains TEXT # warning: TEXT   a message that is no error
+ * contains TEXT # never: TEXT     neither output nor messages contain TEXT A line without `# error:` has to succeed.
+ * Every line starts where the one before left the session. Files are written in a folder of their own.
  */
 #include <hooke/command.h>
 
@@ -49,7 +47,8 @@ static bool mark(struct text *line, const char *name, struct text *value)
     *value = (struct text){at + strlen(key), line->len - (size_t)(at - line->at) - strlen(key)};
     /* The next mark on the same line ends this one. */
     const char *next = memmem(value->at, value->len, " # ", 3);
-    const struct text rest = next ? (struct text){next, value->len - (size_t)(next - value->at)} : (struct text){NULL, 0};
+    const struct text rest =
+        next ? (struct text){next, value->len - (size_t)(next - value->at)} : (struct text){NULL, 0};
     if (next)
         value->len = (size_t)(next - value->at);
     *value = text_trim(*value);
@@ -78,7 +77,8 @@ static void complain(struct scenario *s, const char *what, struct text wanted)
         printf("#   err: %.*s\n", (int)line.len, line.at);
 }
 
-/* Checks all marks of one line against the output of the statement before them. Returns whether an error was announced. */
+/* Checks all marks of one line against the output of the statement before them. Returns whether an error was announced.
+ */
 static bool check_marks(struct scenario *s, struct text marks)
 {
     struct text value, line;
@@ -131,7 +131,8 @@ static void run_lines(struct scenario *s, struct text content)
         const bool ok = command_exec(s->session, without_marks(line), &where, &s->reply);
         bool expected = check_marks(s, line);
         /* Marks on the lines below belong to the same statement. */
-        for (struct text after = rest, next; after.len > 0 && text_split(&after, '\n', &next) && starts_mark(text_trim(next));)
+        for (struct text after = rest, next;
+             after.len > 0 && text_split(&after, '\n', &next) && starts_mark(text_trim(next));)
             expected |= check_marks(s, text_trim(next));
         if (ok && expected)
             complain(s, "succeeded:", line);

@@ -128,8 +128,10 @@ static void save_recreates_the_setup_exactly(void **state)
         "echo nothing",
         "m = 199.9 +- 0.1 g; k = 1/3; gamma = 1e-17; y0 = pi/100; v0 = -1e-300; phase = 30 deg; omega = 1.7 Hz",
         "scene damped; method dopri5 dt=1/7; T0 = 0.731 +- 0.002 s",
-        "method verlet drag=implicit; C = 0.5; duration = 2/3; set record every 7; tol = 1e-9; timing off; set digits 12",
-        "method dopri5 tol=3e-5; let A = 5 cm +- 1/3 mm; let B = 0.1+0.2; set phase-axes raw; set record all; tol = off",
+        "method verlet drag=implicit; C = 0.5; duration = 2/3; set record every 7; tol = 1e-9; timing off; set digits "
+        "12",
+        "method dopri5 tol=3e-5; let A = 5 cm +- 1/3 mm; let B = 0.1+0.2; set phase-axes raw; set record all; tol = "
+        "off",
     };
     for (size_t i = 0; i < COUNT_OF(setups); i++) {
         struct bench a, b;
@@ -157,10 +159,36 @@ static void failed_statements_change_nothing(void **state)
 {
     (void)state;
     static const char *const failing[] = {
-        "m = -1", "m = 5 cm", "k = 1e305; m = 1e-6", "method rk4 tol=1e-3", "method dopri5 dt=-1", "method verlet drag=foo", "dt = 0",
-        "set record every 0", "set size 5", "let m = 4", "run 1e300", "run until y < 1 kg", "continue -1", "step 0", "compare euler dt=0",
-        "compare euler verlet dt=1ms,2ms tol=1e-3", "use 9", "rename 1 2x", "drop 9", "drop 1 9", "load nofile", "data use x", "fit to x",
-        "unset foo", "scene foo", "restore foo", "source nofile.hk", "measure k of run 9", "set format xml", "timing slow",
+        "m = -1",
+        "m = 5 cm",
+        "k = 1e305; m = 1e-6",
+        "method rk4 tol=1e-3",
+        "method dopri5 dt=-1",
+        "method verlet drag=foo",
+        "dt = 0",
+        "set record every 0",
+        "set size 5",
+        "let m = 4",
+        "run 1e300",
+        "run until y < 1 kg",
+        "continue -1",
+        "step 0",
+        "compare euler dt=0",
+        "compare euler verlet dt=1ms,2ms tol=1e-3",
+        "use 9",
+        "rename 1 2x",
+        "drop 9",
+        "drop 1 9",
+        "load nofile",
+        "data use x",
+        "fit to x",
+        "unset foo",
+        "scene foo",
+        "restore foo",
+        "source nofile.hk",
+        "measure k of run 9",
+        "set format xml",
+        "timing slow",
     };
     struct bench b;
     bench_open(&b, false);
@@ -221,10 +249,13 @@ static void a_run_dropped_lives_as_long_as_undo_needs_it(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(undo_and_redo_keep_bits),          cmocka_unit_test(undo_of_back_and_reset_keeps_bits),
+        cmocka_unit_test(undo_and_redo_keep_bits),
+        cmocka_unit_test(undo_of_back_and_reset_keeps_bits),
         cmocka_unit_test(a_split_run_equals_a_long_one),
-        cmocka_unit_test(save_recreates_the_setup_exactly), cmocka_unit_test(failed_statements_change_nothing),
-        cmocka_unit_test(undo_keeps_the_last_levels),       cmocka_unit_test(a_run_dropped_lives_as_long_as_undo_needs_it),
+        cmocka_unit_test(save_recreates_the_setup_exactly),
+        cmocka_unit_test(failed_statements_change_nothing),
+        cmocka_unit_test(undo_keeps_the_last_levels),
+        cmocka_unit_test(a_run_dropped_lives_as_long_as_undo_needs_it),
     };
     return cmocka_run_group_tests(tests, enter_folder, leave_folder);
 }

@@ -8,8 +8,7 @@
 
 #include "numerics/method_testing.h"
 
-/* ---- counting allocations: through the sanitizer's hook, or in front of glibc's own functions
- * --------------------------- */
+/* ---- counting allocations: through the sanitizer's hook, or in front of glibc's own functions ---- */
 
 static volatile long allocations;
 
@@ -204,8 +203,7 @@ static void test_warm_equals_cold(void **state)
         }
 }
 
-/* ---- failure
- * ----------------------------------------------------------------------------------------------------------- */
+/* ---- failure ---- */
 
 /* Not a number beyond q = c, and then only. */
 static void wall_add(const double *c, double t, const double *y, double *a)
@@ -298,8 +296,7 @@ static void test_no_solution(void **state)
     assert_int_equal(advance(method_named("backward-euler"), &unstable, 0.5, 1, z), STEP_OK);
 }
 
-/* ---- symmetries, to the bit
- * ---------------------------------------------------------------------------------------------- */
+/* ---- symmetries, to the bit ---- */
 
 static void test_symmetries(void **state)
 {

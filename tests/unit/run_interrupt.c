@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Interrupts at random times: what was computed is a bit-equal prefix, going on gives the run one would have had, and it stops at once. */
+/* Interrupts at random times: what was computed is a bit-equal prefix, going on gives the run one would have had, and
+ * it stops at once. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -39,8 +40,9 @@ static struct run *new_run(const char *method)
     scene_init(&scene, NULL);
     assert_true(scene_set(&scene, param_index("C"), (struct measured){1, 0}, &error));
     struct run_settings settings = {.dt = 0.001};
-    struct run *run = run_create(&scene, (const struct method *)(const void *)catalog_find(&method_catalog, text_of(method)),
-                                 &settings, STEPS * 0.001, &error);
+    struct run *run =
+        run_create(&scene, (const struct method *)(const void *)catalog_find(&method_catalog, text_of(method)),
+                   &settings, STEPS * 0.001, &error);
     assert_non_null(run);
     return run;
 }

@@ -218,7 +218,7 @@ static void test_constants(void **state)
     arena_reset(&arena);
 }
 
-/* ---- random expressions: this writer knows their value ----------------------------------------------------------- */
+/* ---- random expressions: this writer knows their value ---- */
 
 struct written {
     double value;
@@ -299,7 +299,7 @@ static void test_random_expressions(void **state)
     assert_true(finite > rounds / 2);
 }
 
-/* ---- hostile input ----------------------------------------------------------------------------------------------- */
+/* ---- hostile input ---- */
 
 /* `unit` over and over until `size` bytes, between a beginning and an end. */
 static void expect_quick(const char *begin, const char *unit, size_t size, const char *end, const char *sentence)

@@ -254,14 +254,10 @@ static void test_reynolds(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_tables),
-        cmocka_unit_test(test_ranges),
-        cmocka_unit_test(test_set_and_unset),
-        cmocka_unit_test(test_presets),
-        cmocka_unit_test(test_derived),
-        cmocka_unit_test(test_extreme_amplitude),
-        cmocka_unit_test(test_uncertainty),
-        cmocka_unit_test(test_setting_a_derived_quantity),
+        cmocka_unit_test(test_tables),        cmocka_unit_test(test_ranges),
+        cmocka_unit_test(test_set_and_unset), cmocka_unit_test(test_presets),
+        cmocka_unit_test(test_derived),       cmocka_unit_test(test_extreme_amplitude),
+        cmocka_unit_test(test_uncertainty),   cmocka_unit_test(test_setting_a_derived_quantity),
         cmocka_unit_test(test_reynolds),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -88,7 +88,8 @@ static void test_parts_add_up(void **state)
             earlier[j] = y[j] - h * dydt[j];
         }
         double slope = (system_kinetic(&all, later) + system_potential(&all, later) - system_kinetic(&all, earlier) -
-                        system_potential(&all, earlier)) / (2 * h);
+                        system_potential(&all, earlier)) /
+                       (2 * h);
         double power = system_power(&all, t, y);
         assert_true(fabs(slope - power) < 1e-7 * (1 + fabs(power)));
         double drive = 2 * cos(8 * t + 0.5) * y[1];
@@ -97,7 +98,7 @@ static void test_parts_add_up(void **state)
     }
 }
 
-/* ---- first order: a row made here, dy/dt = -c y for two variables ------------------------------------------------ */
+/* ---- first order: a row made here, dy/dt = -c y for two variables ---- */
 
 static void decay_add(const double *c, double t, const double *y, double *a)
 {
@@ -156,8 +157,8 @@ static void test_scale(void **state)
     expect_scale(BOUND({"y0", 0.01}, {"v0", -2}), 2 / omega, 2);
     expect_scale(BOUND({"y0", 0}, {"g", 9.81}), 9.81 / 75, 9.81 / omega);
     expect_scale(BOUND({"k", -15}), 0.05, 0.05 * omega);
-    expect_scale(BOUND({"k", 0}, {"v0", 3}), 3, 3);                             /* 1 s stands in for a period */
-    expect_scale(BOUND({"k", 0}, {"v0", 3}, {"gamma", 6}), 0.5, 3);             /* stopping distance */
+    expect_scale(BOUND({"k", 0}, {"v0", 3}), 3, 3);                 /* 1 s stands in for a period */
+    expect_scale(BOUND({"k", 0}, {"v0", 3}, {"gamma", 6}), 0.5, 3); /* stopping distance */
     expect_scale(BOUND({"y0", 1e-310}), 1e-310, 1e-310 * omega);
     expect_scale(BOUND({"y0", 0}), 1, 1);
     expect_scale(BOUND({"y0", 0}, {"F0", 0.02}, {"omega", 0}), 0.1 / 75, 0.1 / omega);
@@ -187,7 +188,7 @@ static void expect_refused(const char *sentence, const struct setting *settings,
     assert_int_equal(error.code, ERROR_COMMAND);
 }
 
-#define REFUSED(sentence, ...) \
+#define REFUSED(sentence, ...)                                                                                         \
     expect_refused(sentence, (const struct setting[]){__VA_ARGS__}, COUNT_OF(((const struct setting[]){__VA_ARGS__})))
 
 static void test_overflow_is_refused(void **state)
@@ -205,7 +206,7 @@ static void test_overflow_is_refused(void **state)
     (void)BOUND({"y0", 1e300});
 }
 
-/* ---- the drag flow ----------------------------------------------------------------------------------------------- */
+/* ---- the drag flow ---- */
 
 /* v' = -gamma v - c |v| v by the midpoint rule with Richardson extrapolation. */
 static double integrated(double gamma, double c, double v0, double h)
@@ -244,9 +245,9 @@ static void test_drag_flow(void **state)
     struct oscillator hard = {.damping = 1e9, .quadratic = 1e9}, growing = {.damping = -1e4, .quadratic = 2},
                       quadratic = {.quadratic = 1};
     assert_true(oscillator_drag_flow(&hard, 1, 1e3) == 0);
-    assert_true(oscillator_drag_flow(&growing, -1e-3, 1) == -5e3);  /* gamma/c: where growth and drag balance */
+    assert_true(oscillator_drag_flow(&growing, -1e-3, 1) == -5e3); /* gamma/c: where growth and drag balance */
     assert_true(oscillator_drag_flow(&quadratic, 1e150, 1e10) == 1e-10);
-    assert_true(isinf(oscillator_drag_flow(&quadratic, 1, -2)));    /* behind the pole */
+    assert_true(isinf(oscillator_drag_flow(&quadratic, 1, -2))); /* behind the pole */
     quadratic.quadratic = 0;
     assert_true(oscillator_drag_flow(&quadratic, 0.1, 0.3) == 0.1);
 }
@@ -254,14 +255,10 @@ static void test_drag_flow(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_only_what_is_needed),
-        cmocka_unit_test(test_spring_is_one_multiplication),
-        cmocka_unit_test(test_parts_add_up),
-        cmocka_unit_test(test_first_order),
-        cmocka_unit_test(test_variables),
-        cmocka_unit_test(test_scale),
-        cmocka_unit_test(test_overflow_is_refused),
-        cmocka_unit_test(test_drag_flow),
+        cmocka_unit_test(test_only_what_is_needed), cmocka_unit_test(test_spring_is_one_multiplication),
+        cmocka_unit_test(test_parts_add_up),        cmocka_unit_test(test_first_order),
+        cmocka_unit_test(test_variables),           cmocka_unit_test(test_scale),
+        cmocka_unit_test(test_overflow_is_refused), cmocka_unit_test(test_drag_flow),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -143,7 +143,7 @@ static void test_rows_keep_their_claims(void **state)
     }
 }
 
-/* ---- rows that are wrong on purpose: each is caught by its check ------------------------------------------------- */
+/* ---- rows that are wrong on purpose: each is caught by its check ---- */
 
 static const struct term_row *term_named(const char *name)
 {

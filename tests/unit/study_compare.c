@@ -17,7 +17,8 @@ static const struct method *method_named(const char *name)
     return (const struct method *)(const void *)row;
 }
 
-static struct compare_request request_for(struct scene *scene, struct contender *contender, const char *const *names, int count)
+static struct compare_request request_for(struct scene *scene, struct contender *contender, const char *const *names,
+                                          int count)
 {
     scene_init(scene, NULL);
     for (int i = 0; i < count; i++) {
@@ -58,7 +59,7 @@ static void test_the_labs_comparison(void **state)
     assert_non_null(strstr(row[1].verdict, "as predicted"));
     assert_non_null(strstr(row[2].verdict, "bounded, as predicted"));
     assert_true(row[2].ledger.error_max > 0.04); /* it does swing: the ellipse allows 0.09, far above rounding */
-    assert_true(isnan(row[0].time.minimum)); /* TIMING_OFF: nothing is timed */
+    assert_true(isnan(row[0].time.minimum));     /* TIMING_OFF: nothing is timed */
     for (int i = 0; i < count; i++) {
         assert_int_equal(row[i].run->steps, 1000);
         comparison_free(&row[i]);
@@ -130,7 +131,8 @@ static void test_refusals_come_first(void **state)
     assert_int_equal(error.code, ERROR_COMMAND);
 
     request = request_for(&scene, contender, names, 2);
-    assert_true(scene_set(&scene, param_index("C"), (struct measured){1, 0}, &error)); /* no closed form: `exact` is refused */
+    assert_true(
+        scene_set(&scene, param_index("C"), (struct measured){1, 0}, &error)); /* no closed form: `exact` is refused */
     assert_true(scene_set(&scene, param_index("area"), (struct measured){0.01, 0}, &error));
     assert_false(study_compare(&request, row, &count, &error));
     assert_int_equal(count, 0);
@@ -179,9 +181,12 @@ static void test_times_grow_with_the_work(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_the_labs_comparison), cmocka_unit_test(test_observed_orders),
-        cmocka_unit_test(test_divergence_is_a_result), cmocka_unit_test(test_refusals_come_first),
-        cmocka_unit_test(test_cancelled), cmocka_unit_test(test_times_grow_with_the_work),
+        cmocka_unit_test(test_the_labs_comparison),
+        cmocka_unit_test(test_observed_orders),
+        cmocka_unit_test(test_divergence_is_a_result),
+        cmocka_unit_test(test_refusals_come_first),
+        cmocka_unit_test(test_cancelled),
+        cmocka_unit_test(test_times_grow_with_the_work),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -42,7 +42,8 @@ static double mean_change(struct session *session, int frames, int *most)
     return (double)sum / frames;
 }
 
-/* A planned run sweeps over fixed axes: the curve's end, the point of the phase plot with the end of its trail, and some digits. */
+/* A planned run sweeps over fixed axes: the curve's end, the point of the phase plot with the end of its trail, and
+ * some digits. */
 static void a_sweep_changes_few_cells(void **state)
 {
     (void)state;
@@ -203,13 +204,21 @@ static void one_row_is_enough(void **state)
     session_destroy(session);
 }
 
-/* ---- figures ----------------------------------------------------------------------------------------------------------------- */
+/* ---- figures ---- */
 
 static struct figure figure_of(const struct session *session, enum plot_kind kind, bool follow, struct arena *arena)
 {
-    struct figure_request request = {.kind = kind, .run = &session->current_run, .runs = 1, .recording = figure_recording(session, kind),
-                                     .window = {follow ? NAN : 0, NAN}, .width = 60, .charset = CHARSET_BRAILLE, .follow = follow, .pages = 4,
-                                     .span = follow ? 1000 : 0, .until = NAN};
+    struct figure_request request = {.kind = kind,
+                                     .run = &session->current_run,
+                                     .runs = 1,
+                                     .recording = figure_recording(session, kind),
+                                     .window = {follow ? NAN : 0, NAN},
+                                     .width = 60,
+                                     .charset = CHARSET_BRAILLE,
+                                     .follow = follow,
+                                     .pages = 4,
+                                     .span = follow ? 1000 : 0,
+                                     .until = NAN};
     struct figure figure;
     struct error error;
     if (!session_figure(session, &request, arena, &figure, &error))
@@ -230,7 +239,8 @@ static const struct observable *observable(const char *name)
     return (const struct observable *)(const void *)catalog_find(&observable_catalog, text_of(name));
 }
 
-/* Of a hundred thousand rows a screen draws few, each with the value it has in the whole column, and the extremes are among them. */
+/* Of a hundred thousand rows a screen draws few, each with the value it has in the whole column, and the extremes are
+ * among them. */
 static void few_rows_stand_for_many(void **state)
 {
     static const struct {

@@ -47,7 +47,10 @@ static void wide_characters_move_the_cursor_by_two(void **state)
 static void bytes_that_are_no_text_are_visible(void **state)
 {
     (void)state;
-    check(40, "a\xFF" "b", 2, "hooke> a\\xFFb", 12);
+    check(40,
+          "a\xFF"
+          "b",
+          2, "hooke> a\\xFFb", 12);
     check(40, "a\nb", 3, "hooke> a^Jb", 11);
     check(40, "\x1B[2J", 4, "hooke> ^[[2J", 12);
 }
@@ -81,8 +84,10 @@ static void the_cursor_is_always_on_its_character(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(short_lines_stand_as_they_are),      cmocka_unit_test(wide_characters_move_the_cursor_by_two),
-        cmocka_unit_test(bytes_that_are_no_text_are_visible), cmocka_unit_test(long_lines_scroll_with_marks),
+        cmocka_unit_test(short_lines_stand_as_they_are),
+        cmocka_unit_test(wide_characters_move_the_cursor_by_two),
+        cmocka_unit_test(bytes_that_are_no_text_are_visible),
+        cmocka_unit_test(long_lines_scroll_with_marks),
         cmocka_unit_test(the_cursor_is_always_on_its_character),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

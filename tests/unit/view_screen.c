@@ -69,9 +69,9 @@ static void layouts_have_their_panes(void **state)
         enum layout layout;
         const char *has, *lacks;
     } cases[] = {
-        {LAYOUT_TRIO, "energy [mJ]", "v [cm/s]"},  {LAYOUT_DUO, "phase", "energy [mJ]"},
-        {LAYOUT_SINGLE, "- y [cm] -", "phase"},    {LAYOUT_STACK, "v [cm/s]", "phase"},
-        {LAYOUT_QUAD, "4 energy [mJ]", "- 5 "},      {LAYOUT_PLOT, "- y [cm] -", "run 9.6"},
+        {LAYOUT_TRIO, "energy [mJ]", "v [cm/s]"}, {LAYOUT_DUO, "phase", "energy [mJ]"},
+        {LAYOUT_SINGLE, "- y [cm] -", "phase"},   {LAYOUT_STACK, "v [cm/s]", "phase"},
+        {LAYOUT_QUAD, "4 energy [mJ]", "- 5 "},   {LAYOUT_PLOT, "- y [cm] -", "run 9.6"},
         {LAYOUT_LOG, "960 steps", "y [cm]"},
     };
     (void)state;
@@ -96,9 +96,10 @@ static void the_focused_pane_is_shown(void **state)
     tell(session, "run 9.6 s");
     for (size_t i = 0; i < pane_catalog.count; i++) {
         const struct pane_row *pane = (const struct pane_row *)(const void *)catalog_row(&pane_catalog, i);
-        static const char *const title[] = {[PANE_POSITION] = "- y [", [PANE_ENERGY] = "- energy [", [PANE_PHASE] = "- phase ",
-                                            [PANE_VELOCITY] = "- v [", [PANE_ERROR] = "- error [", [PANE_RESIDUAL] = "- residual [",
-                                            [PANE_SPECTRUM] = "- spectrum "};
+        static const char *const title[] = {
+            [PANE_POSITION] = "- y [",      [PANE_ENERGY] = "- energy [", [PANE_PHASE] = "- phase ",
+            [PANE_VELOCITY] = "- v [",      [PANE_ERROR] = "- error [",   [PANE_RESIDUAL] = "- residual [",
+            [PANE_SPECTRUM] = "- spectrum "};
         session->view.focus = (enum pane)i;
         session->view.full = false;
         bool offered = pane->offered(session);
@@ -185,12 +186,14 @@ static void the_log_scrolls(void **state)
     struct session *session = begin(true, NULL);
     for (int i = 1; i <= 20; i++) {
         char line[120];
-        snprintf(line, sizeof line, "line %d.%s", i, i == 20 ? " is one that is longer than the eighty columns that the screen has, and so it is cut" : "");
+        snprintf(line, sizeof line, "line %d.%s", i,
+                 i == 20 ? " is one that is longer than the eighty columns that the screen has, and so it is cut" : "");
         log_add(&session->log, text_of(line));
     }
     assert_shows(session, 80, 24, "line 15.");
     assert_hides(session, 80, 24, "line 14.");
-    assert_shows(session, 80, 24, "line 20. is one that is longer than the eighty columns that the screen has, and\xE2\x80\xA6");
+    assert_shows(session, 80, 24,
+                 "line 20. is one that is longer than the eighty columns that the screen has, and\xE2\x80\xA6");
     session->view.scroll = 3;
     assert_hides(session, 80, 24, "line 18.");
     assert_shows(session, 80, 24, "line 12.");
@@ -203,10 +206,14 @@ static void the_log_scrolls(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_size_can_be_drawn),      cmocka_unit_test(parts_give_way_in_order),
-        cmocka_unit_test(layouts_have_their_panes),     cmocka_unit_test(the_focused_pane_is_shown),
-        cmocka_unit_test(drawing_changes_nothing),      cmocka_unit_test(the_state_line_says_what_goes_on),
-        cmocka_unit_test(a_conservative_run_has_no_balance), cmocka_unit_test(a_hint_takes_the_numbers_line),
+        cmocka_unit_test(every_size_can_be_drawn),
+        cmocka_unit_test(parts_give_way_in_order),
+        cmocka_unit_test(layouts_have_their_panes),
+        cmocka_unit_test(the_focused_pane_is_shown),
+        cmocka_unit_test(drawing_changes_nothing),
+        cmocka_unit_test(the_state_line_says_what_goes_on),
+        cmocka_unit_test(a_conservative_run_has_no_balance),
+        cmocka_unit_test(a_hint_takes_the_numbers_line),
         cmocka_unit_test(the_log_scrolls),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
