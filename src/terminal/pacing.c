@@ -9,11 +9,11 @@
 #define MISSING_MOST 2         /* then the terminal is one that does not answer */
 #define BLIND_FRAMES 2         /* frames a second without answers */
 #define SLOW_NS 8000000        /* an answer that takes longer has come over a link that may be slow */
-#define SLOW_ROWS 4            /* of dots: at most 1 kB */
+#define SLOW_BYTES 500
 
-int pacing_rows(const struct pacing *pacing)
+int pacing_bytes(const struct pacing *pacing)
 {
-    return pacing->delay > SLOW_NS ? SLOW_ROWS : INT_MAX;
+    return pacing->delay > SLOW_NS ? SLOW_BYTES : INT_MAX;
 }
 
 static bool is_asking(const struct pacing *pacing, const struct session *session)

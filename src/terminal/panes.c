@@ -101,7 +101,7 @@ void panes_prompt(const struct panes *panes, struct prompt_line *prompt, struct 
     }
 }
 
-enum shown panes_show(struct panes *panes, bool only_prompt, int rows)
+enum shown panes_show(struct panes *panes, bool only_prompt, int bytes)
 {
     struct prompt_line prompt;
     struct buffer room = {0};
@@ -112,7 +112,7 @@ enum shown panes_show(struct panes *panes, bool only_prompt, int rows)
     screen_color(&panes->screen, choice == COLOR_ALWAYS || (choice == COLOR_AUTO && panes->color));
     enum shown shown = SHOWN_NOTHING;
     if (!canvas->cell || screen_draw(panes_session(panes), &prompt, canvas, &x, &y)) {
-        shown = screen_show(&panes->screen, only_prompt ? panes->screen.height - 1 : 0, rows, x, y);
+        shown = screen_show(&panes->screen, only_prompt ? panes->screen.height - 1 : 0, bytes, x, y);
     }
     buffer_free(&room);
     panes->echo_stale = false;
@@ -125,7 +125,7 @@ static void draw_due(struct panes *panes, int64_t now)
 {
     struct session *session = panes_session(panes);
     if (panes->running && now >= pacing_due(&panes->pacing, session)) {
-        const enum shown shown = panes_show(panes, false, panes->screen_stale ? INT_MAX : pacing_rows(&panes->pacing));
+        const enum shown shown = panes_show(panes, false, panes->screen_stale ? INT_MAX : pacing_bytes(&panes->pacing));
         pacing_drawn(&panes->pacing, session, now, shown);
     } else if (panes->screen_stale) {
         panes_show(panes, false, INT_MAX);
@@ -180,7 +180,8 @@ static void suspend(struct panes *panes)
     take_size(panes);
 }
 
-static void heed_signals(struct panes *panes)
+/* forget: what has been read was typed before a Ctrl-C that is found now. */
+static void heed_signals(struct panes *panes, bool forget)
 {
     signals_drain();
     if (signals_happened(HAPPENED_RESIZE)) {
@@ -197,9 +198,10 @@ static void heed_signals(struct panes *panes)
     if (cancelled(&interrupt) && !signals_ending()) {
         atomic_store(&interrupt.requested, 0);
         panes->interrupted = true;
-        /* With Ctrl-C the system has thrown away what was under way in both directions, and rightly what was typed
-         * before. */
-        input_clear(&panes->input);
+        if (forget) {
+            input_clear(&panes->input);
+        }
+        /* The system itself has thrown away what was under way, in both directions. */
         panes->pacing.asked = 0;
         panes_repaint(panes);
         if (!panes->running && !panes->question) {
@@ -232,9 +234,10 @@ void panes_wait(struct panes *panes, int64_t until)
     }
     struct pollfd ready[2] = {{.fd = STDIN_FILENO, .events = POLLIN}, {.fd = signals_pipe(), .events = POLLIN}};
     const bool any = poll(ready, 2, timeout) > 0;
-    heed_signals(panes); /* before what was typed after Ctrl-C is read */
+    heed_signals(panes, true);
     if (any && ready[0].revents) {
         input_read(&panes->input, (ready[0].revents & GONE) != 0);
+        heed_signals(panes, false); /* what a Ctrl-C in between has left for us to read was typed after it */
     }
     struct error error;
     if (clock_ns() >= autosave_due(panes->program->autosave) && !autosave_write(panes->program->autosave, &error)) {

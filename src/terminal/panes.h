@@ -59,8 +59,8 @@ struct pacing {
 
 /* Earliest time of the next animated frame [clock_ns]. */
 int64_t pacing_due(const struct pacing *pacing, const struct session *session);
-/* How many rows one frame may send: over a slow link few, so that what is typed never waits for long. */
-int pacing_rows(const struct pacing *pacing);
+/* [byte] one frame may send: over a slow link few, so that what is typed never waits for long. */
+int pacing_bytes(const struct pacing *pacing);
 /* A frame, or a part of one, has been drawn. Asks, where that is wanted, unless nothing had to be sent. */
 void pacing_drawn(struct pacing *pacing, const struct session *session, int64_t now, enum shown shown);
 void pacing_replied(struct pacing *pacing, int64_t now);
@@ -93,8 +93,9 @@ void screen_retake(struct screen *screen);
 void screen_repaint(struct screen *screen);
 /* Reads the size from the terminal and adapts to it. */
 void screen_resize(struct screen *screen);
-/* Sends what differs from `shown`, from row `from` on, at most so many rows: the others come with the next call. */
-enum shown screen_show(struct screen *screen, int from, int rows, int cursor_x, int cursor_y);
+/* Sends what differs from `shown`, from row `from` on, at most about so many bytes: the rest comes with the next call.
+ */
+enum shown screen_show(struct screen *screen, int from, int bytes, int cursor_x, int cursor_y);
 
 /* ---- the front end ---------------------------------------------------------------------------------------- */
 
@@ -139,8 +140,8 @@ void panes_process(struct panes *panes);
 void panes_enqueue(struct panes *panes, struct text line, enum line_from from);
 /* The lowest row as it is now; `room` holds a text it may need. */
 void panes_prompt(const struct panes *panes, struct prompt_line *prompt, struct buffer *room);
-/* only_prompt: its row alone, so that an echo costs little on a slow link. At most so many rows. */
-enum shown panes_show(struct panes *panes, bool only_prompt, int rows);
+/* only_prompt: its row alone, so that an echo costs little on a slow link. At most about so many bytes. */
+enum shown panes_show(struct panes *panes, bool only_prompt, int bytes);
 /* Everything is sent again, whatever the terminal shows. */
 void panes_repaint(struct panes *panes);
 void panes_warn(struct panes *panes, const struct error *error);

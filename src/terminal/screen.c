@@ -252,16 +252,21 @@ static void put_row(struct screen *screen, int y)
     free(line);
 }
 
-static bool same_cells(const struct cell *a, const struct cell *b, int n)
+#define MOVE_COST 8 /* [byte] to place the cursor */
+
+/* [byte] about what it takes to make row b look like row a; 0: it does. */
+static int row_cost(const struct cell *a, const struct cell *b, int n)
 {
-    int i = 0;
-    while (i < n && a[i].codepoint == b[i].codepoint && a[i].style == b[i].style) {
-        i++;
+    int cost = 0;
+    for (int i = 0; i < n; i++) {
+        if (a[i].codepoint != b[i].codepoint || a[i].style != b[i].style) {
+            cost += a[i].codepoint < 0x80 ? 1 : a[i].codepoint < 0x800 ? 2 : 3;
+        }
     }
-    return i == n;
+    return cost > 0 ? cost + MOVE_COST : 0;
 }
 
-enum shown screen_show(struct screen *screen, int from, int rows, int cursor_x, int cursor_y)
+enum shown screen_show(struct screen *screen, int from, int bytes, int cursor_x, int cursor_y)
 {
     if (!screen->canvas.cell || !screen->shown.cell) {
         set_size(screen); /* there was no memory for it */
@@ -269,13 +274,14 @@ enum shown screen_show(struct screen *screen, int from, int rows, int cursor_x, 
     }
     const int all = screen->height - from;
     int sent = 0, i = 0;
-    for (; i < all && sent < rows; i++) {
+    for (; i < all && sent < bytes; i++) {
         const int y = from + (screen->next + i) % all; /* goes on where the last part ended */
         const size_t at = (size_t)y * (size_t)screen->width;
-        if (screen->stale || !same_cells(screen->canvas.cell + at, screen->shown.cell + at, screen->width)) {
+        const int cost = row_cost(screen->canvas.cell + at, screen->shown.cell + at, screen->width);
+        if (screen->stale || cost > 0) {
             put_row(screen, y);
             memcpy(screen->shown.cell + at, screen->canvas.cell + at, (size_t)screen->width * sizeof(struct cell));
-            sent++;
+            sent += screen->stale ? screen->width : cost;
         }
     }
     screen->next = i < all ? (screen->next + i) % all : 0;

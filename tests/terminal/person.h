@@ -25,7 +25,7 @@
 
 struct person {
     pid_t program; /* or the shell that stands before it */
-    int stopped;   /* a byte comes from here whenever the program has stopped */
+    int stopped;   /* a byte comes from here whenever the program has stopped, and when it goes on */
     int fd;
     struct emulator screen;
     struct buffer raw; /* everything the program sent */
@@ -57,12 +57,17 @@ static inline void be_shell(int report)
     sigemptyset(&usr1);
     sigaddset(&usr1, SIGUSR1);
     sigprocmask(SIG_BLOCK, &usr1, NULL);
-    signal(SIGTTOU, SIG_IGN);
+    static const int ignored[] = {SIGTTOU, SIGINT, SIGQUIT, SIGTSTP};
+    for (size_t i = 0; i < COUNT_OF(ignored); i++) {
+        signal(ignored[i], SIG_IGN);
+    }
     const pid_t program = fork();
     if (program == 0) {
         setpgid(0, 0);
         tcsetpgrp(STDIN_FILENO, getpid());
-        signal(SIGTTOU, SIG_DFL);
+        for (size_t i = 0; i < COUNT_OF(ignored); i++) {
+            signal(ignored[i], SIG_DFL);
+        }
         sigprocmask(SIG_UNBLOCK, &usr1, NULL);
         return;
     }
@@ -76,7 +81,11 @@ static inline void be_shell(int report)
         sigwait(&usr1, &number);
         tcsetpgrp(STDIN_FILENO, program);
         kill(program, SIGCONT);
+        if (write(report, "", 1) != 1) {
+            break;
+        }
     }
+    { FILE *f = fopen("/tmp/panes/shell.txt", "a"); fprintf(f, "status %x errno %d\n", status, errno); fclose(f); }
     _exit(WIFEXITED(status) ? WEXITSTATUS(status) : 126);
 }
 
@@ -304,9 +313,19 @@ static inline void expect_stop(struct person *p)
     while (poll(&stop, 1, 0) == 0 && clock_ns() < deadline) {
         pump(p, 50);
     }
-    assert_int_equal(poll(&stop, 1, 0), 1);
-    assert_int_equal(read(p->stopped, &byte, 1), 1);
+    if (poll(&stop, 1, 0) != 1 || read(p->stopped, &byte, 1) != 1) {
+        int st=0; int r=waitpid(p->program,&st,WNOHANG); print_message("# shell: r %d status %x poll %d revents %x left %d\n", r, st, poll(&stop,1,0), stop.revents, (int)((deadline-clock_ns())/MS));
+        fail_msg("the program did not stop");
+    }
     settle(p, 50);
+}
+
+/* Continues it, as `fg` would; returns when it has the terminal. */
+static inline void continue_program(struct person *p)
+{
+    char byte;
+    assert_int_equal(kill(p->program, SIGUSR1), 0);
+    assert_int_equal(read(p->stopped, &byte, 1), 1);
 }
 
 /* Waits for the end of the program; returns its wait status. */

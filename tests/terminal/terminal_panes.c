@@ -333,7 +333,7 @@ static void test_suspend(void **state)
     assert_false(p.screen.second_screen);
     assert_false(p.screen.pasting);
     resize(&p, 100, 30);
-    kill(p.program, SIGUSR1);
+    continue_program(&p);
     expect_prompt(&p, "hooke> print 5");
     assert_true(p.screen.second_screen);
     assert_true(p.screen.pasting);
@@ -359,7 +359,7 @@ static void test_suspend_in_a_long_command(void **state)
     assert_false(p.screen.second_screen);
     assert_false(p.screen.pasting);
     resize(&p, 90, 20);
-    kill(p.program, SIGUSR1);
+    continue_program(&p);
     type(&p, "\x03");
     expect_prompt(&p, EMPTY_PROMPT);
     assert_true(p.screen.second_screen);

@@ -161,7 +161,7 @@ static void test_plain_suspend(void **state)
     type(&p, "\x1a");
     expect_stop(&p);
     same_modes(&p);
-    kill(p.program, SIGUSR1);
+    continue_program(&p);
     type(&p, "*5\r");
     expect(&p, "25");
     type(&p, "quit\r");
