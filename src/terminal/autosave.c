@@ -43,7 +43,7 @@ static bool read_name(const char *name, struct saved *saved)
         name[used] != '\0' || pid <= 0) {
         return false;
     }
-    snprintf(saved->name, sizeof saved->name, "%s", name);
+    memcpy(saved->name, name, strlen(name) + 1); /* fits: checked above */
     saved->living = kill((pid_t)pid, 0) == 0 || errno == EPERM;
     return true;
 }

@@ -85,7 +85,6 @@ static inline void be_shell(int report)
             break;
         }
     }
-    { FILE *f = fopen("/tmp/panes/shell.txt", "a"); fprintf(f, "status %x errno %d\n", status, errno); fclose(f); }
     _exit(WIFEXITED(status) ? WEXITSTATUS(status) : 126);
 }
 
@@ -314,7 +313,6 @@ static inline void expect_stop(struct person *p)
         pump(p, 50);
     }
     if (poll(&stop, 1, 0) != 1 || read(p->stopped, &byte, 1) != 1) {
-        int st=0; int r=waitpid(p->program,&st,WNOHANG); print_message("# shell: r %d status %x poll %d revents %x left %d\n", r, st, poll(&stop,1,0), stop.revents, (int)((deadline-clock_ns())/MS));
         fail_msg("the program did not stop");
     }
     settle(p, 50);
