@@ -44,6 +44,7 @@ struct step {
     enum drag drag; /* resolved by method_applies(): DRAG_DEFAULT only where the method has no variants */
     double t, h;
     double *y, *error, *work;
+    double *low; /* [n] optional: what rounding took from y so far (compensated sums, Kahan 1965); NULL: plain sums */
     bool warm;
     struct cost cost; /* accumulates */
 };
@@ -58,10 +59,19 @@ enum method_flag {
     METHOD_ADAPTIVE = 64,      /* has an error estimate */
     METHOD_SECOND_ORDER = 128, /* only for q'' = a(t, q, q') */
     METHOD_EXACT = 256,        /* propagates the exact solution: needs system_has_exact() */
+    METHOD_NO_VELOCITY = 512,  /* only for q'' = a(t, q): no force may depend on velocity */
+    METHOD_POTENTIAL = 1024,   /* every force but drag needs a potential */
+    METHOD_MULTISTEP = 2048,   /* remembers steps before: starts by a one-step method, wants a constant step */
+    METHOD_YARDSTICK = 4096,   /* somebody else's library, for comparison */
 };
 
-struct tableau;   /* Runge–Kutta coefficients, private */
-struct splitting; /* drift and kick weights, private */
+/* Coefficients, private to the layer: each family of methods has one kind. */
+struct tableau;          /* explicit Runge-Kutta */
+struct splitting;        /* drifts and kicks */
+struct nystrom;          /* Runge-Kutta-Nystrom */
+struct implicit_tableau; /* implicit Runge-Kutta */
+struct rosenbrock;       /* linearly implicit Runge-Kutta */
+struct multistep;        /* Adams, backward differentiation */
 
 struct method {
     struct row row;      /* name, "", brief, citation, aliases */
@@ -76,14 +86,25 @@ struct method {
     size_t (*work)(const struct method *method, int n); /* doubles */
     /* State at t + theta h (0 <= theta <= 1) after a successful step; NULL: cubic Hermite through both ends. */
     void (*dense)(const struct method *method, const struct step *step, double theta, double *y);
+    /* Growth a step (spectral radius) on q'' + 2 zeta q' + q = 0 at x = dt; NULL: that of the one-step matrix. */
+    double (*growth)(const struct method *method, double x, double zeta);
+    /* The one that is there makes the family. */
     const struct tableau *tableau;
     const struct splitting *splitting;
+    const struct nystrom *nystrom;
+    const struct implicit_tableau *implicit;
+    const struct rosenbrock *rosenbrock;
+    const struct multistep *multistep;
 };
 
 extern const struct catalog method_catalog;
 
 /* Whether this method can step this system with this drag variant (false: a reason). Resolves DRAG_DEFAULT. */
 bool method_applies(const struct method *method, const struct system *system, enum drag *drag, struct error *error);
+/* Whether it can take steps of h [s] on this system (false: a reason): splittings of higher order step backwards, which
+ * strong drag does not survive. */
+bool method_fits(const struct method *method, const struct system *system, enum drag drag, double h,
+                 struct error *error);
 size_t method_work_size(const struct method *method, int n);
 /* One step: STEP_OK, and t has advanced by h; else y and t are as they were, bit for bit. Never allocates. */
 enum step_status method_step(const struct method *method, struct step *step);
@@ -118,6 +139,8 @@ enum step_status method_adapt(const struct method *method, struct step *step, st
 /* One-step matrix, row-major, found by stepping the two unit vectors. False: the method does not apply. */
 bool method_amplification(const struct method *method, enum drag drag, double x, double zeta, double matrix[4]);
 double matrix_spectral_radius(const double matrix[4]);
+/* Amplitude factor a step, the spectral radius: also for methods that have no one-step matrix. NAN: does not apply. */
+double method_growth(const struct method *method, enum drag drag, double x, double zeta);
 /*
  * Supremum of the x with growth <= 1 counted from 0: HUGE_VAL where every step is stable, 0 where none is, NAN where
  * the method or variant does not apply. Growth of up to 1e-12 is taken for rounding, unless it rises as a power of x.

@@ -73,19 +73,24 @@ struct param_row {
     bool least_excluded; /* value > least */
 };
 
-extern const struct catalog param_catalog; /* struct param_row, at most PARAM_MAX */
+extern const struct catalog param_catalog; /* those of the oscillator: struct param_row, at most PARAM_MAX */
 
-int param_index(const char *name); /* of a name that exists in the table (asserted) */
+int param_index(const char *name); /* of a name that exists in that table (asserted) */
+
+struct model;
 
 struct scene {
+    const struct model *model;
     const struct preset *preset;
     double value[PARAM_MAX];       /* SI */
     double uncertainty[PARAM_MAX]; /* one standard uncertainty, 0: exact */
     bool given[PARAM_MAX];         /* set by the user since the preset */
 };
 
+/* Settings of a model under a name. */
 struct preset {
     struct row row;
+    const struct model *model; /* NULL: the oscillator */
     struct {
         const char *param; /* NULL: end */
         double value;      /* SI */
@@ -93,6 +98,11 @@ struct preset {
 };
 
 extern const struct catalog preset_catalog;
+
+/* The parameters and derived quantities of the scene's model; places in them index scene.value. */
+const struct catalog *scene_params(const struct scene *scene);
+const struct catalog *scene_derived(const struct scene *scene);
+int scene_param(const struct scene *scene, const char *name); /* place, -1: this scene has no such parameter */
 
 void scene_init(struct scene *scene, const struct preset *preset); /* NULL: "spring" with the lab's defaults */
 /* Checks the range (m > 0, …, finite) and that k/m does not overflow; the scene is unchanged on error. */
@@ -110,7 +120,7 @@ struct derived_row {
     const char *target;
 };
 
-extern const struct catalog derived_catalog;
+extern const struct catalog derived_catalog; /* those of the oscillator */
 
 /* Sets the row's target parameter so that the quantity takes this value; the uncertainty goes with it. */
 bool scene_set_derived(struct scene *scene, const struct derived_row *row, struct measured value, struct error *error);
@@ -118,6 +128,34 @@ bool scene_set_derived(struct scene *scene, const struct derived_row *row, struc
 /* Re = rho v length / eta for a speed [m/s]; regime in words: "laminar", "transitional", "turbulent". */
 double scene_reynolds(const struct scene *scene, double speed);
 const char *reynolds_regime(double reynolds);
+
+/* ---- models: what moves, and by which laws ----
+ *
+ * A model is one file, src/scene/model_NAME.c, that ends in its struct model, and a line in models.c: its variables,
+ * parameters and terms. The oscillator (the spring and all that can be hung on it) is terms.def.
+ */
+
+struct system;
+
+struct variable {
+    char name[16];
+    enum quantity quantity;
+};
+
+struct model {
+    struct row row;
+    int order; /* 2: positions, then velocities; 1 */
+    int n;
+    const struct variable *variable;                /* [n] */
+    const struct catalog *params, *terms, *derived; /* struct param_row, struct term_row, struct derived_row */
+    bool (*coherent)(const double *param, struct error *error); /* rules beyond each parameter's range; NULL: none */
+    /* Fills t0, start, mass and scale (natural sizes, > 0) once the terms are bound. */
+    void (*begin)(const double *param, struct system *system);
+    /* As system_exact(); NULL: no closed form, or that of the linear oscillator. */
+    void (*exact)(const struct system *system, double t0, const double *start, double t, double *y, double *floor);
+};
+
+extern const struct model oscillator_model;
 
 /* ---- terms and the bound system ---- */
 
@@ -159,7 +197,7 @@ struct term_row {
     double (*power)(const double *c, double t, const double *y); /* [W], NULL if TERM_CONSERVATIVE */
 };
 
-extern const struct catalog term_catalog;
+extern const struct catalog term_catalog; /* those of the oscillator */
 
 struct bound_term {
     const struct term_row *row;
@@ -167,6 +205,7 @@ struct bound_term {
 };
 
 struct system {
+    const struct model *model;
     int n;     /* state variables, at most LIMIT_VARIABLES */
     int order; /* 2 or 1 */
     int terms;
@@ -175,7 +214,7 @@ struct system {
     bool autonomous;   /* no TERM_TIME */
     bool velocity;     /* some force depends on velocity */
     bool conservative; /* every term has a potential: energy is constant */
-    double mass;       /* [kg] kinetic energy = mass v^2 / 2 */
+    double mass;       /* [kg] or what takes its place: kinetic energy = mass v^2 / 2 */
     struct oscillator oscillator;
     double start[LIMIT_VARIABLES]; /* state at t0 */
     double t0;                     /* [s] */
@@ -202,12 +241,7 @@ double system_power(const struct system *system, double t, const double *y); /* 
 double system_dissipation(const struct system *system, double t,
                           const double *y); /* [W] of the drag terms alone, <= 0 */
 
-/* Name, unit and quantity of state variable i ("y" m length, "v" m/s velocity; y2, v2 … beyond). */
-struct variable {
-    char name[16];
-    enum quantity quantity;
-};
-struct variable system_variable(const struct system *system, int i);
+struct variable system_variable(const struct system *system, int i); /* of state variable i */
 
 /* ---- exact solutions ----
  *

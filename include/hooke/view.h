@@ -30,5 +30,7 @@ bool screen_draw(const struct session *session, const struct prompt_line *prompt
 int screen_log_rows(const struct session *session, int width, int height);
 /* Time [s] one column of the focused time plot is wide: how far a cursor key moves. 0: no such plot. */
 double screen_column_time(const struct session *session, int width, int height);
+/* [s] from, to of that plot's time axis; false: no such plot. */
+bool screen_time_shown(const struct session *session, int width, int height, double span[2]);
 
 #endif

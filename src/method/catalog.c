@@ -6,6 +6,10 @@
 #define REALS(...) (const double[]){__VA_ARGS__}
 #define TABLEAU(...) .tableau = &(const struct tableau){__VA_ARGS__}
 #define WEIGHTS(...) .splitting = &(const struct splitting){__VA_ARGS__}
+#define NYSTROM_TABLEAU(...) .nystrom = &(const struct nystrom){__VA_ARGS__}
+#define IMPLICIT_TABLEAU(...) .implicit = &(const struct implicit_tableau){__VA_ARGS__}
+#define LINEARLY_IMPLICIT(...) .rosenbrock = &(const struct rosenbrock){__VA_ARGS__}
+#define STEPS(...) .multistep = &(const struct multistep){__VA_ARGS__}
 #define DRAG_VARIANTS (1u << DRAG_EXACT | 1u << DRAG_IMPLICIT | 1u << DRAG_EXPLICIT)
 
 static const struct method methods[] = {
@@ -13,6 +17,14 @@ static const struct method methods[] = {
 #include "rk.def"
 #define SPLITTING(...) {.step = split_step, .work = split_work, .drags = DRAG_VARIANTS, __VA_ARGS__},
 #include "split.def"
+#define NYSTROM(...) {.step = nystrom_step, .work = nystrom_work, __VA_ARGS__},
+#include "nystrom.def"
+#define IMPLICIT_RUNGE_KUTTA(...) {.step = implicit_step, .work = implicit_work, __VA_ARGS__},
+#include "irk.def"
+#define ROSENBROCK(...) {.step = rosenbrock_step, .work = rosenbrock_work, __VA_ARGS__},
+#include "rosenbrock.def"
+#define MULTISTEP(...) {.step = multistep_step, .work = multistep_work, .growth = multistep_growth, __VA_ARGS__},
+#include "multistep.def"
 #define ALGORITHM(name, ...) {.step = name##_step, __VA_ARGS__},
 #include "algorithms.def"
 };
@@ -28,6 +40,12 @@ static const struct row drags[] = {
 };
 
 const struct catalog drag_catalog = CATALOG("drag variant", drags);
+
+bool method_fits(const struct method *method, const struct system *system, enum drag drag, double h,
+                 struct error *error)
+{
+    return !method->splitting || split_fits(method, system, drag, h, error);
+}
 
 size_t state_work(const struct method *method, int n)
 {

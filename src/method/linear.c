@@ -57,7 +57,7 @@ static void amplify(const struct oscillation *oscillation, double x, double matr
 bool method_amplification(const struct method *method, enum drag drag, double x, double zeta, double matrix[4])
 {
     struct oscillation oscillation;
-    if (!oscillation_init(&oscillation, method, drag, zeta))
+    if (method->growth || !oscillation_init(&oscillation, method, drag, zeta))
         return false;
     amplify(&oscillation, x, matrix);
     return !isnan(matrix[0]) && !isnan(matrix[1]);
@@ -70,12 +70,25 @@ double matrix_spectral_radius(const double m[4])
     return split >= 0 ? fabs(mean) + sqrt(split) : sqrt(mean * mean - split);
 }
 
+static double growth_factor(const struct oscillation *oscillation, double x)
+{
+    if (oscillation->method->growth)
+        return oscillation->method->growth(oscillation->method, x, oscillation->system.oscillator.damping / 2);
+    double matrix[4];
+    amplify(oscillation, x, matrix);
+    return matrix_spectral_radius(matrix);
+}
+
+double method_growth(const struct method *method, enum drag drag, double x, double zeta)
+{
+    struct oscillation oscillation;
+    return oscillation_init(&oscillation, method, drag, zeta) ? growth_factor(&oscillation, x) : NAN;
+}
+
 /* Above 0: this step grows. */
 static double growth(const struct oscillation *oscillation, double x)
 {
-    double matrix[4];
-    amplify(oscillation, x, matrix);
-    double radius = matrix_spectral_radius(matrix);
+    double radius = growth_factor(oscillation, x);
     return isnan(radius) ? HUGE_VAL : radius - 1;
 }
 

@@ -18,7 +18,7 @@ static void derivative(struct step *step, double t, const double *y, double *k)
 /* sum_j w_j k_j[i] over the weights that are not zero, from the first to the last */
 static double weighted(const double *w, int count, const double *k, int n, int i)
 {
-    double sum = 0;
+    double sum = -0.0;
     for (int j = 0; j < count; j++)
         if (w[j] != 0)
             sum += w[j] * k[j * n + i];
@@ -46,7 +46,7 @@ enum step_status rk_step(const struct method *method, struct step *step)
 
     if (step->error && tableau->companion)
         for (int i = 0; i < n; i++) {
-            double sum = 0;
+            double sum = -0.0;
             for (int s = 0; s < stages; s++)
                 if (tableau->b[s] != tableau->companion[s])
                     sum += (tableau->b[s] - tableau->companion[s]) * k[s * n + i];

@@ -20,6 +20,12 @@ size_t split_work(const struct method *method, int n)
     return (size_t)n + (size_t)n / 2;
 }
 
+bool split_fits(const struct method *method, const struct system *system, enum drag drag, double h, struct error *error)
+{
+    (void)method, (void)system, (void)drag, (void)h, (void)error;
+    return true;
+}
+
 bool split_applies(const struct method *method, const struct system *system, enum drag drag, struct error *error)
 {
     const char *name = method->row.name;

@@ -191,5 +191,5 @@ bool scene_set_derived(struct scene *scene, const struct derived_row *row, struc
         double slope = (row->inverse(scene, value.value + step) - row->inverse(scene, value.value - step)) / (2 * step);
         uncertainty = fabs(slope) * value.uncertainty;
     }
-    return scene_set(scene, param_index(row->target), (struct measured){target, uncertainty}, error);
+    return scene_set(scene, scene_param(scene, row->target), (struct measured){target, uncertainty}, error);
 }

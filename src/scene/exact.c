@@ -77,11 +77,17 @@ static node divided3(node a, node b, node c, real t)
 
 bool system_has_exact(const struct system *system)
 {
-    return system->order == 2 && system->n == 2 && system->linear && system->oscillator.whole;
+    const struct model *model = system->model;
+    return (model && model->exact) ||
+           (system->order == 2 && system->n == 2 && system->linear && system->oscillator.whole);
 }
 
 void system_exact(const struct system *system, double t0, const double *start, double t, double *y, double *floor)
 {
+    if (system->model && system->model->exact) {
+        system->model->exact(system, t0, start, t, y, floor);
+        return;
+    }
     const struct oscillator *o = &system->oscillator;
     const real w2 = (real)o->stiffness, gamma = (real)o->damping, s = gamma / 2, gravity = (real)o->gravity;
     const real q0 = (real)start[0], v0 = (real)start[1], begin = (real)t0, elapsed = (real)t - begin;

@@ -18,31 +18,61 @@ static const struct param_row rows[] = {
 
 const struct catalog param_catalog = CATALOG("parameter", rows);
 
-int param_index(const char *name)
+static int place_of(const struct catalog *catalog, const char *name)
 {
-    const struct row *found = catalog_find(&param_catalog, text_of(name));
-    assert(found);
-    return (int)((const struct param_row *)found - rows);
+    const struct row *found = catalog_find(catalog, text_of(name));
+    return found ? (int)((size_t)((const char *)found - (const char *)catalog->rows) / catalog->stride) : -1;
 }
 
-static double preset_value(const struct preset *preset, int param)
+int param_index(const char *name)
 {
+    int place = place_of(&param_catalog, name);
+    assert(place >= 0);
+    return place;
+}
+
+const struct catalog *scene_params(const struct scene *scene)
+{
+    return scene->model->params;
+}
+
+const struct catalog *scene_derived(const struct scene *scene)
+{
+    return scene->model->derived;
+}
+
+int scene_param(const struct scene *scene, const char *name)
+{
+    return place_of(scene->model->params, name);
+}
+
+static const struct param_row *row_of(const struct scene *scene, int param)
+{
+    assert(param >= 0 && (size_t)param < scene->model->params->count);
+    return (const struct param_row *)(const void *)catalog_row(scene->model->params, (size_t)param);
+}
+
+static double preset_value(const struct scene *scene, int param)
+{
+    const struct preset *preset = scene->preset;
     for (size_t i = 0; i < COUNT_OF(preset->value) && preset->value[i].param; i++)
-        if (param_index(preset->value[i].param) == param)
+        if (scene_param(scene, preset->value[i].param) == param)
             return preset->value[i].value;
-    return rows[param].initial;
+    return row_of(scene, param)->initial;
 }
 
 void scene_init(struct scene *scene, const struct preset *preset)
 {
-    *scene = (struct scene){.preset = preset ? preset : (const struct preset *)catalog_row(&preset_catalog, 0)};
-    for (int i = 0; i < P_COUNT; i++)
-        scene_unset(scene, i);
+    *scene = (struct scene){.preset =
+                                preset ? preset : (const struct preset *)(const void *)catalog_row(&preset_catalog, 0)};
+    scene->model = scene->preset->model ? scene->preset->model : &oscillator_model;
+    for (size_t i = 0; i < scene->model->params->count; i++)
+        scene_unset(scene, (int)i);
 }
 
 void scene_unset(struct scene *scene, int param)
 {
-    scene->value[param] = preset_value(scene->preset, param);
+    scene->value[param] = preset_value(scene, param);
     scene->uncertainty[param] = 0;
     scene->given[param] = false;
 }
@@ -73,15 +103,14 @@ bool params_coherent(const double *param, struct error *error)
 
 bool scene_set(struct scene *scene, int param, struct measured value, struct error *error)
 {
-    assert(param >= 0 && param < P_COUNT);
-    const struct param_row *row = &rows[param];
-    if (!in_range(row, value.value, error))
+    if (!in_range(row_of(scene, param), value.value, error))
         return false;
     if (value.uncertainty < 0 || isinf(value.uncertainty))
-        return error_set(error, ERROR_COMMAND, "the uncertainty of %s must be a finite number >= 0", row->row.name);
+        return error_set(error, ERROR_COMMAND, "the uncertainty of %s must be a finite number >= 0",
+                         row_of(scene, param)->row.name);
     double before = scene->value[param];
     scene->value[param] = value.value;
-    if ((param == P_k || param == P_m) && !params_coherent(scene->value, error)) {
+    if (scene->model->coherent && !scene->model->coherent(scene->value, error)) {
         scene->value[param] = before;
         return false;
     }

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A scene bound to its coefficients, and what integrators ask of it. */
-#include <float.h>
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 #include "params.h"
@@ -16,7 +14,8 @@ static int term_rows(const struct system *system)
 /* Adds up the terms whose flags under `mask` are `wanted`, in table order. */
 static void add_terms(const struct system *system, unsigned mask, unsigned wanted, double t, const double *y, double *a)
 {
-    memset(a, 0, (size_t)term_rows(system) * sizeof *a);
+    for (int i = 0; i < term_rows(system); i++)
+        a[i] = -0.0; /* adding to it changes nothing, to the bit */
     for (int i = 0; i < system->terms; i++) {
         const struct bound_term *term = &system->term[i];
         if ((term->row->flags & mask) == wanted)
@@ -110,48 +109,21 @@ double oscillator_drag_flow(const struct oscillator *oscillator, double v, doubl
 
 struct variable system_variable(const struct system *system, int i)
 {
-    int rows = term_rows(system), place = i % rows;
-    struct variable variable = {.quantity = system->order != 2 ? QUANTITY_NUMBER
-                                            : i < rows         ? QUANTITY_LENGTH
-                                                               : QUANTITY_VELOCITY};
-    char letter = i < rows ? 'y' : 'v';
-    if (place == 0)
-        snprintf(variable.name, sizeof variable.name, "%c", letter);
-    else
-        snprintf(variable.name, sizeof variable.name, "%c%d", letter, place + 1);
-    return variable;
+    return system->model->variable[i];
 }
 
 /* ---- binding ---- */
 
-static double clamp_scale(double scale)
+static bool overflows(const struct system *system, const struct bound_term *term, const double *y, struct error *error)
 {
-    return scale > DBL_MAX ? DBL_MAX : scale > 0 ? scale : 1; /* nothing moves: any scale will do */
-}
-
-/*
- * Natural sizes, for error norms. `rate` is 1/time: sqrt|k/m| where there is a spring, else what the other forces set.
- * The answer to a drive is taken no closer to resonance than a tenth of the spring's own frequency squared.
- */
-static void set_scale(struct system *system)
-{
-    const struct oscillator *o = &system->oscillator;
-    double y0 = fabs(system->start[0]), v0 = fabs(system->start[1]), g = fabs(o->gravity), f = fabs(o->drive);
-    double rate = sqrt(fabs(o->stiffness));
-    if (rate == 0)
-        rate = fmax(fmax(fabs(o->damping), sqrt(fabs(o->quadratic)) * fmax(sqrt(fabs(o->quadratic)) * v0, sqrt(g))),
-                    f > 0 ? o->omega : 0);
-    if (rate == 0)
-        rate = 1;
-    double length = fmax(fmax(y0, v0 / rate), g / rate / rate), speed = length * rate;
-    if (f > 0) {
-        double detuning = (rate - o->omega) * (rate + o->omega);
-        double answer = f / fmax(hypot(detuning, o->damping * o->omega), 0.1 * rate * rate);
-        length = fmax(length, answer);
-        speed = fmax(speed, answer * fmax(rate, o->omega));
+    struct buffer at = {0};
+    for (int i = 0; i < system->n; i++) {
+        buffer_format(&at, "%s%s = ", i > 0 ? ", " : "", system->model->variable[i].name);
+        buffer_quantity(&at, y[i], system->model->variable[i].quantity, 4);
     }
-    system->scale[0] = clamp_scale(length);
-    system->scale[1] = clamp_scale(speed);
+    error_set(error, ERROR_COMMAND, "the %s force overflows at %s", term->row->row.name, at.data ? at.data : "?");
+    buffer_free(&at);
+    return false;
 }
 
 /* Coefficients, and the forces at the start and at full swing, must be finite. */
@@ -166,29 +138,24 @@ static bool check_term(const struct system *system, const struct bound_term *ter
     for (size_t i = 0; i < COUNT_OF(states); i++) {
         double a[LIMIT_VARIABLES] = {0};
         term->row->add(term->c, system->t0, states[i], a);
-        if (!isfinite(a[0])) {
-            char position[REAL_TEXT_SIZE], speed[REAL_TEXT_SIZE];
-            real_format(states[i][0], position);
-            real_format(states[i][1], speed);
-            return error_set(error, ERROR_COMMAND, "the %s force overflows at y = %s m, v = %s m/s",
-                             term->row->row.name, position, speed);
-        }
+        for (int row = 0; row < term_rows(system); row++)
+            if (!isfinite(a[row]))
+                return overflows(system, term, states[i], error);
     }
     return true;
 }
 
 bool scene_bind(const struct scene *scene, struct system *system, struct error *error)
 {
+    const struct model *model = scene->model;
     const double *param = scene->value;
-    if (!params_coherent(param, error))
+    if (model->coherent && !model->coherent(param, error))
         return false;
-    *system = (struct system){.n = 2, .order = 2, .mass = param[P_m], .t0 = param[P_t0], .oscillator.whole = true};
-    system->start[0] = param[P_y0];
-    system->start[1] = param[P_v0];
+    *system = (struct system){.model = model, .n = model->n, .order = model->order, .oscillator.whole = true};
     unsigned all = ~0u, any = 0;
-    for (size_t i = 0; i < term_catalog.count; i++) {
+    for (size_t i = 0; i < model->terms->count; i++) {
         struct bound_term *term = &system->term[system->terms];
-        *term = (struct bound_term){.row = (const struct term_row *)catalog_row(&term_catalog, i)};
+        *term = (struct bound_term){.row = (const struct term_row *)(const void *)catalog_row(model->terms, i)};
         if (!term->row->bind(param, term->c, &system->oscillator))
             continue;
         system->terms++;
@@ -196,10 +163,10 @@ bool scene_bind(const struct scene *scene, struct system *system, struct error *
         any |= term->row->flags;
     }
     system->linear = all & TERM_LINEAR;
-    system->conservative = all & TERM_CONSERVATIVE;
+    system->conservative = system->order == 2 && all & TERM_CONSERVATIVE;
     system->velocity = any & TERM_VELOCITY;
     system->autonomous = !(any & TERM_TIME);
-    set_scale(system);
+    model->begin(param, system);
     for (int i = 0; i < system->terms; i++)
         if (!check_term(system, &system->term[i], error))
             return false;
