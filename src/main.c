@@ -140,6 +140,7 @@ static int run(const struct options *options)
     int status = ERROR_USAGE;
     struct buffer told = {0};
     if (begin_session(&session, options, &told)) {
+        streams.log = &session->log;
         if (kind == FRONT_IS_PANES) {
             reply.sink = panes_sink(session); /* what is said from now on stands in the log */
         }
@@ -154,7 +155,7 @@ static int run(const struct options *options)
         status = session->status; /* what is typed at the prompt afterwards has been answered there */
         if (kind != FRONT_END && !session->quit && !signals_ending()) {
             talk(&(struct program){.session = session, .options = options, .streams = &streams, .reply = &reply}, kind);
-        } else {
+        } else if (kind == FRONT_IS_PANES) {
             print_log(session, &streams); /* a file left before the panes came */
         }
     }

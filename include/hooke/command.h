@@ -235,7 +235,7 @@ struct view {
     double x[2], y[2];          /* fixed ranges of the focused pane (time [s], SI); NAN: automatic */
     double window;              /* [s] of time shown; 0: automatic */
     double trail;               /* periods of the phase trail; HUGE_VAL: all */
-    int scroll;                 /* lines the log is scrolled up */
+    int scroll;                 /* rows the log is scrolled up */
     bool paging;                /* the live view sweeps, then pages; otherwise it scrolls by whole cells */
     int overlay[LIMIT_OVERLAY]; /* numbers of the runs drawn besides the present one; those that are gone are passed
                                    over */
@@ -253,6 +253,13 @@ struct log {
 
 void log_add(struct log *log, struct text text);    /* one or more lines; without memory they are dropped */
 const char *log_line(const struct log *log, int i); /* i = 0: the newest */
+/*
+ * The row of a line that begins at byte *from, as it stands in a pane of that width [cell]: whole words, unless one is
+ * longer than a row. *indent [cell] goes before it; 0 in the first row. *from is then where the next row begins:
+ * line.len after the last.
+ */
+struct text log_row(struct text line, size_t *from, int width, int *indent);
+int log_rows(struct text line, int width); /* how many the line takes: 1 at least */
 void log_clear(struct log *log);
 
 /* A run that goes on while a person watches. */
@@ -298,6 +305,8 @@ struct front {
                        struct error *error);
     /* The same as lines of text, for `screenshot` without a file. */
     bool (*screen)(void *context, const struct session *session, struct buffer *text, struct error *error);
+    /* [s] from, to of the time axis on that screen; false: it has none. */
+    bool (*time_shown)(void *context, const struct session *session, double span[2]);
     /* Changes of the front end itself; false: not possible here, with the reason. */
     bool (*change)(void *context, enum front_change change, struct error *error);
 };
@@ -431,6 +440,7 @@ struct figure_request {
     double trail; /* periods of the phase plot, 0: 2; HUGE_VAL: all */
     /* Of a view that lasts: the newest part instead of the first, its time axis fixed. */
     bool follow;
+    bool alone;   /* no other plot shares the time axis: each period has to be seen only where this one needs it */
     bool running; /* the end moves: nothing that is written depends on it */
     double span;  /* [s] of time shown, 0: as much as the width can show */
     int pages;    /* the window moves on by span / pages */

@@ -33,7 +33,10 @@ HANDLER(layout)
     if (name->count || is_given(given, "next"))
         view->full = false;
     const struct row *row = catalog_row(&layout_catalog, (size_t)view->layout);
-    reply_line(reply, "layout %s: %s", row->name, row->brief);
+    /* A pane that no layout has takes the first place of each. */
+    const bool guest = view->focus > PANE_VELOCITY && view->layout != LAYOUT_LOG;
+    reply_line(reply, "layout %s: %s%s%s", row->name, row->brief, guest ? "; first, until 'focus position': " : "",
+               guest ? catalog_row(&pane_catalog, (size_t)view->focus)->name : "");
     return changed(session);
 }
 
@@ -139,11 +142,20 @@ static bool whole_span(const struct session *session, double span[2])
     return span[1] > span[0];
 }
 
-/* The time axis as it is shown, as far as it is known here: fixed, or the last window, or everything. */
-static bool shown_span(const struct session *session, double shown[2], double whole[2], struct error *error)
+static bool on_screen(const struct session *session, double span[2])
 {
-    const struct view *view = &session->view;
-    if (axis_quantity(session, true) != QUANTITY_TIME) {
+    const struct front *front = &session->front;
+    return front->time_shown && front->time_shown(front->context, session, span);
+}
+
+/*
+ * The time axis as it is shown: what a screen says, else fixed, or the last window, or everything. Beside a phase plot
+ * in focus stand others that have one.
+ */
+static bool shown_span(struct session *session, double shown[2], double whole[2], struct error *error)
+{
+    struct view *view = &session->view;
+    if (axis_quantity(session, true) != QUANTITY_TIME && view->full) {
         error_set(error, ERROR_COMMAND, "the pane %s has no time axis",
                   catalog_row(&pane_catalog, (size_t)view->focus)->name);
         return error_hint(error, "type: focus position, or: range x FROM:TO");
@@ -152,18 +164,28 @@ static bool shown_span(const struct session *session, double shown[2], double wh
         error_set(error, ERROR_COMMAND, "there is nothing to look at: no run and no recording");
         return error_hint(error, "type: run, or: load FILE");
     }
+    if (axis_quantity(session, true) != QUANTITY_TIME) {
+        free_ranges(view);
+        view->focus = PANE_POSITION;
+    }
+    if (on_screen(session, shown))
+        return true;
     memcpy(shown, isnan(view->x[0]) ? whole : view->x, 2 * sizeof *shown);
     if (isnan(view->x[0]) && view->window > 0)
         shown[0] = fmax(shown[0], shown[1] - view->window);
     return true;
 }
 
-/* Into the whole span; all of it means: automatic. */
-static void set_span(struct view *view, double from, double width, const double whole[2])
+/* Into the whole span; all of it means: automatic, where that shows all of it. */
+static void set_span(struct session *session, double from, double width, const double whole[2])
 {
+    struct view *view = &session->view;
     const double most = whole[1] - whole[0];
     if (!(width < most)) {
+        double shown[2];
         view->x[0] = view->x[1] = NAN;
+        if (on_screen(session, shown) && shown[1] - shown[0] < most * (1 - 1e-9))
+            memcpy(view->x, whole, sizeof view->x);
         return;
     }
     width = fmax(width, most / ZOOM_MOST);
@@ -184,7 +206,7 @@ HANDLER(zoom)
     const bool about =
         view->cursors.shown && view->cursors.at[view->cursors.active].set && t > shown[0] && t < shown[1];
     const double centre = about ? t : 0.5 * (shown[0] + shown[1]);
-    set_span(view, centre - (centre - shown[0]) / factor, (shown[1] - shown[0]) / factor, whole);
+    set_span(session, centre - (centre - shown[0]) / factor, (shown[1] - shown[0]) / factor, whole);
     reply_range(session, true, reply);
     return changed(session);
 }
@@ -195,7 +217,7 @@ HANDLER(pan)
     double shown[2], whole[2];
     if (!shown_span(session, shown, whole, error))
         return false;
-    set_span(&session->view, shown[0] + by, shown[1] - shown[0], whole);
+    set_span(session, shown[0] + by, shown[1] - shown[0], whole);
     reply_range(session, true, reply);
     return changed(session);
 }
@@ -270,11 +292,15 @@ HANDLER(scroll)
 {
     UNUSED(reply);
     UNUSED(error);
-    const struct given *lines = given_for(given, "LINES");
-    const int most = session->log.count > 0 ? session->log.count - 1 : 0;
+    const struct given *rows = given_for(given, "ROWS");
+    const int width = session->front.width ? session->front.width : 80;
+    int most = 0;
+    for (int i = 0; i < session->log.count; i++)
+        most += log_rows(text_of(log_line(&session->log, i)), width);
+    most -= most > 0;
     double scroll = is_given(given, "home") ? most : is_given(given, "end") ? 0 : session->view.scroll;
-    if (lines->count)
-        scroll += lines->item->value.value;
+    if (rows->count)
+        scroll += rows->item->value.value;
     session->view.scroll = scroll < 0 ? 0 : scroll > most ? most : (int)scroll;
     return true;
 }
@@ -367,10 +393,10 @@ COMMAND(trail, .row = {"trail", "", "how many periods the phase pane shows", "",
                   PLACE("PERIODS", TYPE_VALUE, .quantity = QUANTITY_NUMBER, .group = 1)))
 
 COMMAND(scroll, .row = {"scroll", "", "scroll the log", "", NULL}, .group = "PLOT",
-        .text = "Up by so many lines; negative: down. home is the oldest line, end the newest.",
+        .text = "Up by so many rows; negative: down. home is the oldest line, end the newest.",
         .examples = "scroll 10\nscroll end", .see = "layout clear", .flags = COMMAND_ANYTIME | COMMAND_UNRECORDED,
         ARGUMENTS(WORD("home", TYPE_NONE, .group = 1), WORD("end", TYPE_NONE, .group = 1),
-                  PLACE("LINES", TYPE_INTEGER, .flags = ARG_NEGATIVE, .group = 1)))
+                  PLACE("ROWS", TYPE_INTEGER, .flags = ARG_NEGATIVE, .group = 1)))
 
 COMMAND(screenshot, .row = {"screenshot", "", "write the screen as text", "", NULL}, .group = "PLOT",
         .text = "As the panes show it, or would show it at --size. Without a file it is printed.",

@@ -65,11 +65,12 @@ bool script_end(struct script *script, struct session *session, struct reply *re
     buffer_free(&script->pending);
     const struct source *parent = script->where.parent;
     const bool outermost = !parent || !parent->name;
-    const bool one_line = script->where.line <= 1 && text_is(text_of(script->where.name), "-c");
+    const char *const name_given = script->where.name; /* NULL: one line, typed */
+    const bool one_line = !name_given || (script->where.line <= 1 && strcmp(name_given, "-c") == 0);
     if (script->stopped && outermost && !one_line && reply->format != FORMAT_JSON) {
         struct buffer kept = {0}, name = {0};
         put_runs_kept(session, &kept);
-        safe_text(&name, text_of(script->where.name), false);
+        safe_text(&name, text_of(name_given), false);
         const int done = session->commands - script->commands;
         reply_note(reply, "%s: stopped at line %d (%d command%s run%s)", buffer_view(&name), script->where.line, done,
                    done == 1 ? "" : "s", buffer_view(&kept));

@@ -122,7 +122,8 @@ static double longest_window(const struct drawing *d)
     const struct figure_request *request = d->request;
     const int each = request->charset == CHARSET_ASCII ? PERIOD_COLUMNS_ASCII : PERIOD_COLUMNS_DOTS;
     const int columns = request->width > 2 * FRAME ? request->width - FRAME : FRAME;
-    const double most = plots[request->kind].periods || request->follow ? d->period * columns / each : NAN;
+    const double most =
+        plots[request->kind].periods || (request->follow && !request->alone) ? d->period * columns / each : NAN;
     return request->follow && d->total > most && isnormal(most) ? short_number(most) : most;
 }
 

@@ -349,7 +349,10 @@ void panes_run(struct program *program)
     line_begin(session); /* before ncurses: both look the terminal up */
     panes.color = before.color;
     panes.screen.utf8 = strcmp(nl_langinfo(CODESET), "UTF-8") == 0;
+    /* Before ncurses begins: where Ctrl-Z is not handled yet it would handle it, and ignore it while it draws. */
+    signals_watch(1u << HAPPENED_RESIZE | 1u << HAPPENED_SUSPEND | 1u << HAPPENED_CONTINUE);
     if (!nowhere || signals_pipe() < 0 || !screen_begin(&panes.screen)) {
+        signals_watch(0);
         if (nowhere) {
             fclose(nowhere);
         }
@@ -358,7 +361,6 @@ void panes_run(struct program *program)
         program->next = FRONT_IS_PLAIN;
         return;
     }
-    signals_watch(1u << HAPPENED_RESIZE | 1u << HAPPENED_SUSPEND | 1u << HAPPENED_CONTINUE);
     watch_offer(&panes, &session->front);
     program->reply->sink = sink_of(&panes);
     take_size(&panes);

@@ -59,8 +59,17 @@ static bool to_file(void *context, const struct session *session, const char *pa
     return screenshot_file(session, &empty_prompt, width, height, path, policy, error);
 }
 
+static bool time_shown(void *context, const struct session *session, double span[2])
+{
+    (void)context;
+    int width, height;
+    choose_size(session, &width, &height);
+    return screen_time_shown(session, width, height, span);
+}
+
 void screenshot_offer(struct front *front)
 {
+    front->time_shown = time_shown;
     front->screenshot = to_file;
     front->screen = to_text;
 }

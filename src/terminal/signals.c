@@ -61,9 +61,11 @@ static void on_ending(int number)
 static void on_happening(int number)
 {
     if (number == SIGTSTP && busy) {
+        const int before = errno;
         crash_restore();
         signals_stop();
-        return;
+        errno = before;
+        number = SIGCONT; /* the terminal is to be taken back, also where the system would not stop us */
     }
     for (int i = 0; i < HAPPENED_COUNT; i++) {
         if (number_of[i] == number) {
@@ -115,14 +117,19 @@ bool signals_busy(bool now)
 {
     const bool before = busy;
     busy = now;
+    if (now && signals_happened(HAPPENED_SUSPEND)) { /* it came after the last look: nobody would see it for long */
+        raise(SIGTSTP);
+    }
     return before;
 }
 
 bool signals_happened(enum happening what)
 {
-    bool it = happened[what];
+    if (!happened[what]) {
+        return false; /* clearing it here could lose one that comes just now */
+    }
     happened[what] = 0;
-    return it;
+    return true;
 }
 
 int signals_pipe(void)

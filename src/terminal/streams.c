@@ -37,15 +37,25 @@ bool streams_flush(struct streams *streams)
     return !streams->broken;
 }
 
+/* Panes or a screenshot may follow at any time: they show the last lines of what was said. */
+static void keep(struct streams *streams, struct text text)
+{
+    if (streams->log) {
+        log_add(streams->log, text);
+    }
+}
+
 static bool out(void *context, struct text text)
 {
     struct streams *streams = context;
+    keep(streams, text);
     buffer_put(&streams->out, text);
     return streams->out.len < GATHER ? !streams->broken : streams_flush(streams);
 }
 
 static bool err(void *context, struct text text)
 {
+    keep(context, text);
     streams_flush(context);
     int ignored;
     return write_all(STDERR_FILENO, text, &ignored);

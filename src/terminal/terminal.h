@@ -35,6 +35,7 @@ struct streams {
     struct buffer out;
     bool broken; /* standard output cannot be written; remembered until exit */
     int failure; /* errno of that */
+    struct log *log; /* where what is said is kept for the screen as well; NULL: nowhere */
 };
 
 /* Results are gathered and written in large pieces, always before a message; messages are written at once. */

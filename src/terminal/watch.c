@@ -37,11 +37,11 @@ static bool confirm(void *context, const char *question)
         while ((item = input_next(&panes->input, clock_ns(), &byte, &paste)) == INPUT_PASTE || item == INPUT_REPLY) {
         }
     }
-    signals_busy(busy);
     panes->interrupted = false;
     panes->question = NULL;
     panes->screen_stale = true;
     panes_show(panes, false, INT_MAX);
+    signals_busy(busy);
     return item == INPUT_BYTE && (byte == 'y' || byte == 'Y');
 }
 
@@ -97,5 +97,6 @@ void watch_offer(struct panes *panes, struct front *front)
                             .slice = slice,
                             .screenshot = shot_file,
                             .screen = shot_text,
+                            .time_shown = front->time_shown,
                             .change = change};
 }

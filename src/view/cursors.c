@@ -61,6 +61,9 @@ static void put_cursor(struct buffer *out, const struct cursors *cursors, int i)
     buffer_format(out, " s   y = %.2f %s", y, unit ? unit->row.name : quantity_unit(cursors->quantity));
     if (cursors->at[i].crossing > 0)
         buffer_format(out, "  up-crossing #%d", cursors->at[i].crossing);
+    else if (isfinite(cursors->at[i].amplitude)) /* on the sheet it is read off here */
+        buffer_format(out, "  amplitude %.2f %s", cursors->at[i].amplitude / (unit ? unit->factor : 1),
+                      unit ? unit->row.name : quantity_unit(cursors->quantity));
 }
 
 static void put_interval(struct buffer *out, const struct cursor_reading *reading)
@@ -103,7 +106,7 @@ void cursors_table(const struct screen *screen, struct rectangle at)
         put_theory(&line[3], &reading);
     }
     buffer_put(&line[4], TEXT(" </> move  n/N next/prev crossing  +/- periods  Tab A<->B  s snap  l lock"));
-    buffer_put(&line[5], TEXT(" Enter keep as measurement  z zoom  e export  q leave  ? help"));
+    buffer_put(&line[5], TEXT(" Enter keep as measurement  z zoom  e export  q leave  ? help  PgUp log"));
     for (int i = 0; i < smaller(at.height, TABLE_ROWS); i++)
         shown[order[i]] = true;
     int side_x = larger(SIDE, larger(text_width(buffer_text(&line[0])), text_width(buffer_text(&line[1]))) + 2);

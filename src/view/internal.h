@@ -43,8 +43,8 @@ bool pane_is_timed(enum pane pane); /* its horizontal axis is the time */
 /* ---- panes.c ---- */
 
 bool panes_draw(struct screen *screen, const struct place *place, int places); /* false: no memory */
-/* [s] one column of the focused time plot; 0: none. */
-double panes_column_time(struct screen *screen, const struct place *place, int places);
+/* [s] from, to of the time axis of the focused time plot, else of the first. Returns its columns, 0: there is none. */
+int panes_time_axis(struct screen *screen, const struct place *place, int places, double span[2]);
 
 /* ---- cursors.c ---- */
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The log: the last lines that commands said, from the top as on paper; once the pane is full the newest line is the
- * lowest. */
+ * lowest. What is longer than the pane is wide goes on in the next row. */
 #include "internal.h"
 
 #include <string.h>
@@ -34,11 +34,27 @@ static enum style style_of(struct text line)
 void log_draw(const struct screen *screen, struct rectangle at)
 {
     const struct log *log = &screen->session->log;
-    int scroll = larger(smaller(screen->session->view.scroll, log->count - at.height), 0);
-    int shown = smaller(at.height, log->count - scroll);
+    const struct text newest = text_of(log_line(log, 0));
+    if (at.height == 1 && screen->session->view.scroll <= 0) { /* the beginning of a line says more than its end */
+        line_draw(screen, at.x, at.y, at.width, newest, style_of(newest));
+        return;
+    }
+    /* Back from the newest line to that of the first row that is seen. */
+    const int wanted = at.height + larger(screen->session->view.scroll, 0);
+    int rows = 0, oldest = 0;
+    while (oldest < log->count && rows < wanted)
+        rows += log_rows(text_of(log_line(log, oldest++)), at.width);
 
-    for (int row = 0; row < shown; row++) {
-        struct text line = text_of(log_line(log, scroll + shown - 1 - row));
-        line_draw(screen, at.x, at.y + row, at.width, line, style_of(line));
+    int row = smaller(wanted - rows, 0); /* the oldest line stays at the top, however far one scrolls */
+    for (int i = oldest - 1; i >= 0 && row < at.height; i--) {
+        const struct text line = text_of(log_line(log, i));
+        size_t from = 0;
+        int indent;
+        do {
+            const struct text part = log_row(line, &from, at.width, &indent);
+            if (row >= 0 && row < at.height)
+                line_draw(screen, at.x + indent, at.y + row, at.width - indent, part, style_of(line));
+            row++;
+        } while (from < line.len);
     }
 }

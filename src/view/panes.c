@@ -67,7 +67,7 @@ static int shown_runs(const struct session *session, int place[1 + LIMIT_OVERLAY
 }
 
 /* `width` [cell] decides how much time is shown: the same for all panes of a screen. */
-static struct figure_request make_request(const struct screen *screen, const struct place *place, int width,
+static struct figure_request make_request(const struct screen *screen, const struct place *place, int width, bool alone,
                                           int runs[1 + LIMIT_OVERLAY])
 {
     const struct session *session = screen->session;
@@ -84,6 +84,7 @@ static struct figure_request make_request(const struct screen *screen, const str
         .charset = screen->charset,
         .trail = view->trail,
         .follow = true,
+        .alone = alone,
         .running = session->live.state == LIVE_RUNNING,
         .span = view->window,
         .pages = view->paging ? PAGES : larger(width, 1),
@@ -258,11 +259,11 @@ static const char *numbered_title(struct screen *screen, const struct place *pla
     return arena_text(&screen->arena, text_of(text));
 }
 
-static bool make_figure(struct screen *screen, const struct place *place, int width, struct figure *figure)
+static bool make_figure(struct screen *screen, const struct place *place, int width, bool alone, struct figure *figure)
 {
     const struct pane_kind *kind = &kinds[place->pane];
     int runs[1 + LIMIT_OVERLAY];
-    struct figure_request request = make_request(screen, place, width, runs);
+    struct figure_request request = make_request(screen, place, width, alone, runs);
     struct error error = {0};
 
     if (!request.runs && request.recording < 0) {
@@ -282,7 +283,8 @@ static bool make_figure(struct screen *screen, const struct place *place, int wi
         figure->caption = figure->note;
         figure->note = NULL;
     }
-    if (place->pane == PANE_PHASE || place->joined) { /* the curves are those of the first pane */
+    /* The curves are those of the first pane, unless that has none of a run. */
+    if (place->pane == PANE_PHASE || (place->joined && place[-1].pane != PANE_RESIDUAL)) {
         struct curve *plain = arena_array(&screen->arena, (size_t)figure->curves + 1, sizeof *plain);
         for (int i = 0; plain && i < figure->curves; i++) {
             plain[i] = figure->curve[i];
@@ -353,7 +355,7 @@ static bool make_figures(struct screen *screen, const struct place *place, int p
 {
     struct figure_layout layout;
     for (int i = 0; i < places; i++)
-        if (!make_figure(screen, &place[i], place[0].at.width, &figure[i]))
+        if (!make_figure(screen, &place[i], place[0].at.width, places == 1, &figure[i]))
             return false;
     for (int i = 0; i < places; i++) {
         int gutter = 0;
@@ -379,7 +381,7 @@ bool panes_draw(struct screen *screen, const struct place *place, int places)
     return true;
 }
 
-double panes_column_time(struct screen *screen, const struct place *place, int places)
+int panes_time_axis(struct screen *screen, const struct place *place, int places, double span[2])
 {
     struct figure figure[PLACES_MOST];
     struct figure_layout layout;
@@ -390,5 +392,7 @@ double panes_column_time(struct screen *screen, const struct place *place, int p
     if (found < 0 || !make_figures(screen, place, places, figure))
         return 0;
     figure_layout(&figure[found], place[found].at.width, drawn_height(&place[found]), screen->charset, &layout);
-    return (layout.x.to - layout.x.from) / larger(layout.columns - 1, 1);
+    span[0] = layout.x.from;
+    span[1] = layout.x.to;
+    return larger(layout.columns, 1);
 }

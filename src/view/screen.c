@@ -18,7 +18,7 @@ static void draw_parts(struct screen *screen, const struct prompt_line *prompt, 
         y += division.plots;
     }
     struct rectangle log = {0, y, width, division.log};
-    if (cursors->shown && division.plots)
+    if (cursors->shown && division.plots && session->view.scroll == 0)
         cursors_table(screen, log);
     else
         log_draw(screen, log);
@@ -55,7 +55,7 @@ int screen_log_rows(const struct session *session, int width, int height)
     return screen_division(session, height).log;
 }
 
-double screen_column_time(const struct session *session, int width, int height)
+static int time_axis(const struct session *session, int width, int height, double span[2])
 {
     struct screen screen = {.session = session, .charset = session_charset(session)};
     struct division division = screen_division(session, height);
@@ -63,7 +63,19 @@ double screen_column_time(const struct session *session, int width, int height)
     int places = division.plots
                      ? screen_places(session, (struct rectangle){0, division.state, width, division.plots}, place)
                      : 0;
-    double time = panes_column_time(&screen, place, places);
+    int columns = panes_time_axis(&screen, place, places, span);
     arena_reset(&screen.arena);
-    return time;
+    return columns;
+}
+
+double screen_column_time(const struct session *session, int width, int height)
+{
+    double span[2] = {0, 0};
+    int columns = time_axis(session, width, height, span);
+    return (span[1] - span[0]) / larger(columns - 1, 1);
+}
+
+bool screen_time_shown(const struct session *session, int width, int height, double span[2])
+{
+    return time_axis(session, width, height, span) > 0;
 }

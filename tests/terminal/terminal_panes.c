@@ -318,20 +318,9 @@ static void test_sizes(void **state)
     quit(&p);
 }
 
-/* Leaves a test to `make check-all`, with the reason. */
-static void only_long(const char *why)
-{
-    const char *longer = getenv("LONG");
-    if (!longer || !*longer) {
-        print_message("# left to make check-all: %s\n", why);
-        skip();
-    }
-}
-
 static void test_suspend(void **state)
 {
     (void)state;
-    only_long("Ctrl-Z on the panes is not yet steady beside other tests");
     struct person p;
     start_panes(&p, (struct start){.shell = true});
     enter(&p, "print 6*7");
@@ -359,7 +348,6 @@ static void test_suspend(void **state)
 static void test_suspend_in_a_long_command(void **state)
 {
     (void)state;
-    only_long("Ctrl-Z on the panes is not yet steady beside other tests");
     struct person p;
     start_panes(&p, (struct start){.shell = true});
     enter(&p, "set duration 20000 s; timing full");

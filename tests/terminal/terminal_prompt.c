@@ -195,6 +195,53 @@ static void test_interrupt_stops_a_run(void **state)
     quit(&p);
 }
 
+/* The prompt is back in the time in which a person does not notice that it was away. */
+static void interrupted_in_time(struct person *p, const char *line)
+{
+    type(p, line);
+    type(p, "\r");
+    expect(p, line);
+    expect(p, "\n");
+    const int64_t begun = clock_ns();
+    type(p, "\x03");
+    expect(p, "error: "); /* interrupted before it began, or stopped on the way */
+    expect(p, PROMPT);
+    const double took = (double)(clock_ns() - begun) * 1e-6;
+    print_message("# Ctrl-C in '%s': the prompt is back after %.1f ms\n", line, took);
+    assert_true(took < (getenv("CONFIG") && strcmp(getenv("CONFIG"), "asan") == 0 ? 1000 : 100));
+    type(p, "print 123*1001\r");
+    expect(p, "123123");
+    expect(p, PROMPT);
+}
+
+static void test_interrupt_stops_long_commands(void **state)
+{
+    (void)state;
+    char path[sizeof state_folder + 32], line[sizeof path + 32];
+    struct person p;
+    snprintf(path, sizeof path, "%s/long.txt", state_folder);
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    fprintf(file, "t [s]\ty [cm]\n");
+    for (int i = 0; i < 50000; i++) { /* eight minutes at the sensor's rate */
+        fprintf(file, "%.2f\t%.4f\n", i * 0.01, 22 + 5 * exp(-i * 1e-5) * cos(i * 0.0835));
+    }
+    fclose(file);
+    begin(&p, "C.UTF-8");
+    expect(&p, PROMPT);
+    type(&p, "set duration 20000 s; set timing full\r");
+    expect(&p, "timing = full");
+    expect(&p, PROMPT);
+    interrupted_in_time(&p, "compare euler verlet rk4 dt=1ms,0.5ms");
+    snprintf(line, sizeof line, "load %s\r", path);
+    type(&p, line);
+    expect(&p, "50000 rows");
+    expect(&p, PROMPT);
+    interrupted_in_time(&p, "fit damped");
+    quit(&p);
+    unlink(path);
+}
+
 static void test_completion(void **state)
 {
     (void)state;
@@ -357,11 +404,17 @@ int main(void)
         return 1;
     }
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_types_and_answers),     cmocka_unit_test(test_interrupt_clears_the_line),
-        cmocka_unit_test(test_interrupt_stops_a_run), cmocka_unit_test(test_completion),
-        cmocka_unit_test(test_history_is_kept),       cmocka_unit_test(test_paste_stops_at_the_error),
-        cmocka_unit_test(test_multibyte_text),        cmocka_unit_test(test_hangup_and_terminate),
-        cmocka_unit_test(test_end_of_input_leaves),   cmocka_unit_test(test_history_under_a_lock),
+        cmocka_unit_test(test_types_and_answers),
+        cmocka_unit_test(test_interrupt_clears_the_line),
+        cmocka_unit_test(test_interrupt_stops_a_run),
+        cmocka_unit_test(test_completion),
+        cmocka_unit_test(test_interrupt_stops_long_commands),
+        cmocka_unit_test(test_history_is_kept),
+        cmocka_unit_test(test_paste_stops_at_the_error),
+        cmocka_unit_test(test_multibyte_text),
+        cmocka_unit_test(test_hangup_and_terminate),
+        cmocka_unit_test(test_end_of_input_leaves),
+        cmocka_unit_test(test_history_under_a_lock),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

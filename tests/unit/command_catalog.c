@@ -13,6 +13,19 @@ static const struct command *command_at(size_t i)
     return (const struct command *)(const void *)catalog_row(&command_catalog, i);
 }
 
+struct found {
+    struct buffer names;
+    int count;
+};
+
+static void collect(void *context, const char *candidate, const char *brief)
+{
+    struct found *found = context;
+    assert_non_null(brief);
+    buffer_format(&found->names, " %s ", candidate);
+    found->count++;
+}
+
 static void every_command_is_described(void **state)
 {
     (void)state;
@@ -72,6 +85,36 @@ static void every_command_refuses_nonsense(void **state)
     bench_close(&b);
 }
 
+/* A slip of the finger in its name is answered with the name, the beginning of it is completed; in a script only the
+ * whole name will do. */
+static void every_command_is_suggested_and_completed(void **state)
+{
+    (void)state;
+    struct bench b;
+    bench_open(&b, false);
+    for (size_t i = 0; i < command_catalog.count; i++) {
+        const char *name = command_at(i)->row.name;
+        const struct source script = {"s.hk", 7, NULL};
+        char line[64], wanted[64];
+        struct found found = {.count = 0};
+        size_t start;
+        snprintf(line, sizeof line, "%.*sq%s", (int)strlen(name) - 1, name, name + strlen(name) - 1);
+        snprintf(wanted, sizeof wanted, "'%s'", name);
+        buffer_clear(&b.err);
+        b.session->status = 0;
+        assert_false(command_exec(b.session, text_of(line), &script, &b.reply));
+        assert_int_equal(b.session->status, 1);
+        assert_says(&b.err, "s.hk:7:1: error: ");
+        assert_says(&b.err, "did you mean ");
+        assert_says(&b.err, wanted);
+        snprintf(wanted, sizeof wanted, " %s ", name);
+        command_complete(b.session, (struct text){name, strlen(name) - 1}, strlen(name) - 1, &start, collect, &found);
+        assert_says(&found.names, wanted);
+        buffer_free(&found.names);
+    }
+    bench_close(&b);
+}
+
 /* Every name that can be chosen is found by help, completion and apropos. */
 static void every_row_has_help(void **state)
 {
@@ -92,19 +135,6 @@ static void every_row_has_help(void **state)
 }
 
 /* ---- completion ---- */
-
-struct found {
-    struct buffer names;
-    int count;
-};
-
-static void collect(void *context, const char *candidate, const char *brief)
-{
-    struct found *found = context;
-    assert_non_null(brief);
-    buffer_format(&found->names, " %s ", candidate);
-    found->count++;
-}
 
 static void complete(struct bench *b, const char *line, struct found *found, size_t *start, bool *file)
 {
@@ -196,8 +226,11 @@ static void completion_survives_anything(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_command_is_described),   cmocka_unit_test(every_command_refuses_nonsense),
-        cmocka_unit_test(every_row_has_help),           cmocka_unit_test(completion_follows_the_type),
+        cmocka_unit_test(every_command_is_described),
+        cmocka_unit_test(every_command_refuses_nonsense),
+        cmocka_unit_test(every_command_is_suggested_and_completed),
+        cmocka_unit_test(every_row_has_help),
+        cmocka_unit_test(completion_follows_the_type),
         cmocka_unit_test(completion_survives_anything),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -51,6 +51,21 @@ static void a_script_stops_at_its_first_error(void **state)
     bench_close(&b);
 }
 
+/* One line that was typed needs no word about where it stopped. */
+static void a_typed_line_just_fails(void **state)
+{
+    (void)state;
+    struct bench b;
+    struct script script;
+    bench_open(&b, true);
+    script_begin(&script, b.session, NULL, NULL);
+    assert_false(script_feed(&script, b.session, TEXT("set gama 3"), &b.reply));
+    assert_false(script_end(&script, b.session, &b.reply));
+    assert_says(&b.err, "did you mean 'gamma'?");
+    assert_null(strstr(said(&b.err), "stopped"));
+    bench_close(&b);
+}
+
 static void keep_going_goes_on(void **state)
 {
     (void)state;
@@ -273,6 +288,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(dialects_of_text_files),
         cmocka_unit_test(a_script_stops_at_its_first_error),
+        cmocka_unit_test(a_typed_line_just_fails),
         cmocka_unit_test(keep_going_goes_on),
         cmocka_unit_test(the_status_says_what_failed),
         cmocka_unit_test(a_diverged_run_is_kept_and_explained),

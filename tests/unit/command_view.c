@@ -38,6 +38,80 @@ static void log_is_a_ring(void **state)
     assert_null(log_line(&log, 0));
 }
 
+/* The rows of a line, each with its indentation, joined by '|'. */
+static void rows_of(const char *line, int width, char rows[200])
+{
+    const struct text text = text_of(line);
+    size_t from = 0, n = 0;
+    int indent;
+    do {
+        const struct text row = log_row(text, &from, width, &indent);
+        n += (size_t)snprintf(rows + n, 200 - n, "%s%*s%.*s", n ? "|" : "", indent, "", (int)row.len, row.at);
+    } while (from < text.len);
+}
+
+static void long_lines_go_on_in_the_next_row(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *line;
+        int width;
+        const char *rows;
+    } cases[] = {
+        {"", 10, ""},
+        {"as it is", 8, "as it is"},
+        {"one two three four", 10, "one two|  three|  four"},
+        {"one two three", 9, "one two|  three"},
+        {"one two  and", 8, "one two|  and"}, /* the blanks at the break are gone */
+        {"one two   ", 7, "one two"},
+        {"  told:  a table", 12, "  told:  a|  table"}, /* others stay */
+        {"abcdefghijklmnopqrstuvw", 10, "abcdefghij|  klmnopqr|  stuvw"},
+        {"ab cdefghijklmnopq", 10, "ab|  cdefghij|  klmnopq"},
+        {"one two", 3, "one|two"}, /* no room for an indentation */
+        {"ab", 1, "a|b"},
+        {"\xE6\x97\xA5\xE6\x9C\xAC\xE6\x97\xA5", 5, "\xE6\x97\xA5\xE6\x9C\xAC|\xE6\x97\xA5"}, /* two cells each */
+        {"\xE6\x97\xA5\xE6\x9C\xAC", 1, "\xE6\x97\xA5|\xE6\x9C\xAC"},                         /* wider than the pane */
+        {"se\xCC\x81 se\xCC\x81 se\xCC\x81 x", 8, "se\xCC\x81 se\xCC\x81 se\xCC\x81|  x"}, /* an accent has no width */
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        char rows[200];
+        rows_of(cases[i].line, cases[i].width, rows);
+        assert_string_equal(rows, cases[i].rows);
+        int bars = 1;
+        for (const char *c = rows; *c; c++)
+            bars += *c == '|';
+        assert_int_equal(log_rows(text_of(cases[i].line), cases[i].width), bars);
+    }
+}
+
+/* A screen whose automatic window is the newest 6 s at most, with the axis going on to 21 s. */
+static bool newest_part(void *context, const struct session *session, double span[2])
+{
+    (void)context;
+    const bool fixed = session->view.x[0] < session->view.x[1];
+    span[0] = fixed ? session->view.x[0] : 15;
+    span[1] = fixed ? session->view.x[1] : 21;
+    return true;
+}
+
+static void zoom_starts_from_what_is_shown(void **state)
+{
+    (void)state;
+    struct bench b;
+    bench_open(&b, false);
+    b.session->front.time_shown = newest_part;
+    const struct view *view = &b.session->view;
+    type_ok(&b, "run 20 s; pan -2 s");
+    assert_true(view->x[0] == 13 && view->x[1] == 19);
+    type_ok(&b, "range x auto; zoom 2");
+    assert_true(view->x[0] == 16.5 && view->x[1] == 19.5);
+    type_ok(&b, "zoom 0.1"); /* automatic would not show all of it */
+    assert_true(view->x[0] == 0 && view->x[1] == 20);
+    type_ok(&b, "focus phase; zoom 2"); /* the time axis beside it */
+    assert_true(view->focus == PANE_POSITION && view->x[0] == 16.5);
+    bench_close(&b);
+}
+
 static void ranges_zoom_and_pan(void **state)
 {
     (void)state;
@@ -120,6 +194,10 @@ static void scrolling(void **state)
     assert_int_equal(b.session->view.scroll, 7);
     type_ok(&b, "scroll home");
     assert_int_equal(b.session->view.scroll, 49);
+    log_add(&b.session->log,
+            TEXT("a line that has more to say than the eighty columns of a usual screen can show at once"));
+    type_ok(&b, "scroll home"); /* rows, not lines */
+    assert_int_equal(b.session->view.scroll, 51);
     type_ok(&b, "scroll -1000");
     assert_int_equal(b.session->view.scroll, 0);
     bench_close(&b);
@@ -189,8 +267,13 @@ static void front_end_requests(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(log_is_a_ring), cmocka_unit_test(ranges_zoom_and_pan), cmocka_unit_test(offered_panes),
-        cmocka_unit_test(scrolling),     cmocka_unit_test(front_end_requests),
+        cmocka_unit_test(log_is_a_ring),
+        cmocka_unit_test(long_lines_go_on_in_the_next_row),
+        cmocka_unit_test(zoom_starts_from_what_is_shown),
+        cmocka_unit_test(ranges_zoom_and_pan),
+        cmocka_unit_test(offered_panes),
+        cmocka_unit_test(scrolling),
+        cmocka_unit_test(front_end_requests),
     };
     return cmocka_run_group_tests(tests, enter_folder, leave_folder);
 }

@@ -101,9 +101,19 @@ static void the_window_is_the_newest_part(void **state)
     tell(session, "run 60 s");
     session->view.paging = true;
     assert_shows(session, 80, 24, "last 8 of 60 s");
+    session->view.focus = PANE_ENERGY; /* alone it can be seen from beginning to end */
+    session->view.full = true;
+    assert_hides(session, 80, 24, "last ");
+    assert_shows(session, 80, 24, " 60 ");
+    session->view.focus = PANE_POSITION;
+    assert_shows(session, 80, 24, "last 16 of 60 s");
+    session->view.full = false;
     session->view.window = 4;
     assert_shows(session, 80, 24, "last 4 of 60 s");
     assert_shows(session, 80, 24, " 59 ");
+    double shown[2];
+    assert_true(screen_time_shown(session, 80, 24, shown)); /* what zoom and pan start from */
+    assert_true(shown[0] >= 56 && shown[0] <= 57 && shown[1] >= 60 && shown[1] < 62);
     session->view.window = 0;
     session->view.x[0] = 10;
     session->view.x[1] = 14;
@@ -343,6 +353,7 @@ static void a_residual_is_what_is_left_of_the_recording(void **state)
     assert_true(largest(figure.curve[0].y, figure.curve[0].n) < 1e-4);
     session->view.focus = PANE_RESIDUAL;
     assert_shows(session, 80, 24, "o data - fit");
+    assert_shows(session, 80, 24, "-- verlet"); /* of the pane below: a run has its name somewhere */
     arena_reset(&arena);
     session_destroy(session);
 }

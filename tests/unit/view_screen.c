@@ -187,14 +187,22 @@ static void the_log_scrolls(void **state)
     for (int i = 1; i <= 20; i++) {
         char line[120];
         snprintf(line, sizeof line, "line %d.%s", i,
-                 i == 20 ? " is one that is longer than the eighty columns that the screen has, and so it is cut" : "");
+                 i == 20 ? " is one that is longer than the eighty columns that the screen has, and so it goes on"
+                         : "");
         log_add(&session->log, text_of(line));
     }
+    assert_shows(session, 80, 24, "line 16.");
+    assert_hides(session, 80, 24, "line 15.");
+    assert_shows(session, 80, 24,
+                 "line 20. is one that is longer than the eighty columns that the screen has, and\n"
+                 "  so it goes on\n");
+    assert_shows(session, 40, 12, "line 20. is one that is longer than the\xE2\x80\xA6"); /* one row only */
+    session->view.scroll = 1;
+    assert_hides(session, 80, 24, "so it goes on");
+    assert_shows(session, 80, 24, "line 20. is one");
     assert_shows(session, 80, 24, "line 15.");
     assert_hides(session, 80, 24, "line 14.");
-    assert_shows(session, 80, 24,
-                 "line 20. is one that is longer than the eighty columns that the screen has, and\xE2\x80\xA6");
-    session->view.scroll = 3;
+    session->view.scroll = 4;
     assert_hides(session, 80, 24, "line 18.");
     assert_shows(session, 80, 24, "line 12.");
     session->view.scroll = 1000; /* the oldest stays at the top */
