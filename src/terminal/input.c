@@ -85,7 +85,10 @@ int64_t input_due(const struct input *input)
 
 bool input_pending(const struct input *input)
 {
-    return waiting(input).len > 0;
+    const struct text text = waiting(input);
+    bool partly = false;
+    return text.len > 0 && !begins(text, TEXT(REPLY_TEXT), &partly) && !begins(text, TEXT(PASTE_BEGIN), &partly) &&
+           !partly;
 }
 
 bool input_strip_reply(struct input *input)
