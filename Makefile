@@ -89,6 +89,10 @@ $(TOP)/hooke.1: $(TOP)/hooke scripts/reference
 	$(call say,MAN,$@)
 	$(Q)scripts/reference man $(TOP)/hooke > $@
 
+# Loops over many steps: unrolled and vectorised where the configuration is for speed at all.
+$(B)/run/many.o $(B)/run/propagate.o $(patsubst src/%.c,$(B)/%.o,$(wildcard src/method/kernel*.c)): \
+  CFLAGS += $(if $(filter -O2,$(OPT_$(CONFIG))),-O3)
+
 $(B)/%.o: src/%.c Makefile
 	$(call say,CC,$<)
 	@mkdir -p $(@D)

@@ -85,6 +85,8 @@ enum phase_axes { PHASE_SCALED, PHASE_RAW };
 enum sync_choice { SYNC_AUTO, SYNC_ON, SYNC_OFF }; /* whether the next frame waits until the terminal has answered */
 enum view_choice { VIEW_PAGE, VIEW_SCROLL };       /* the live view sweeps, then pages; or scrolls by whole cells */
 
+enum sums { SUMS_PLAIN, SUMS_COMPENSATED };
+
 struct settings {
     double dt;       /* [s] */
     double tol;      /* 0: off */
@@ -94,6 +96,7 @@ struct settings {
     int digits;                                     /* significant, in text */
     int charset, color, format, timing, phase_axes; /* the enums above, enum output_format, enum timing */
     int sync, view;
+    int kernel, sums; /* enum kernel, enum sums */
     double fps; /* frames a second of the live view */
 };
 
@@ -175,6 +178,7 @@ enum pane {
     PANE_ERROR,
     PANE_RESIDUAL,
     PANE_SPECTRUM,
+    PANE_ORBIT,
     PANE_COUNT
 };
 
@@ -329,6 +333,8 @@ struct session {
     double fit_zero;              /* of the recording at that time: its offset counts from there */
     struct measurement *measurement;
     int measurements;
+    struct precision *precision; /* the last study, for `plot precision` and `export FILE table`; NULL: none */
+    int precision_runs;          /* next_run at that time: a later run makes the table of the runs the latest one */
 
     struct snapshot *undo[LIMIT_UNDO], *redo[LIMIT_UNDO];
     int undos, redos;
@@ -424,7 +430,17 @@ static inline struct recording *session_recording(const struct session *session)
 
 enum charset session_charset(const struct session *session);
 
-enum plot_kind { PLOT_POSITION, PLOT_VELOCITY, PLOT_PHASE, PLOT_ENERGY, PLOT_ERROR, PLOT_RESIDUAL, PLOT_SPECTRUM };
+enum plot_kind {
+    PLOT_POSITION,
+    PLOT_VELOCITY,
+    PLOT_PHASE,
+    PLOT_ORBIT, /* of two coordinates */
+    PLOT_ENERGY,
+    PLOT_ERROR,
+    PLOT_RESIDUAL,
+    PLOT_SPECTRUM,
+    PLOT_PRECISION, /* of the last precision study, not of runs */
+};
 
 extern const struct catalog plot_catalog;
 
@@ -437,7 +453,7 @@ struct figure_request {
     int width;        /* [cell] that will be drawn on */
     bool log;         /* vertical axis */
     enum charset charset;
-    double trail; /* periods of the phase plot, 0: 2; HUGE_VAL: all */
+    double trail; /* periods of phase plot and orbit, 0: 2; HUGE_VAL: all */
     /* Of a view that lasts: the newest part instead of the first, its time axis fixed. */
     bool follow;
     bool alone;   /* no other plot shares the time axis: each period has to be seen only where this one needs it */
@@ -450,6 +466,11 @@ struct figure_request {
 /* Builds the figure; all memory from the arena. */
 bool session_figure(const struct session *session, const struct figure_request *request, struct arena *arena,
                     struct figure *figure, struct error *error);
+/* Whether such a plot makes sense for a model: velocities, or a second coordinate, are not everywhere. */
+bool plot_fits(enum plot_kind kind, const struct model *model);
+/* Coordinates of the same quantity, which share the plot of the position: those of a second-order scene, the values of
+ * one of first order; at most as many as have marks of their own. */
+int plot_coordinates(const struct model *model);
 /* Place of the recording that belongs into such a plot without being asked for: the current one, where it overlaps the
  * run; -1: none. */
 int figure_recording(const struct session *session, enum plot_kind kind);

@@ -46,6 +46,9 @@ struct step {
     double *y, *error, *work;
     double *low; /* [n] optional: what rounding took from y so far (compensated sums, Kahan 1965); NULL: plain sums */
     bool warm;
+    /* By method_adapt(): */
+    bool again; /* the last step was taken back: what was evaluated at t and y before it still holds */
+    double tol; /* accepts an error with an RMS of tol max(scale_i, |y_i|): a measure for iterations. 0: a fixed step */
     struct cost cost; /* accumulates */
 };
 
@@ -78,6 +81,7 @@ struct method {
     const char *formula; /* one step, as text with textbook letters, for help */
     int order;           /* order of convergence; 0: exact */
     int embedded;        /* order of the error estimator's companion, 0: none */
+    double share;        /* of the tolerance, what a step's estimate may be (see method_adapt), 0: 1/3 */
     int evals;           /* force evaluations a step (once warm) */
     unsigned flags;
     enum drag drag; /* default; DRAG_DEFAULT: drag is part of the right-hand side and has no variants */
@@ -99,9 +103,9 @@ struct method {
 
 extern const struct catalog method_catalog;
 
-/* Whether this method can step this system with this drag variant (false: a reason). Resolves DRAG_DEFAULT. */
+/* Whether this method can step this system with this drag variant; false: a reason. Resolves DRAG_DEFAULT. */
 bool method_applies(const struct method *method, const struct system *system, enum drag *drag, struct error *error);
-/* Whether it can take steps of h [s] on this system (false: a reason): splittings of higher order step backwards, which
+/* Whether it can take steps of h [s] on this system; false: a reason. Splittings of higher order step backwards, which
  * strong drag does not survive. */
 bool method_fits(const struct method *method, const struct system *system, enum drag drag, double h,
                  struct error *error);
@@ -111,10 +115,35 @@ enum step_status method_step(const struct method *method, struct step *step);
 /* State inside the last step: [t - h, t]. before [n]: state at its start. */
 void method_dense(const struct method *method, const struct step *step, const double *before, double theta, double *y);
 
+/* ---- many steps of one size ----
+ *
+ * A march takes `count` steps of step->h; step i = first, first + 1, … begins at origin + i h. The states after them go
+ * to row [count][n], the last one also to step->y. Without compensated sums and error estimates.
+ */
+struct march {
+    struct step *step;
+    double origin; /* [s] */
+    int64_t first, count;
+    double *row;
+};
+
+/*
+ * Kernels: the same steps, to the bit, in code made for one method and one kind of scene; nothing is checked on the way,
+ * so states may come out infinite or NaN. They stay only while `make bench` shows their gain.
+ */
+typedef void march_function(const struct march *march);
+
+march_function *method_kernel(const struct method *method, const struct system *system, enum drag drag); /* or NULL */
+/* Steps taken; fewer than count: *status says why, and the step is where it was before the one that failed. */
+int64_t method_march(const struct method *method, march_function *kernel, const struct march *march,
+                     enum step_status *status);
+
 /* ---- step-size control ----
  *
- * One accepted step of an adaptive method with |error_i| <= tol * max(scale_i, |y_i|) in the RMS sense, PI control
- * (Gustafsson 1991; Hairer, Norsett, Wanner II.4). tol is relative to the system's own scale, never to raw SI numbers.
+ * One accepted step of an adaptive method with |error_i| <= share tol max(scale_i, |y_i|) in the RMS sense (tol^(k/p)
+ * where the estimate goes with h^k and the method is of another order p), by digital filters (Soderlind 2003). tol is
+ * relative to the system's own scale, never to raw SI numbers. The row's share makes all methods alike: after some ten
+ * periods of an oscillation the error that has added up is at most ten times tol.
  *
  * Steps towards t_end (either side of t), never past it; a step that reaches it sets t = t_end exactly and leaves the
  * proposal as it was. step->h is then the step taken. A state that is not finite is retried with h/4, up to 20 times.
@@ -123,7 +152,8 @@ void method_dense(const struct method *method, const struct step *step, const do
 struct controller {
     double tol;       /* at least 10 eps */
     double h;         /* [s] proposal for the next step, 0: choose a first one */
-    double previous;  /* error of the last accepted step, 0: none */
+    double last;      /* [s] the last accepted step */
+    double previous;  /* its error in units of the largest that is accepted, 0: there is no history */
     double stiffness; /* |h| * the Jacobian's norm, estimated and smoothed: near the stability limit means stiff */
     bool rejected;
 };

@@ -10,7 +10,7 @@
 /* ---- trace: what was recorded ----
  *
  * Rows of n state values in chunks; the last row is always the present state, recorded or not. With a fixed step the
- * time is t0 + i dt and not stored. Above the cap the trace is decimated (RECORD_AUTO, whose rows carry their step
+ * time is t0 + i dt and not stored. Above the cap the trace is decimated (RECORD_AUTO, whose rows then carry their step
  * index): pairs of buckets merge, keeping of each the first sample and the samples of smallest and largest position, so
  * that no peak is lost. Pointers hold until the run moves.
  */
@@ -33,10 +33,21 @@ size_t trace_bytes(const struct trace *trace); /* memory held */
 
 /* ---- settings and the plan ---- */
 
+/*
+ * How fixed steps are computed. A propagator (linear scene, no drive) multiplies by powers of the method's one-step
+ * matrix: no forces are evaluated, and the states differ from the others' by a few eps a step. The other two give the
+ * same bits.
+ */
+enum kernel { KERNEL_PROPAGATOR, KERNEL_SPECIALISED, KERNEL_GENERAL };
+
+extern const struct catalog kernel_catalog; /* struct row at the enum's place: propagator, specialised, general */
+
 struct run_settings {
     double dt;  /* [s] > 0: fixed step, and the first guess where adaptive */
     double tol; /* > 0: adaptive where the method can; 0: fixed step */
     enum drag drag;
+    enum kernel kernel; /* the fastest way that is allowed */
+    bool compensated; /* fixed steps: what rounding takes from the state is carried along (Kahan 1965) */
     struct recording_rule record;
     size_t memory; /* [byte] budget for the trace, 0: 1 GiB */
 };
@@ -45,6 +56,7 @@ struct run_settings {
  */
 struct plan {
     bool adaptive;
+    bool propagates;  /* no forces are evaluated: powers of the one-step matrix */
     bool exact_known; /* error against the closed form is available */
     bool ledger;      /* energy balance needs the work of drag and drive */
     double steps;     /* predicted, NaN if adaptive */
@@ -129,7 +141,7 @@ bool run_advance(struct run *run, const struct run_target *target, int64_t budge
 /*
  * Back by `rows` recorded rows (never integrates backwards); false: fewer are there (goes to the start). Restores time,
  * state and the parameters then in force, not what a multistep method remembers or a step control has learnt: these
- * start again.
+ * start again; a propagator does not know the middle of its block any more where the trace is decimated.
  */
 bool run_back(struct run *run, int64_t rows);
 /*
@@ -161,7 +173,8 @@ enum observable_need {
     NEED_EXACT = 1,     /* the closed form */
     NEED_WORK = 2,      /* work since the start: a pass over the rows before */
     NEED_MECHANICS = 4, /* a second-order scene: mass, forces, energy */
-    NEED_CENTRE = 8,    /* an oscillation about an equilibrium: stiffness > 0 */
+    NEED_CENTRE = 8,    /* a linear oscillation about an equilibrium: a whole oscillator, stiffness > 0 */
+    NEED_LINE = 64,     /* one coordinate, in metres */
     NEED_POWER = 32,    /* says nothing in a conservative scene, where it is 0: lists may leave it out */
     NEED_RATIO =
         16, /* the value is a ratio of energies: states, work and energies come scaled so that squares stay in range */
@@ -176,9 +189,18 @@ struct observable {
 
 extern const struct catalog observable_catalog;
 
+/*
+ * y, v and a are the first coordinate of the scene (theta of a pendulum), error and exact too; their quantity is that
+ * of the variable. In a scene without units every quantity is a number. Rows show those of the oscillator.
+ */
+enum quantity observable_quantity(const struct observable *observable, const struct system *system);
+const char *observable_unit(const struct observable *observable, const struct system *system);
+
 /* Column `observable` over all rows of the trace into out [trace_count]; false: not defined for this run (no exact
  * solution …), with reason. */
 bool run_column(const struct run *run, const struct observable *observable, double *out, struct error *error);
+/* State variable i (0 … n - 1) over all rows of the trace into out [trace_count]. */
+void run_variable_column(const struct run *run, int i, double *out);
 /* Value at the run's present state. NAN if not defined. */
 double run_observable(const struct run *run, const struct observable *observable);
 /*
@@ -204,12 +226,15 @@ struct ledger {
 };
 void run_ledger(const struct run *run, struct ledger *ledger);
 
-/* Errors against the exact solution over the recorded rows, in units of the amplitude max |y_exact|; all NAN where none
- * is known. */
+/*
+ * Errors against the exact solution over the recorded rows, in units of the amplitude max |y_exact|; all NAN where none
+ * is known. With several coordinates, and in first-order scenes, the largest over the variables, each in units of its
+ * own amplitude.
+ */
 struct run_errors {
     double end;       /* distance at the end */
     double max;       /* largest distance on the trace */
-    double phase;     /* [rad] phase of numerical over exact oscillation at the end */
+    double phase;     /* [rad] phase of numerical over exact oscillation at the end; NAN: nothing oscillates linearly */
     double amplitude; /* relative amplitude error at the end */
     double floor;     /* conditioning floor of the exact solution */
 };

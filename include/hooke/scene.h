@@ -125,7 +125,8 @@ extern const struct catalog derived_catalog; /* those of the oscillator */
 /* Sets the row's target parameter so that the quantity takes this value; the uncertainty goes with it. */
 bool scene_set_derived(struct scene *scene, const struct derived_row *row, struct measured value, struct error *error);
 
-/* Re = rho v length / eta for a speed [m/s]; regime in words: "laminar", "transitional", "turbulent". */
+/* Re = rho v length / eta for a speed [m/s], NaN unless the scene is an oscillator; regime in words: "laminar",
+ * "transitional", "turbulent". */
 double scene_reynolds(const struct scene *scene, double speed);
 const char *reynolds_regime(double reynolds);
 
@@ -156,6 +157,7 @@ struct model {
 };
 
 extern const struct model oscillator_model;
+extern const struct model *const scene_models[]; /* all of them, the oscillator first; NULL: end */
 
 /* ---- terms and the bound system ---- */
 
@@ -172,7 +174,8 @@ enum term_flag {
 /*
  * The scene as one oscillator, where it is one:
  *   q'' = -stiffness q - damping q' - quadratic |q'| q' - gravity + drive cos(omega t + phase)
- * Closed-form steps, exact drag flows and exact solutions use it. `whole`: nothing else acts.
+ * Closed-form steps and exact solutions use it where it is `whole`: nothing else acts. Exact drag flows need no more
+ * than `drag_whole`; with several coordinates it is that of each: v_i' = -damping v_i.
  */
 struct oscillator {
     double stiffness;    /* [1/s^2] k/m, any sign */
@@ -182,6 +185,7 @@ struct oscillator {
     double drive;        /* [m/s^2] F0/m */
     double omega, phase; /* [rad/s] [rad] */
     bool whole;
+    bool drag_whole; /* no force depends on velocity but damping and quadratic (the latter with one coordinate only) */
 };
 
 struct term_row {
@@ -190,11 +194,12 @@ struct term_row {
     /* Coefficients from the parameters, also added into `oscillator`; false: the term is absent (its coefficient is
      * zero). */
     bool (*bind)(const double *param, double *c, struct oscillator *oscillator);
-    void (*add)(const double *c, double t, const double *y, double *a); /* adds to the accelerations [n/2] */
-    /* Adds d a / d y, [n/2][n] row-major; NULL: the term does not depend on the state. */
+    /* Adds to the accelerations [n/2] or, in a first-order scene, to the derivatives [n]. */
+    void (*add)(const double *c, double t, const double *y, double *a);
+    /* Adds d a / d y, a row of n for each a, row-major; NULL: the term does not depend on the state. */
     void (*jacobian)(const double *c, double t, const double *y, double *jac);
     double (*potential)(const double *c, const double *y);       /* [J], NULL unless TERM_CONSERVATIVE */
-    double (*power)(const double *c, double t, const double *y); /* [W], NULL if TERM_CONSERVATIVE */
+    double (*power)(const double *c, double t, const double *y); /* [W], NULL if TERM_CONSERVATIVE or first order */
 };
 
 extern const struct catalog term_catalog; /* those of the oscillator */
@@ -229,8 +234,7 @@ void system_derivative(const struct system *system, double t, const double *y, d
 void system_force(const struct system *system, double t, const double *y, double *a);
 /* Only the terms that do depend on velocity. */
 void system_drag(const struct system *system, double t, const double *y, double *a);
-/* Exact flow of v' = -gamma v - c |v| v over h (NUMERICS 2.5): sign-preserving, exact at v = 0; oscillator.whole only.
- */
+/* Exact flow of v' = -gamma v - c |v| v over h (NUMERICS 2.5): sign-preserving, exact at v = 0; where drag_whole. */
 double oscillator_drag_flow(const struct oscillator *oscillator, double v, double h);
 void system_jacobian(const struct system *system, double t, const double *y,
                      double *jac); /* d y'/d y, [n][n] row-major */
@@ -245,10 +249,11 @@ struct variable system_variable(const struct system *system, int i); /* of state
 
 /* ---- exact solutions ----
  *
- * For linear oscillators in every regime: under-, critically and overdamped, k = 0, k < 0, gamma < 0, constant force,
- * driven, resonance, with formulas that do not cancel. From `start` at t0 to t (before or after t0); growth beyond
- * double ends as infinity. floor [n], or NULL: what one ulp in the coefficients does to the answer (about eps * omega *
- * |t - t0| times the amplitude): no error below it means anything.
+ * For linear oscillators in every regime (under-, critically and overdamped, k = 0, k < 0, gamma < 0, constant force,
+ * driven, resonance, with formulas that do not cancel) and for models that bring their own. From `start` at t0 to t
+ * (before or after t0); growth beyond double ends as infinity. floor [n], or NULL: what one ulp in the coefficients (of
+ * other models: in the start) does to the answer, about eps * omega * |t - t0| times the amplitude: no error below it
+ * means anything.
  */
 bool system_has_exact(const struct system *system);
 void system_exact(const struct system *system, double t0, const double *start, double t, double *y, double *floor);

@@ -19,22 +19,158 @@ enum timing { TIMING_OFF, TIMING_QUICK /* about 2 ms a point */, TIMING_FULL /* 
 
 extern const struct catalog timing_catalog; /* struct row at the enum's place: off, quick, full */
 
+#define TIMING_SAMPLES 15
+
 struct timing_result {
     double minimum, median; /* [s] for one solve; NAN: not timed */
     double spread;          /* median absolute deviation / median */
     int samples;
+    bool few; /* fewer than asked for: a solve takes too long */
 };
+
+#define TIMING_SPREAD 0.1 /* above it a time is flagged */
 
 /* tol > 0: adaptive. Solves from system->t0 over `span`. */
 void time_solve(const struct system *system, const struct method *method, const struct run_settings *settings,
                 double span, enum timing timing, const struct cancel *cancel, struct timing_result *result);
 
-/* ---- compare ---- */
+/* ---- reference: what errors are measured against ----
+ *
+ * On a common grid of 257 times, so that a coarse method is not sampled kindly: the closed form where one is known,
+ * else the same problem solved by two methods of different kinds (explicit, splitting, implicit, Rosenbrock), with
+ * compensated sums. What they agree to is the accuracy, and nothing below it is claimed; a contestant at a tighter
+ * tolerance alone would be no reference. Distances are those of the positions (of all variables in a first-order
+ * scene), each divided by its amplitude, the largest |y_i| on the grid.
+ */
+
+#define STUDY_TIMES 257
+
+struct reference {
+    double *y; /* [STUDY_TIMES][n], owned: reference_free() */
+    int n, scored;
+    double span;                       /* [s] */
+    double amplitude[LIMIT_VARIABLES]; /* > 0 */
+    bool exact;
+    const struct method *by[2]; /* unless exact: the solution, and what confirmed it */
+    double accuracy;            /* distance between both, or the conditioning floor of the closed form */
+    double meaning;             /* [s] after t0: from here on they differ by more than 1e-3; span: nowhere */
+};
+
+/* Bounded in cost (about 4e7 evaluations a solution at most) and cancellable. False: cancelled, or no two methods
+ * agree to reach the end. */
+bool study_reference(const struct system *system, double span, const struct cancel *cancel,
+                     struct reference *reference, struct error *error);
+void reference_free(struct reference *reference);
+void reference_describe(const struct reference *reference, struct buffer *text); /* "dop853 and gauss6, which agree …" */
+
+struct study_errors {
+    double end, max;         /* at the end, on the grid */
+    double energy;           /* largest |E - E_reference| / largest |E_reference|; NAN for first-order scenes */
+    double phase, amplitude; /* [rad] and relative, at the end, of an oscillator; NAN */
+};
+
+/* ---- precision: error against run time ---- */
 
 struct contender {
     const struct method *method;
     enum drag drag; /* DRAG_DEFAULT: the method's own */
 };
+
+struct precision_request {
+    const struct scene *scene;
+    const struct contender *contender;
+    int contenders;
+    double dt[2];  /* [s] ends of the sweep, NAN: choose. Given: methods that adapt take fixed steps too */
+    double tol[2]; /* ends of the sweep of methods that adapt, NAN: choose */
+    double duration; /* [s] */
+    bool compensated; /* sums of fixed steps */
+    enum timing timing;
+    double seconds; /* [s] about what all of it may take besides the reference, 0: 12, on stiff scenes 20 */
+    bool recording; /* time a run that records, too */
+    const struct cancel *cancel;
+};
+
+struct precision_point {
+    int curve;
+    double dt, tol; /* dt = duration / 2^k [s]; tol > 0: adaptive, then dt = 0 */
+    int64_t steps;
+    struct cost cost;
+    enum stop stop;
+    bool refused; /* the method takes no steps of this size here */
+    struct study_errors errors;
+    double seconds;    /* [s] the one solve that was measured, sampling included */
+    double order;      /* log(error ratio)/log(dt or tol ratio) to the point before, NAN for the first */
+    bool below;        /* below the accuracy of the reference */
+    bool asymptotic;   /* takes part in the fit */
+    struct timing_result time;
+    double recording; /* [s] the same with all rows recorded, shortest of three; NAN: not asked for */
+};
+
+/* One method: its points from coarse to fine, and the line through the asymptotic ones. */
+struct precision_curve {
+    struct contender by;
+    bool adaptive;
+    int first, count;
+    double slope, r2; /* of log error over log dt (or log tol); NAN: fewer than three points */
+    int fitted;
+    double expected; /* order, or 1 for tol: error proportional to tolerance; NAN: nothing is expected (exact) */
+    bool differs;    /* slope is further than PRECISION_SLOPE (for orders above 6: a 20th) from what is expected */
+    bool cut;        /* ended by the time allowed, not by rounding or cost */
+};
+
+#define PRECISION_SLOPE 0.3
+
+struct precision {
+    struct scene scene;
+    struct system system;
+    struct reference reference;
+    double duration;
+    bool compensated;
+    struct precision_point *point;
+    int points;
+    struct precision_curve *curve;
+    int curves; /* finished */
+};
+
+/*
+ * Sweeps each contender from coarse steps to the floor of rounding (or the ends given), measures the errors, then times
+ * all points together. Failed points are results; of those before the first success only the last is kept. A contender
+ * that does not apply is an error before anything runs. False also when cancelled: what is finished is kept
+ * (curves > 0), times may be missing. precision_free() in every case.
+ */
+bool study_precision(const struct precision_request *request, struct precision *precision, struct error *error);
+void precision_free(struct precision *precision);
+
+/* A point that says something: it reached the end, with an error below 1. */
+bool precision_meaningful(const struct precision_point *point);
+
+/* What an error costs, read off a curve between its points (straight lines in logarithms); false: not reached. */
+struct precision_cost {
+    int curve;
+    double evals, minimum, median; /* [s], NAN without times */
+    bool tied;                     /* [minimum, median] overlaps that of the fastest */
+};
+bool precision_cost_at(const struct precision *precision, int curve, double error, struct precision_cost *cost);
+/* All curves that reach this error, the fastest first (without times: by evaluations); returns how many. */
+int precision_fastest(const struct precision *precision, double error, struct precision_cost *costs);
+
+/*
+ * Force evaluations that an error needs on an undamped linear oscillator, predicted from the method's amplification
+ * matrix: phase, amplitude and shape of M^n against the rotation (NUMERICS 1.5). NAN: another scene, adaptive steps, or
+ * a method without such a matrix.
+ */
+double precision_predict(const struct precision *precision, int curve, double error);
+bool precision_predicts(const struct system *system);
+
+/* Natural rates times duration are so large that explicit methods take their steps for stability alone. */
+bool precision_is_stiff(const struct system *system, double duration);
+/* A dozen methods that apply to the system, by what it is (stiff or not); returns how many. Each of the others that was
+ * considered is offered with the reason. */
+#define PRECISION_DEFAULTS 12
+int precision_defaults(const struct system *system, double duration, struct contender *contender,
+                       void (*absent)(void *context, const char *method, const char *reason), void *context);
+
+/* ---- compare ---- */
 
 struct compare_request {
     const struct scene *scene;
@@ -45,6 +181,7 @@ struct compare_request {
     const double *tol; /* [tols] adaptive where the method can; fixed-step methods use dt */
     int tols;
     double duration; /* [s] */
+    bool compensated; /* sums of fixed steps */
     struct recording_rule record;
     enum timing timing;
     const struct cancel *cancel;
@@ -52,7 +189,8 @@ struct compare_request {
 
 struct comparison {           /* one method at one setting */
     struct run *run;          /* owned by the caller after study_compare */
-    struct run_errors errors; /* against the exact solution, NAN where none is known */
+    struct run_errors errors; /* against the exact solution; without one end, max and floor against the reference */
+    const struct method *reference[2]; /* what that reference was made with, NULL: not needed, or there is none */
     struct ledger ledger;
     double order;         /* log(error ratio)/log(dt ratio) to the row before of the same method, NAN for the first */
     double energy_factor; /* E/E0 at the end */
@@ -70,5 +208,179 @@ bool study_compare_plan(const struct compare_request *request, double *steps, do
  */
 bool study_compare(const struct compare_request *request, struct comparison *rows, int *count, struct error *error);
 void comparison_free(struct comparison *row); /* destroys the run if it is still there */
+
+/* ---- order: how fast the error falls with the step ----
+ *
+ * Fixed steps of duration/N with compensated sums, errors of the whole state at the end. The order is the slope over
+ * the asymptotic part: below the errors that are too large to say anything, above rounding and the accuracy of the
+ * reference; there the finest few points whose local slopes agree.
+ */
+
+struct order_request {
+    const struct scene *scene;
+    struct contender by;
+    double dt[2];    /* [s] ends of the sweep, NAN: choose */
+    double duration; /* [s] */
+    const struct cancel *cancel;
+};
+
+struct order_point {
+    double dt; /* [s] */
+    int64_t steps;
+    enum stop stop;
+    bool refused; /* the method takes no steps of this size here */
+    double error; /* largest over the variables, in units of their amplitudes; NAN: did not arrive */
+    double slope; /* to the point before; NAN */
+    bool fitted;
+};
+
+#define ORDER_POINTS 64
+#define ORDER_BAND 0.05 /* a slope that close to the claim agrees with it */
+
+enum order_verdict { ORDER_AGREES, ORDER_LOWER, ORDER_HIGHER, ORDER_ERRATIC, ORDER_NO_RANGE, ORDER_EXACT };
+
+extern const struct catalog order_verdict_catalog; /* struct row at the enum's place */
+
+struct order {
+    struct contender by;
+    int claimed;           /* by the row; explicit drag claims 1 on a scene with drag */
+    double slope, guard, r2; /* guard: how far local slopes and the line's own uncertainty reach; NAN: no range */
+    struct order_point point[ORDER_POINTS];
+    int points, fitted;
+    double floor; /* errors below are not claimed */
+    enum order_verdict verdict;
+    char words[300]; /* why the scene spoils it, "" where nothing is to say */
+};
+
+/* False: the method does not apply, there is no reference, or cancelled (what is finished is kept: points > 0). */
+bool study_order(const struct order_request *request, struct order *order, struct error *error);
+
+/* ---- stability: predicted from the method, verified by running it ----
+ *
+ * Each eigenvalue lambda of the scene's Jacobian is an oscillator of its own, omega = |lambda|, zeta = -Re lambda/omega.
+ * On a linear scene that is the whole truth; else it is taken at the start and along the run, and is an estimate.
+ */
+
+struct mode {
+    double omega, zeta; /* [1/s]; zeta > 1: a pair of real eigenvalues */
+    double t;           /* [s] where it was met */
+};
+
+struct stability_request {
+    const struct scene *scene;
+    struct contender by;
+    double dt, duration; /* [s] */
+    const struct cancel *cancel;
+};
+
+struct stability_check { /* one step size, run for so many steps */
+    double dt, predicted, measured; /* growth a step; measured: envelope of the last quarter over that of the second */
+    int64_t steps;
+    bool agrees;
+};
+
+enum stability_verdict { STABILITY_STABLE, STABILITY_MARGINAL, STABILITY_UNSTABLE };
+
+extern const struct catalog stability_verdict_catalog;
+
+#define STABILITY_MODES 48
+
+struct stability {
+    struct contender by;
+    double dt;
+    bool linear, grows; /* the scene itself grows somewhere: no step is asked to prevent that */
+    struct mode mode[STABILITY_MODES]; /* those at the start first */
+    int modes, at_start;
+    struct mode worst;  /* grows most at dt */
+    struct mode tightest; /* sets dt_max */
+    double dt_max; /* [s] supremum of the stable steps; HUGE_VAL: every, 0: none, NAN: nothing decides it */
+    double growth_predicted, growth_measured, growth_exact; /* a step of dt, of the worst mode */
+    double energy_factor;                                   /* a step */
+    struct stability_check check[3];                        /* dt, a little below dt_max, a little above */
+    int checks;
+    bool agrees;
+    enum stability_verdict verdict;
+    double doubling;         /* steps until the amplitude doubles; HUGE_VAL: never */
+    double weak[2];          /* growth - 1 is about weak[0] (omega dt)^weak[1]; NAN: not weak */
+    double window[3];        /* [s] [s] 1: a narrow resonance from .. to, and the largest growth in it; NAN: none */
+    enum stop stop;          /* of the scene itself, run with dt where it is not linear */
+    double reached, largest; /* [s] and amplitude of that run over the natural one */
+};
+
+bool study_stability(const struct stability_request *request, struct stability *stability, struct error *error);
+/* Growth a step on y' = lambda y with z = lambda dt (and its conjugate). NAN: the method does not apply there. */
+double stability_growth(const struct contender *by, double re, double im);
+
+/* ---- stress: the stiff and the extreme, each method, one verdict each ---- */
+
+enum stress_verdict {
+    STRESS_EXACT,    /* error at rounding, or at what can be known */
+    STRESS_ACCURATE, /* error below 1 % */
+    STRESS_BOUNDED,  /* wrong, but no larger than the motion */
+    STRESS_DAMPED,   /* what should swing is gone */
+    STRESS_REFUSED,  /* with the reason: does not apply, out of budget, no solution … */
+    STRESS_DIVERGED,
+    STRESS_UNEXPLAINED, /* none of these: must not happen */
+    STRESS_VERDICTS
+};
+
+extern const struct catalog stress_verdict_catalog; /* name, unit: its letter in the table, brief */
+
+struct stress_case {
+    const char *name, *brief;
+    const char *preset;
+    struct {
+        const char *param;
+        double value;
+    } set[8];
+    double span; /* [s], 0: ten seconds */
+    bool fixed;  /* the case is about its dt: methods that adapt take it too */
+    double dt;   /* [s] where fixed, else span/1024 */
+    double tol;  /* 0: 1e-6 for methods that adapt */
+};
+
+struct stress_row {
+    int place; /* of the case */
+    const struct method *method;
+    enum stress_verdict verdict;
+    double error; /* NAN: did not arrive, or nothing to measure against */
+    int64_t steps;
+    double seconds; /* of computing */
+    char reason[240];
+};
+
+#define STRESS_MOST 80 /* cases */
+
+struct stress {
+    struct stress_case cases[STRESS_MOST]; /* names live as long as the process */
+    int count;
+    struct stress_row *row; /* [rows], case by case, the methods in order; owned: stress_free() */
+    int rows;
+    int count_of[STRESS_VERDICTS];
+    double seconds;
+};
+
+/* False also when cancelled: the finished rows are kept. stress_free() in every case. */
+bool study_stress(const struct method *const *methods, int count, const struct cancel *cancel, struct stress *stress,
+                  struct error *error);
+void stress_free(struct stress *stress);
+
+/* ---- selftest: what the rows claim, measured on this machine ---- */
+
+enum selftest_check { SELFTEST_ORDER, SELFTEST_AREA, SELFTEST_REVERSAL, SELFTEST_STABILITY, SELFTEST_CHECKS };
+
+extern const struct catalog selftest_catalog;
+
+struct selftest_row {
+    const struct method *method;
+    struct {
+        bool asked, passed;
+        double value, wanted; /* order; area factor - 1; distance from the start; growth around the limit */
+    } check[SELFTEST_CHECKS];
+    bool passed;
+};
+
+/* One method, as its row says; false: no memory, or cancelled. */
+bool selftest_method(const struct method *method, const struct cancel *cancel, struct selftest_row *row);
 
 #endif

@@ -119,6 +119,17 @@ static bool read_recording(struct parser *parser, struct item *item, struct erro
     return session->recordings ? error_hint(error, "('data list' lists them)") : error_hint(error, "type: load FILE");
 }
 
+static bool read_column(struct parser *parser, struct item *item, struct error *error)
+{
+    if (!parse_word(parser, ",", item, error))
+        return false;
+    item->row = catalog_find(&observable_catalog, item->text);
+    for (const struct model *const *model = scene_models; *model; model++)
+        if (item->row || model_variable(*model, item->text) >= 0)
+            return true;
+    return catalog_unknown(&observable_catalog, item->text, error);
+}
+
 static bool read_condition(struct parser *parser, struct item *item, struct error *error)
 {
     struct condition *condition = arena_alloc(parser->arena, sizeof *condition);
@@ -157,6 +168,8 @@ static bool read_item(struct parser *parser, const struct argument *argument, co
                                                  : parse_value(parser, "the expression", QUANTITY_OTHER, item, error);
     case TYPE_CHOICE:
         return read_choice(parser, argument, stops, item, error);
+    case TYPE_COLUMN:
+        return read_column(parser, item, error);
     case TYPE_RUN:
         return read_run(parser, argument, item, error);
     case TYPE_RECORDING:

@@ -16,13 +16,14 @@ static void put(struct buffer *text, const char *name, struct measured value, en
         buffer_put(text, TEXT("unknown"));
 }
 
-/* The mass, if somebody has said what it is. */
-static bool known_mass(const struct session *session, struct measured *mass)
+/* The mass on the spring, if somebody has said what it is. */
+static bool known_mass(const struct scene *scene, struct measured *mass)
 {
-    const struct scene *scene = &session->setup.scene;
-    const int m = param_index("m");
+    const int m = scene_param(scene, "m");
+    if (!scene->given[m])
+        return false;
     *mass = (struct measured){scene->value[m], scene->uncertainty[m]};
-    return scene->given[m];
+    return true;
 }
 
 static struct measured quotient(double numerator, struct measured x)
@@ -30,7 +31,7 @@ static struct measured quotient(double numerator, struct measured x)
     return (struct measured){numerator / x.value, fabs(numerator / x.value) * fabs(x.uncertainty / x.value)};
 }
 
-static void reply_fit_text(const struct subject *subject, const struct fit *fit, const struct measured *k,
+static void reply_fit_text(const struct subject *subject, const struct fit *fit, const struct measured *k, bool spring,
                            struct reply *reply)
 {
     const enum quantity quantity = subject->series.quantity;
@@ -76,7 +77,7 @@ static void reply_fit_text(const struct subject *subject, const struct fit *fit,
         buffer_short(&text, fit->evidence[2], 6);
         buffer_char(&text, ')');
     }
-    if (!k)
+    if (!k && spring)
         buffer_put(&text, TEXT("\n  (set the mass, for example m = 200 g, to get k)"));
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
@@ -159,13 +160,17 @@ HANDLER(fit)
              ->fit(&subject.series, given->arena, session->front.cancel, &fit, error))
         return false;
     struct measured mass, stiffness;
-    const bool with_k = known_mass(session, &mass);
+    const struct scene *scene = &session->setup.scene;
+    /* Neither is the motion of something else that of a spring. */
+    const bool spring = scene->model == &oscillator_model &&
+                        (!subject.run || subject.run->system.model == &oscillator_model);
+    const bool with_k = spring && known_mass(scene, &mass);
     if (with_k)
         stiffness = fit_stiffness(&fit, mass);
     const struct measured *k = with_k ? &stiffness : NULL;
     if (fit.converged)
         keep_fit(session, &subject, &fit, k);
-    reply_fit_text(&subject, &fit, k, reply);
+    reply_fit_text(&subject, &fit, k, spring, reply);
     reply_fit_record(&subject, &fit, k, reply);
     for (int i = 0; i < fit.warnings; i++)
         reply_warning(reply, "%s", fit.warning[i]);
@@ -179,7 +184,7 @@ HANDLER(fit)
 
 static bool adopt_value(struct scene *scene, const char *name, double value, double uncertainty, struct error *error)
 {
-    return scene_set(scene, param_index(name), (struct measured){value, isfinite(uncertainty) ? uncertainty : 0},
+    return scene_set(scene, scene_param(scene, name), (struct measured){value, isfinite(uncertainty) ? uncertainty : 0},
                      error);
 }
 
@@ -209,7 +214,9 @@ HANDLER(adopt)
         return error_hint(error, "type: fit");
     }
     struct scene scene = session->setup.scene;
-    const int m = param_index("m"), g = param_index("g");
+    if (!needs_spring(&scene, "adopt", error))
+        return false;
+    const int m = scene_param(&scene, "m"), g = scene_param(&scene, "g");
     const struct measured mass = {scene.value[m], scene.uncertainty[m]}, stiffness = fit_stiffness(fit, mass);
     const bool decays = isfinite(fit->gamma.value);
     const double gamma = decays ? fit->gamma.value : 0, omega = fit->omega.value;
@@ -246,7 +253,7 @@ HANDLER(adopt)
     if (n >= 0) {
         put(&text, "  y0", (struct measured){y0, 0}, QUANTITY_LENGTH);
         put(&text, "  v0", (struct measured){v0, 0}, QUANTITY_VELOCITY);
-        put(&text, "  t0", (struct measured){scene.value[param_index("t0")], 0}, QUANTITY_TIME);
+        put(&text, "  t0", (struct measured){param_value(&scene, "t0"), 0}, QUANTITY_TIME);
     }
     if (data >= 0) {
         put(&text, "\nzero of the recording", (struct measured){zero, 0}, fitted.quantity);
@@ -260,7 +267,7 @@ HANDLER(adopt)
     if (!scene.given[m])
         reply_warning(reply,
                       "k was computed with the mass of the scene, which nobody has set: m = 200 g, then adopt again");
-    if (scene.value[param_index("C")] > 0 || scene.value[param_index("F0")] > 0)
+    if (param_value(&scene, "C") > 0 || param_value(&scene, "F0") > 0)
         reply_warning(reply, "the scene also has quadratic drag or a driving force, which the fit knows nothing of");
     return true;
 }

@@ -3,9 +3,12 @@
 #ifndef COMMAND_ROWS
 #include "choices.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+
+#define WIDTH 100 /* [cell] of help where there is neither a terminal nor --size */
 
 static const struct command *command_at(const struct row *row)
 {
@@ -22,6 +25,15 @@ static void put_indented(struct buffer *text, const char *lines)
             buffer_format(text, "  %.*s\n", (int)line.len, line.at);
 }
 
+/* Source lines as one paragraph; an empty line begins another. */
+static void put_paragraphs(struct buffer *text, const char *lines)
+{
+    for (const char *at = lines; *at; at++) {
+        const bool within = *at == '\n' && at[1] != '\n' && at > lines && at[-1] != '\n';
+        buffer_char(text, within ? ' ' : *at);
+    }
+}
+
 static void help_command(const struct row *row, struct buffer *text)
 {
     const struct command *command = command_at(row);
@@ -30,7 +42,9 @@ static void help_command(const struct row *row, struct buffer *text)
     buffer_format(text, "\n%s", row->brief);
     if (row->alias)
         buffer_format(text, " (also: %s)", row->alias);
-    buffer_format(text, "\n%s\nexamples:\n", command->text);
+    buffer_char(text, '\n');
+    put_paragraphs(text, command->text);
+    buffer_put(text, TEXT("\nexamples:\n"));
     put_indented(text, command->examples);
     buffer_format(text, "see also: %s", command->see);
 }
@@ -158,10 +172,13 @@ static void help_observable(const struct row *row, struct buffer *text)
 static void help_preset(const struct row *row, struct buffer *text)
 {
     const struct preset *preset = (const struct preset *)(const void *)row;
-    buffer_format(text, "%s, a scene: %s", row->name, row->brief);
+    const struct model *model = preset->model ? preset->model : &oscillator_model;
+    buffer_format(text, "%s, a scene: %s\n  state", row->name, row->brief);
+    for (int i = 0; i < model->n; i++)
+        buffer_format(text, "%s %s", i ? "," : "", model->variable[i].name);
     for (size_t i = 0; i < COUNT_OF(preset->value) && preset->value[i].param; i++) {
-        const struct param_row *param = (const struct param_row *)(const void *)catalog_row(
-            &param_catalog, (size_t)param_index(preset->value[i].param));
+        const struct param_row *param =
+            (const struct param_row *)(const void *)catalog_find(model->params, text_of(preset->value[i].param));
         buffer_format(text, "%s%s = ", i ? ", " : "\n  ", preset->value[i].param);
         buffer_quantity(text, preset->value[i].value, param->quantity, 0);
     }
@@ -175,8 +192,6 @@ static const struct topic {
     void (*help)(const struct row *row, struct buffer *text); /* NULL: a line */
 } topics[] = {
     {&command_catalog, help_command},
-    {&param_catalog, help_param},
-    {&derived_catalog, help_derived},
     {&setting_catalog, help_setting},
     {&method_catalog, help_method},
     {&observable_catalog, help_observable},
@@ -203,7 +218,76 @@ static void help_topic(const struct topic *topic, const struct row *row, struct 
                       *row->citation ? "\nsource: " : "", row->citation);
 }
 
-static void help_all(struct reply *reply)
+/*
+ * Long lines as rows that fit; what is set in can be pasted and stays whole. A log pane breaks lines itself, and anew
+ * whenever its width changes.
+ */
+static void reply_wrapped(const struct session *session, struct text text, struct reply *reply)
+{
+    const int width = session->front.width ? session->front.width : WIDTH;
+    struct buffer out = {0};
+    struct text line;
+    int indent;
+    if (session->front.watched) {
+        reply_text(reply, text);
+        return;
+    }
+    while (text_split(&text, '\n', &line)) {
+        const int room = text_starts(line, TEXT("  ")) ? INT_MAX : width;
+        size_t from = 0;
+        do {
+            const struct text row = log_row(line, &from, room, &indent);
+            buffer_format(&out, "%*s%.*s\n", indent, "", (int)row.len, row.at);
+        } while (from < line.len);
+    }
+    reply_text(reply, buffer_text(&out));
+    buffer_free(&out);
+}
+
+/* ---- what the models have ---- */
+
+/* The first that is found in full, the same name elsewhere in a line. */
+static void help_model(const struct model *model, struct text name, bool *known, struct buffer *text)
+{
+    const struct catalog *const own[] = {model->params, model->derived};
+    const int variable = model_variable(model, name);
+    for (size_t i = 0; i < COUNT_OF(own); i++) {
+        const struct row *row = catalog_find(own[i], name);
+        if (!row)
+            continue;
+        if (*known) {
+            buffer_format(text, "\n%s of %s: %s", own[i]->kind, model->row.name, row->brief);
+            continue;
+        }
+        buffer_put(text, text->len ? TEXT("\n\n") : TEXT(""));
+        (i == 0 ? help_param : help_derived)(row, text);
+        if (model != &oscillator_model)
+            buffer_format(text, "\n%s of %s", own[i]->kind, model->row.name);
+        *known = true;
+    }
+    if (variable >= 0 && model != &oscillator_model) { /* y and v are observables, too */
+        const struct variable *moves = &model->variable[variable];
+        buffer_format(text, "%s%s [%s], a state variable of %s", text->len ? "\n" : "", moves->name,
+                      *quantity_unit(moves->quantity) ? quantity_unit(moves->quantity) : "1", model->row.name);
+    }
+}
+
+/* The present scene's first. */
+static void help_models(const struct model *present, struct text name, struct suggestion *near, struct buffer *text)
+{
+    bool known = false;
+    help_model(present, name, &known, text);
+    for (const struct model *const *model = scene_models; *model; model++) {
+        if (*model != present)
+            help_model(*model, name, &known, text);
+        for (size_t i = 0; i < (*model)->params->count; i++)
+            suggestion_offer(near, catalog_row((*model)->params, i)->name);
+        for (size_t i = 0; i < (*model)->derived->count; i++)
+            suggestion_offer(near, catalog_row((*model)->derived, i)->name);
+    }
+}
+
+static void help_all(const struct session *session, struct reply *reply)
 {
     struct buffer text = {0};
     const char *group = "";
@@ -216,16 +300,15 @@ static void help_all(struct reply *reply)
     }
     buffer_put(&text, TEXT("\nNAME = value sets a parameter; 'help WORD' explains a command, parameter, method or "
                            "unit; 'apropos WORD' searches"));
-    reply_text(reply, buffer_text(&text));
+    reply_wrapped(session, buffer_text(&text), reply);
     buffer_free(&text);
 }
 
 HANDLER(help)
 {
-    UNUSED(session);
     const struct given *word = given_for(given, "WORD");
     if (word->count == 0) {
-        help_all(reply);
+        help_all(session, reply);
         return true;
     }
     struct suggestion near = {.wanted = word->item->text};
@@ -236,10 +319,12 @@ HANDLER(help)
             help_topic(&topics[i], row, &text);
         for (size_t j = 0; j < topics[i].catalog->count; j++)
             suggestion_offer(&near, catalog_row(topics[i].catalog, j)->name);
+        if (i == 0) /* commands, then parameters */
+            help_models(session->setup.scene.model, near.wanted, &near, &text);
     }
     const bool found = text.len > 0;
     if (found)
-        reply_text(reply, buffer_text(&text));
+        reply_wrapped(session, buffer_text(&text), reply);
     buffer_free(&text);
     if (found)
         return true;
@@ -270,20 +355,29 @@ static bool mentions(const char *where, struct text word)
     return false;
 }
 
+static int search(const struct catalog *catalog, struct text word, struct reply *reply)
+{
+    int found = 0;
+    for (size_t i = 0; i < catalog->count; i++) {
+        const struct row *row = catalog_row(catalog, i);
+        const bool in_text = catalog == &command_catalog && mentions(command_at(row)->text, word);
+        if (mentions(row->name, word) || mentions(row->brief, word) || mentions(row->citation, word) || in_text) {
+            reply_line(reply, "%-18s %-10s %s", row->name, catalog->kind, row->brief);
+            found++;
+        }
+    }
+    return found;
+}
+
 HANDLER(apropos)
 {
     UNUSED(session);
     const struct text word = given_for(given, "WORD")->item->text;
     int found = 0;
     for (size_t i = 0; i < COUNT_OF(topics); i++)
-        for (size_t j = 0; j < topics[i].catalog->count; j++) {
-            const struct row *row = catalog_row(topics[i].catalog, j);
-            const bool in_text = topics[i].catalog == &command_catalog && mentions(command_at(row)->text, word);
-            if (mentions(row->name, word) || mentions(row->brief, word) || mentions(row->citation, word) || in_text) {
-                reply_line(reply, "%-18s %-10s %s", row->name, topics[i].catalog->kind, row->brief);
-                found++;
-            }
-        }
+        found += search(topics[i].catalog, word, reply);
+    for (const struct model *const *model = scene_models; *model; model++)
+        found += search((*model)->params, word, reply) + search((*model)->derived, word, reply);
     return found > 0 ||
            error_at(error, word, "nothing is known about '%.*s'", (int)(word.len < 64 ? word.len : 64), word.at);
 }
@@ -357,7 +451,7 @@ HANDLER(list)
 {
     static const struct catalog *const catalogs[] = {
         [LIST_COMMANDS] = &command_catalog, [LIST_SCENES] = &preset_catalog,   [LIST_METHODS] = &method_catalog,
-        [LIST_PARAMETERS] = &param_catalog, [LIST_DERIVED] = &derived_catalog, [LIST_OBSERVABLES] = &observable_catalog,
+        [LIST_OBSERVABLES] = &observable_catalog,
         [LIST_SETTINGS] = &setting_catalog, [LIST_UNITS] = &unit_catalog,      [LIST_FUNCTIONS] = &function_catalog,
         [LIST_FORMATS] = &format_catalog,   [LIST_LIMITS] = &limit_catalog};
     static const char *const others[] = {[LIST_RUNS] = "runs", [LIST_RECORDINGS] = "data"};
@@ -365,8 +459,12 @@ HANDLER(list)
     if (kind == LIST_MEASUREMENTS) {
         list_measurements(session, reply);
     } else if (kind < LIST_MEASUREMENTS) {
-        for (size_t i = 0; i < catalogs[kind]->count; i++)
-            list_row(catalogs[kind], catalog_row(catalogs[kind], i), reply);
+        const struct scene *scene = &session->setup.scene;
+        const struct catalog *catalog = kind == LIST_PARAMETERS ? scene_params(scene)
+                                        : kind == LIST_DERIVED  ? scene_derived(scene)
+                                                                : catalogs[kind];
+        for (size_t i = 0; i < catalog->count; i++)
+            list_row(catalog, catalog_row(catalog, i), reply);
     } else {
         /* These lists are commands of their own. */
         const struct command *command = command_at(catalog_find(&command_catalog, text_of(others[kind])));
@@ -391,7 +489,7 @@ COMMAND(apropos, .row = {"apropos", "", "search names and explanations", "", NUL
 COMMAND(list, .row = {"list", "", "list what there is of a kind", "", "ls"}, .group = "SESSION",
         .text = "commands, scenes, methods, parameters, derived, observables, settings, units, functions, formats, "
                 "limits, measurements,\n"
-                "runs, recordings.",
+                "runs, recordings. parameters and derived are those of the present scene.",
         .examples = "list methods\nlist measurements", .see = "help show",
         .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME,
         ARGUMENTS(PLACE("KIND", TYPE_CHOICE, .flags = ARG_REQUIRED, .choices = &list_catalog)))

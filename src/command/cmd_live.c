@@ -39,9 +39,9 @@ HANDLER(speed)
 HANDLER(change)
 {
     const struct text name = given_for(given, "NAME")->item->text;
-    const struct row *derived = catalog_find(&derived_catalog, name);
-    if (!catalog_find(&param_catalog, name) && !derived)
-        return catalog_unknown(&param_catalog, name, error);
+    const struct scene *scene = &session->setup.scene;
+    if (!catalog_find(scene_params(scene), name) && !catalog_find(scene_derived(scene), name))
+        return unknown_parameter(session, name, error);
     session->live.changing = true;
     const bool ok = command_set(session, given, reply, error);
     session->live.changing = false;

@@ -62,9 +62,9 @@ static void put_theory(struct buffer *text, double value, double theory, enum qu
 static double theory_period(const struct measuring *m)
 {
     const struct scene *scene = subject_scene(m->session, m->subject.run);
-    const bool known = scene && (m->subject.run || scene->given[param_index("k")]);
-    return known && scene->value[param_index("F0")] == 0 ? scene_period(scene)
-                                                         : NAN; /* a driven motion follows the drive */
+    const bool known = scene && (m->subject.run || param_given(scene, "k"));
+    const bool driven = scene && param_value(scene, "F0") != 0; /* then it follows the drive */
+    return known && !driven ? scene_period(scene) : NAN;
 }
 
 static bool say(struct measuring *m, struct buffer *text)
@@ -180,8 +180,8 @@ static bool measure_decay(struct measuring *m)
                   m->subject.energy ? "energy falls as exp(-gamma t)" : "amplitude falls as exp(-gamma t/2)",
                   d.readings);
     const struct scene *scene = subject_scene(m->session, m->subject.run);
-    const double gamma = scene ? scene->value[param_index("gamma")] : 0;
-    if (gamma != 0)
+    const double gamma = scene ? param_value(scene, "gamma") : 0;
+    if (gamma != 0) /* nothing is said where it is NAN */
         put_theory(&text, d.gamma.value, gamma, QUANTITY_RATE);
     put(&text, "\n1/e time of the amplitude tau", d.tau, QUANTITY_TIME);
     put(&text, "   decrement", d.decrement, QUANTITY_NUMBER);
@@ -238,18 +238,18 @@ static bool measure_energy(struct measuring *m)
 {
     const struct series *s = &m->subject.series;
     const struct measured mean = mean_over_time(s);
-    if (!keep(m, m->quantity, mean, QUANTITY_ENERGY, NAN))
+    if (!keep(m, m->quantity, mean, s->quantity, NAN))
         return false;
     const double first = s->y[0], last = s->y[s->n - 1];
     struct buffer text = {0};
-    put(&text, "E", mean, QUANTITY_ENERGY);
+    put(&text, "E", mean, s->quantity);
     buffer_format(&text, " (mean and spread over %.6g..%.6g s)   from ", s->t[0], s->t[s->n - 1]);
-    buffer_measured(&text, (struct measured){first, 0}, QUANTITY_ENERGY, 6);
+    buffer_measured(&text, (struct measured){first, 0}, s->quantity, 6);
     buffer_put(&text, TEXT(" to "));
-    buffer_measured(&text, (struct measured){last, 0}, QUANTITY_ENERGY, 6);
+    buffer_measured(&text, (struct measured){last, 0}, s->quantity, 6);
     buffer_put(&text, TEXT(", a factor of "));
     buffer_short(&text, last / first, 6);
-    begin(m, mean, QUANTITY_ENERGY, NAN);
+    begin(m, mean, s->quantity, NAN);
     reply_real(m->reply, "first", first);
     reply_real(m->reply, "last", last);
     reply_end(m->reply);
@@ -317,9 +317,9 @@ static bool largest_speed(struct measuring *m, struct measured *speed)
 static bool measure_reynolds(struct measuring *m)
 {
     struct measured speed = {NAN, 0};
-    if (!largest_speed(m, &speed))
-        return false;
     const struct scene *scene = m->subject.run ? &m->subject.run->scene : &m->session->setup.scene;
+    if (!needs_spring(scene, "the Reynolds number", m->error) || !largest_speed(m, &speed))
+        return false;
     const struct measured re = {scene_reynolds(scene, speed.value), scene_reynolds(scene, speed.uncertainty)};
     if (!keep(m, m->quantity, re, QUANTITY_NUMBER, NAN))
         return false;
@@ -339,11 +339,13 @@ static bool measure_reynolds(struct measuring *m)
 static bool measure_k(struct measuring *m)
 {
     const struct scene *scene = m->subject.run ? &m->subject.run->scene : &m->session->setup.scene;
-    const int index = param_index("m");
-    const double mass = scene->value[index], u = scene->uncertainty[index];
     struct period p;
     struct decay d;
     struct error ignored;
+    if (!needs_spring(scene, "k", m->error))
+        return false;
+    const int index = scene_param(scene, "m");
+    const double mass = scene->value[index], u = scene->uncertainty[index];
     if (!series_period(&m->subject.series, m->given->arena, &p, m->error))
         return false;
     const double omega = 2 * PI / p.period.value;
@@ -358,7 +360,7 @@ static bool measure_k(struct measuring *m)
     put(&text, ", T", p.period, QUANTITY_TIME);
     buffer_char(&text, ')');
     if (m->subject.run)
-        put_theory(&text, k.value, scene->value[param_index("k")], QUANTITY_STIFFNESS);
+        put_theory(&text, k.value, param_value(scene, "k"), QUANTITY_STIFFNESS);
     else if (!scene->given[index])
         reply_warning(m->reply, "the mass is the default of the scene: set it, for example m = 200 g");
     begin(m, k, QUANTITY_STIFFNESS, p.periods);

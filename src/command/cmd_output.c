@@ -26,7 +26,9 @@ static bool fill_table(struct session *session, const struct arguments *given, s
     if (is_given(given, "measurements"))
         return export_measurements(session, export, error);
     if (is_given(given, "table"))
-        return export_run_table(session, export, error);
+        return session->precision && session->precision_runs == session->next_run
+                   ? export_precision(session, export, error)
+                   : export_run_table(session, export, error);
     if (is_given(given, "data"))
         return export_recording(session, export, error);
     return export_runs(session, runs, given_for(given, "COLUMN"), given_for(given, "every"), export, error);
@@ -108,9 +110,9 @@ HANDLER(echo)
 
 COMMAND(export, .row = {"export", "", "write columns of runs, a recording or measurements to a file", "", NULL},
         .group = "OUTPUT",
-        .text = "Of the current run t, y, v and energy in SI units, unless told; any observable can be a column. "
-                "Several runs stand below\n"
-                "each other with a column run. every= takes every N-th row or one row each so much time. The form "
+        .text = "Of the current run t, the state (y and v of a spring) and energy in SI units, unless told; any "
+                "observable can be a\n"
+                "column. Several runs stand below each other with a column run. every= takes every N-th row or one row each so much time. The form "
                 "follows the end of the\n"
                 "name: .csv .tsv .json. 'table' has one row for each run.",
         .examples = "run; export run1.csv t,y,v\nexport all.csv run all every=100ms", .see = "print save plot list",
@@ -118,7 +120,7 @@ COMMAND(export, .row = {"export", "", "write columns of runs, a recording or mea
         ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED),
                   WORD("run", TYPE_RUN, .flags = ARG_MANY | ARG_ALL, .group = 1), WORD("data", TYPE_NONE, .group = 1),
                   WORD("measurements", TYPE_NONE, .group = 1), WORD("table", TYPE_NONE, .group = 1),
-                  PLACE("COLUMN", TYPE_CHOICE, .flags = ARG_MANY, .choices = &observable_catalog),
+                  PLACE("COLUMN", TYPE_COLUMN, .flags = ARG_MANY),
                   KEY("every", TYPE_VALUE, .quantity = QUANTITY_OTHER), OPTION("force", TYPE_NONE),
                   OPTION("format", TYPE_CHOICE, .choices = &table_format_catalog)))
 

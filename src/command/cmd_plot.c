@@ -2,9 +2,13 @@
 /* plot */
 #ifndef COMMAND_ROWS
 #include "choices.h"
+#include "precision_text.h"
 
 #include <math.h>
 #include <string.h>
+
+#define OTHER_ROWS 6 /* of a screen: state line, numbers, prompt; the hint and two more once 'layout log' is typed */
+#define LEAST_ROWS 8
 
 static bool ends_with(struct text text, const char *end)
 {
@@ -50,6 +54,14 @@ static bool choose_runs(struct session *session, const struct arguments *given, 
     return error_hint(error, "type: run, or: load FILE");
 }
 
+static bool has_study(const struct session *session, struct error *error)
+{
+    if (session->precision)
+        return true;
+    error_set(error, ERROR_COMMAND, "there is no precision study to plot");
+    return error_hint(error, "type: precision");
+}
+
 static bool write_figure(const struct session *session, const struct arguments *given, const struct figure *figure,
                          int width, int height, struct reply *reply, struct error *error)
 {
@@ -74,6 +86,18 @@ static bool write_figure(const struct session *session, const struct arguments *
     return ok;
 }
 
+/* The log of a screen has few rows: where the whole figure can be seen, and kept. */
+static void reply_where(const struct session *session, enum plot_kind kind, struct reply *reply)
+{
+    const char *name = catalog_row(&plot_catalog, (size_t)kind)->name;
+    const struct row *row = catalog_find(&pane_catalog, text_of(name));
+    const struct pane_row *pane = (const struct pane_row *)(const void *)row;
+    if (pane && pane->offered(session))
+        reply_line(reply, "'layout log' shows it whole, 'focus %s full' keeps it in a pane", name);
+    else
+        reply_line(reply, "'layout log' shows it whole");
+}
+
 HANDLER(plot)
 {
     const struct given *window = given_for(given, "window"), *file = given_for(given, ">");
@@ -90,10 +114,13 @@ HANDLER(plot)
         return error_hint(error, "plot %s > figure.txt", catalog_row(&plot_catalog, (size_t)request.kind)->name);
     }
     session_size(session, &width, &height);
+    const bool in_log = session->front.watched && !file->count;
+    if (in_log && !session->setup.settings.height)
+        height = height > LEAST_ROWS + OTHER_ROWS ? height - OTHER_ROWS : LEAST_ROWS;
     request.width = width;
     if (window->count)
         memcpy(request.window, window->item->range, sizeof request.window);
-    if (!choose_runs(session, given, &request, error))
+    if (request.kind == PLOT_PRECISION ? !has_study(session, error) : !choose_runs(session, given, &request, error))
         return false;
     if (!session_figure(session, &request, given->arena, &figure, error)) {
         error->where = window->where; /* nothing there, unless it is memory */
@@ -105,14 +132,19 @@ HANDLER(plot)
                        (session->setup.settings.color == COLOR_AUTO && session->front.color && !session->front.watched);
     struct buffer text = {0};
     const bool ok = figure_print(&figure, width, height, request.charset, color && reply->format == FORMAT_TEXT, &text);
+    if (ok && request.kind == PLOT_PRECISION)
+        precision_legend(session->precision, width, &text);
     if (ok)
         reply_text(reply, buffer_text(&text));
     buffer_free(&text);
+    if (ok && in_log)
+        reply_where(session, request.kind, reply);
     return ok || error_memory(error);
 }
 #endif
 
-COMMAND(plot, .row = {"plot", "", "draw position, velocity, phase, energy, error, residual or spectrum", "", "p"},
+COMMAND(plot, .row = {"plot", "", "draw position, velocity, phase, orbit, energy, error, residual, spectrum, precision",
+                      "", "p"},
         .group = "PLOT",
         .text = "Of the current run and of the recording where they overlap in time, unless told. Without a window at "
                 "least 8 columns a\n"

@@ -188,7 +188,7 @@ HANDLER(run)
 {
     const struct given *duration = given_for(given, "DURATION"), *to = given_for(given, "to"),
                        *until = given_for(given, "until"), *number = given_for(given, "number");
-    const double t0 = session->setup.scene.value[param_index("t0")];
+    const double t0 = param_value(&session->setup.scene, "t0");
     double span = session->setup.settings.duration;
     if (duration->count)
         span = duration->item->value.value;
@@ -243,7 +243,7 @@ static void warn_other_scene(const struct session *session, const struct run *ru
     const struct scene *now = &session->setup.scene;
     struct scene in_force;
     journal_scene(session->run[session->current_run], &in_force);
-    if (memcmp(now->value, in_force.value, sizeof now->value) != 0 || run->method != session->setup.method)
+    if (now->model != in_force.model || memcmp(now->value, in_force.value, sizeof now->value) != 0 || run->method != session->setup.method)
         reply_warning(reply,
                       "run %d goes on with the parameters and the method it has; 'change' gives it others, 'run' "
                       "starts one with the present ones",

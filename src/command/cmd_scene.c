@@ -7,16 +7,12 @@
 #include <stdio.h>
 #include <string.h>
 
-static const struct param_row *param_at(int i)
-{
-    return (const struct param_row *)(const void *)catalog_row(&param_catalog, (size_t)i);
-}
-
 static void put_param(const struct session *session, int param, struct buffer *text)
 {
     const struct scene *scene = &session->setup.scene;
-    buffer_format(text, "%s = ", param_at(param)->row.name);
-    buffer_measured(text, (struct measured){scene->value[param], scene->uncertainty[param]}, param_at(param)->quantity,
+    const struct param_row *row = param_at(scene, param);
+    buffer_format(text, "%s = ", row->row.name);
+    buffer_measured(text, (struct measured){scene->value[param], scene->uncertainty[param]}, row->quantity,
                     session->setup.settings.digits);
 }
 
@@ -30,17 +26,20 @@ static bool preset_sets(const struct preset *preset, const char *name)
     return false;
 }
 
-/* Parameters that matter here: those of every spring, of the preset, and those the user has set. */
+/* Parameters that matter here: those of the preset, those the user has set, and of the many of the oscillator those of
+ * every spring. */
 static void reply_scene(const struct session *session, struct reply *reply)
 {
     static const char always[] = " m k gamma y0 v0 ";
     const struct scene *scene = &session->setup.scene;
     struct buffer text = {0};
     buffer_format(&text, "%s: %s\n ", scene->preset->row.name, scene->preset->row.brief);
-    for (int i = 0; i < (int)param_catalog.count; i++) {
+    for (int i = 0; i < (int)scene_params(scene)->count; i++) {
+        const char *name = param_at(scene, i)->row.name;
         char padded[LIMIT_NAME + 3];
-        snprintf(padded, sizeof padded, " %s ", param_at(i)->row.name);
-        if (!strstr(always, padded) && !scene->given[i] && !preset_sets(scene->preset, param_at(i)->row.name))
+        snprintf(padded, sizeof padded, " %s ", name);
+        if (scene->model == &oscillator_model && !strstr(always, padded) && !scene->given[i] &&
+            !preset_sets(scene->preset, name))
             continue;
         buffer_char(&text, ' ');
         put_param(session, i, &text);
@@ -50,6 +49,17 @@ static void reply_scene(const struct session *session, struct reply *reply)
     buffer_free(&text);
 }
 
+/* In another scene a name may be a parameter that was free for a variable before. */
+static void warn_hidden(const struct session *session, struct reply *reply)
+{
+    for (int i = 0; i < session->setup.lets; i++) {
+        const char *name = session->setup.let[i].name, *kind;
+        if (name_is_taken(session, text_of(name), &kind))
+            reply_warning(reply, "'%s' is a %s of %s: the variable of that name is hidden", name, kind,
+                          session->setup.scene.preset->row.name);
+    }
+}
+
 HANDLER(scene)
 {
     UNUSED(error);
@@ -57,31 +67,13 @@ HANDLER(scene)
     if (name->count) {
         scene_init(&session->setup.scene, (const struct preset *)(const void *)name->item->row);
         session_changed(session);
+        warn_hidden(session, reply);
     }
     reply_scene(session, reply);
     return true;
 }
 
 /* ---- set, unset, let ---- */
-
-static bool unknown_name(const struct session *session, struct text name, struct error *error)
-{
-    struct suggestion near = {.wanted = name};
-    const struct catalog *const catalogs[] = {&param_catalog, &derived_catalog, &setting_catalog};
-    if (catalog_find(&command_catalog, name)) {
-        error_at(error, name, "'%.*s' is a command, not a parameter", (int)name.len, name.at);
-        return error_hint(error, "type it without '=': %.*s ...", (int)name.len, name.at);
-    }
-    for (size_t c = 0; c < COUNT_OF(catalogs); c++)
-        for (size_t i = 0; i < catalogs[c]->count; i++)
-            suggestion_offer(&near, catalog_row(catalogs[c], i)->name);
-    for (int i = 0; i < session->setup.lets; i++)
-        suggestion_offer(&near, session->setup.let[i].name);
-    error_at(error, name, "unknown parameter '%.*s'", (int)(name.len < 80 ? name.len : 80), name.at);
-    suggestion_hint(&near, error);
-    return error_hint(error, near.count ? "('show all' lists the parameters)"
-                                        : "'show all' lists the parameters; 'let NAME = value' makes a variable");
-}
 
 /* The scene as it was, where the run that goes on cannot follow. */
 static bool bind_param(struct session *session, int param, const struct scene *before, double *since,
@@ -125,7 +117,7 @@ static bool set_derived(struct session *session, const struct derived_row *deriv
     const double slope = h > 0 ? (derived->inverse(scene, x + h) - derived->inverse(scene, x - h)) / (2 * h) : 0;
     if (!isfinite(value))
         return error_at(error, item->text, "%s cannot have this value here", derived->row.name);
-    const int target = param_index(derived->target);
+    const int target = scene_param(scene, derived->target);
     const struct scene before = *scene;
     double since;
     if (!scene_set(scene, target, (struct measured){value, u > 0 ? fabs(slope) * u : 0}, error) ||
@@ -207,15 +199,16 @@ static bool read_value(struct parser *parser, const char *what, enum quantity qu
 HANDLER(set)
 {
     const struct text name = given_for(given, "NAME")->item->text;
+    const struct catalog *params = scene_params(&session->setup.scene);
     struct parser parser = value_parser(session, given);
     struct item item = {0};
     const struct row *row;
     bool ok;
-    if ((row = catalog_find(&param_catalog, name))) {
+    if ((row = catalog_find(params, name))) {
         const struct param_row *param = (const struct param_row *)(const void *)row;
         ok = read_value(&parser, row->name, param->quantity, &item, error) &&
-             set_param(session, catalog_place(&param_catalog, row), &item, reply, error);
-    } else if ((row = catalog_find(&derived_catalog, name))) {
+             set_param(session, catalog_place(params, row), &item, reply, error);
+    } else if ((row = catalog_find(scene_derived(&session->setup.scene), name))) {
         const struct derived_row *derived = (const struct derived_row *)(const void *)row;
         ok = read_value(&parser, row->name, derived->quantity, &item, error) &&
              set_derived(session, derived, &item, reply, error);
@@ -234,7 +227,7 @@ HANDLER(set)
         ok = place < session->setup.lets
                  ? read_value(&parser, session->setup.let[place].name, QUANTITY_OTHER, &item, error) &&
                        set_let(session, name, &item, reply, error)
-                 : unknown_name(session, name, error);
+                 : unknown_parameter(session, name, error);
     }
     if (ok)
         session_changed(session);
@@ -244,10 +237,11 @@ HANDLER(set)
 HANDLER(unset)
 {
     const struct text name = given_for(given, "NAME")->item->text;
-    const struct row *row = catalog_find(&param_catalog, name);
+    const struct catalog *params = scene_params(&session->setup.scene);
+    const struct row *row = catalog_find(params, name);
     struct buffer text = {0};
     if (row) {
-        const int param = catalog_place(&param_catalog, row);
+        const int param = catalog_place(params, row);
         const struct scene before = session->setup.scene;
         double since;
         scene_unset(&session->setup.scene, param);
@@ -275,7 +269,7 @@ HANDLER(unset)
         while (place < session->setup.lets && !text_is(name, session->setup.let[place].name))
             place++;
         if (place == session->setup.lets)
-            return unknown_name(session, name, error);
+            return unknown_parameter(session, name, error);
         buffer_format(&text, "%s is gone", session->setup.let[place].name);
         session->setup.let[place] = session->setup.let[--session->setup.lets];
     }

@@ -79,8 +79,8 @@ static void show_scene(const struct session *session, struct reply *reply)
 {
     const struct row *preset = &session->setup.scene.preset->row;
     reply_line(reply, "scene %s: %s", preset->name, preset->brief);
-    show_catalog_values(session, &param_catalog, reply);
-    show_catalog_values(session, &derived_catalog, reply);
+    show_catalog_values(session, scene_params(&session->setup.scene), reply);
+    show_catalog_values(session, scene_derived(&session->setup.scene), reply);
 }
 
 static void show_run(const struct session *session, struct reply *reply)
@@ -126,6 +126,25 @@ static void show_summary(const struct session *session, struct reply *reply)
     buffer_free(&text);
 }
 
+/* What moves, then what follows from it. */
+static void show_state(const struct session *session, const struct model *model, struct reply *reply)
+{
+    for (int i = 0; i < model->n; i++) {
+        const struct text name = text_of(model->variable[i].name);
+        struct named_value value = {.quantity = QUANTITY_OTHER};
+        if (model == &oscillator_model || !names_value(session, name, &value))
+            continue; /* y and v are observables, too */
+        memcpy(value.name, name.at, name.len + 1);
+        show_value(session, &value, "state variable", reply);
+    }
+    for (size_t i = 0; i < observable_catalog.count; i++) {
+        const struct row *row = catalog_row(&observable_catalog, i);
+        const bool is_state = model != &oscillator_model && model_variable(model, text_of(row->name)) >= 0;
+        if (!is_state && model_offers(model, (const struct observable *)(const void *)row))
+            show_name(session, row, reply);
+    }
+}
+
 static void show_all(const struct session *session, struct reply *reply)
 {
     show_scene(session, reply);
@@ -135,12 +154,13 @@ static void show_all(const struct session *session, struct reply *reply)
     for (int i = 0; i < session->results; i++)
         show_value(session, &session->result[i], "result", reply);
     if (session_run(session))
-        show_catalog_values(session, &observable_catalog, reply);
+        show_state(session, session_run(session)->system.model, reply);
 }
 
 HANDLER(show)
 {
     const struct given *what = given_for(given, "NAME");
+    const struct scene *scene = &session->setup.scene;
     struct named_value value = {.quantity = QUANTITY_OTHER};
     if (what->count == 0) {
         show_summary(session, reply);
@@ -176,18 +196,26 @@ HANDLER(show)
         return true;
     }
     if (names_value(session, name, &value)) {
-        const struct catalog *const catalogs[] = {&param_catalog, &derived_catalog, &observable_catalog};
+        const struct run *run = session_run(session);
+        const struct catalog *const catalogs[] = {scene_params(scene), scene_derived(scene), &observable_catalog};
         for (size_t i = 0; i < COUNT_OF(catalogs) && !row; i++)
             row = catalog_find(catalogs[i], name);
-        if (row)
+        /* `y` of two coordinates is not the first of them, which the observable means. */
+        const bool is_state = run && run->system.model != &oscillator_model &&
+                              model_variable(run->system.model, name) >= 0;
+        memcpy(value.name, name.at, name.len < LIMIT_NAME ? name.len : LIMIT_NAME);
+        if (row && !is_state)
             show_name(session, row, reply);
         else
             show_value(session, &value, "", reply);
         return true;
     }
     error_at(error, name, "unknown name '%.*s'", (int)(name.len < 80 ? name.len : 80), name.at);
+    if (hint_other_model(session, name, error))
+        return false;
     struct suggestion near = {.wanted = name};
-    const struct catalog *const catalogs[] = {&show_catalog, &param_catalog, &derived_catalog, &setting_catalog};
+    const struct catalog *const catalogs[] = {&show_catalog, scene_params(scene), scene_derived(scene),
+                                              &setting_catalog};
     for (size_t c = 0; c < COUNT_OF(catalogs); c++)
         for (size_t i = 0; i < catalogs[c]->count; i++)
             suggestion_offer(&near, catalog_row(catalogs[c], i)->name);

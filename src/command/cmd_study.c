@@ -1,61 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* compare */
 #ifndef COMMAND_ROWS
-#include "internal.h"
+#include "text_table.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #define PI 3.14159265358979323846
-
-/* ---- the table: columns as wide as their widest cell ---- */
-
-#define TABLE_COLUMNS 9
-
-struct text_table {
-    int columns, rows;
-    const char **cell; /* [rows * columns], row 0 is the heading */
-};
-
-static void put_table(const struct text_table *table, struct buffer *out)
-{
-    int width[TABLE_COLUMNS] = {0};
-    for (int i = 0; i < table->rows * table->columns; i++) {
-        const int w = text_width(text_of(table->cell[i]));
-        width[i % table->columns] = w > width[i % table->columns] ? w : width[i % table->columns];
-    }
-    for (int i = 0; i < table->rows * table->columns; i++) {
-        const bool last = i % table->columns == table->columns - 1;
-        buffer_put(out, text_of(table->cell[i]));
-        for (int pad = text_width(text_of(table->cell[i])); !last && pad < width[i % table->columns] + 3; pad++)
-            buffer_char(out, ' ');
-        if (last)
-            buffer_char(out, '\n');
-    }
-}
-
-static const char *cell(struct arena *arena, struct buffer *text)
-{
-    const char *copy = text->failed ? NULL : arena_text(arena, buffer_text(text));
-    buffer_free(text);
-    return copy ? copy : "";
-}
-
-static const char *quantity_cell(struct arena *arena, double value, enum quantity quantity, int digits)
-{
-    struct buffer text = {0};
-    if (!isfinite(value))
-        buffer_char(&text, '-');
-    else
-        buffer_quantity(&text, value, quantity, digits);
-    return cell(arena, &text);
-}
-
-static const char *short_cell(struct arena *arena, double value, int digits)
-{
-    return quantity_cell(arena, value, QUANTITY_NUMBER, digits);
-}
 
 static struct measured run_period(const struct run *run, struct arena *arena)
 {
@@ -68,81 +20,112 @@ static struct measured run_period(const struct run *run, struct arena *arena)
                : none;
 }
 
-static const char *period_cell(struct arena *arena, struct measured period)
+static void period_cell(struct text_table *table, struct measured period)
 {
     struct buffer text = {0};
     if (!isfinite(period.value))
         buffer_char(&text, '-');
     else
         buffer_measured(&text, period, QUANTITY_TIME, 6);
-    return cell(arena, &text);
+    cell_take(table, &text);
 }
 
-static const char *time_cell(struct arena *arena, double seconds)
+static void angle_cell(struct text_table *table, double radians)
 {
     struct buffer text = {0};
-    if (!isfinite(seconds))
-        buffer_char(&text, '-');
-    else if (seconds < 1e-3)
-        buffer_format(&text, "%.3g us", seconds * 1e6);
+    const double degrees = radians * 180 / PI;
+    buffer_format(&text, isfinite(degrees) ? "%.1f deg" : "-", fabs(degrees) < 0.05 ? 0.0 : degrees);
+    cell_take(table, &text);
+}
+
+static void setting_cell(struct text_table *table, const struct run *run)
+{
+    struct buffer text = {0};
+    if (run->plan.adaptive)
+        buffer_format(&text, "tol %.3g", run->settings.tol);
     else
-        buffer_quantity(&text, seconds, QUANTITY_TIME, 3);
-    return cell(arena, &text);
+        buffer_quantity(&text, run->settings.dt, QUANTITY_TIME, 4);
+    cell_take(table, &text);
+}
+
+/* Which columns say something: of a scene that does not swing, and without a recording, some do not. */
+struct columns {
+    bool energy, data, period, phase;
+};
+
+static struct columns columns_for(const struct session *session, const struct comparison *rows, int count,
+                                  struct measured *period, struct arena *arena)
+{
+    struct columns columns = {.data = session_recording(session) != NULL};
+    for (int i = 0; i < count; i++) {
+        period[i] = run_period(rows[i].run, arena);
+        columns.period |= isfinite(period[i].value);
+        columns.phase |= isfinite(rows[i].errors.phase);
+        columns.energy |= isfinite(rows[i].ledger.error_max) || rows[i].run->stop == STOP_DIVERGED;
+    }
+    return columns;
 }
 
 static void reply_table(const struct session *session, const struct comparison *rows, int count, struct arena *arena,
                         struct reply *reply)
 {
-    static const char *const heading[TABLE_COLUMNS] = {
-        "method", "dt", "steps", "max|dE/E0|", "max error", "rms(y-data)", "period T", "phase err", "time"};
-    const bool data = session_recording(session) != NULL;
-    struct text_table table = {TABLE_COLUMNS - !data, count + 1, NULL};
-    table.cell = arena_array(arena, (size_t)table.rows * TABLE_COLUMNS, sizeof *table.cell);
-    if (!table.cell)
+    struct measured *period = arena_array(arena, (size_t)count, sizeof *period);
+    const char **settings = arena_array(arena, (size_t)count, sizeof *settings);
+    if (!period || !settings)
         return;
+    const struct columns columns = columns_for(session, rows, count, period, arena);
+    struct text_table table = {
+        .arena = arena, .columns = 5 + columns.energy + columns.data + columns.period + columns.phase, .gap = 3};
     /* The setting is part of a row's name where one method has several. */
     bool several = false;
     for (int i = 1; i < count; i++)
         several |= rows[i].run->method == rows[i - 1].run->method;
-    const char **settings = arena_array(arena, (size_t)count, sizeof *settings);
-    if (!settings)
-        return;
-    int n = 0;
-    for (int c = 0; c < TABLE_COLUMNS; c++)
-        if (data || c != 5)
-            table.cell[n++] = heading[c];
+    const struct {
+        const char *name;
+        bool shown;
+    } heading[] = {{"method", true},
+                   {"dt", true},
+                   {"steps", true},
+                   {"max|dE/E0|", columns.energy},
+                   {"max error", true},
+                   {"rms(y-data)", columns.data},
+                   {"period T", columns.period},
+                   {"phase err", columns.phase},
+                   {"time", true}};
+    for (size_t c = 0; c < COUNT_OF(heading); c++)
+        if (heading[c].shown)
+            cell_text(&table, heading[c].name);
     for (int i = 0; i < count; i++) {
         const struct run *run = rows[i].run;
-        struct buffer dt = {0}, steps = {0};
-        if (run->plan.adaptive)
-            buffer_format(&dt, "tol %.3g", run->settings.tol);
-        else
-            buffer_quantity(&dt, run->settings.dt, QUANTITY_TIME, 4);
-        buffer_format(&steps, "%lld", (long long)run->steps);
-        const double phase = rows[i].errors.phase * 180 / PI;
-        struct buffer angle = {0};
-        if (isfinite(phase))
-            buffer_format(&angle, "%.1f deg", fabs(phase) < 0.05 ? 0.0 : phase);
-        else
-            buffer_char(&angle, '-');
-        table.cell[n++] = run->method->row.name;
-        table.cell[n++] = settings[i] = cell(arena, &dt);
-        table.cell[n++] = cell(arena, &steps);
-        table.cell[n++] = run->stop == STOP_DIVERGED ? "diverged" : short_cell(arena, rows[i].ledger.error_max, 3);
-        table.cell[n++] = short_cell(arena, rows[i].errors.max, 3);
-        if (data)
-            table.cell[n++] =
-                quantity_cell(arena, run_data_distance(run, session_recording(session)).rms, QUANTITY_LENGTH, 3);
-        table.cell[n++] = period_cell(arena, run_period(run, arena));
-        table.cell[n++] = cell(arena, &angle);
-        table.cell[n++] = time_cell(arena, rows[i].time.minimum);
+        cell_text(&table, run->method->row.name);
+        setting_cell(&table, run);
+        settings[i] = cell_last(&table);
+        cell_count(&table, run->steps);
+        if (run->stop == STOP_DIVERGED)
+            cell_text(&table, "diverged");
+        else if (columns.energy)
+            cell_quantity(&table, rows[i].ledger.error_max, QUANTITY_NUMBER, 3);
+        cell_quantity(&table, rows[i].errors.max, QUANTITY_NUMBER, 3);
+        if (columns.data)
+            cell_quantity(&table, run_data_distance(run, session_recording(session)).rms, QUANTITY_LENGTH, 3);
+        if (columns.period)
+            period_cell(&table, period[i]);
+        if (columns.phase)
+            angle_cell(&table, rows[i].errors.phase);
+        cell_seconds(&table, rows[i].time.minimum);
     }
     struct buffer text = {0};
-    put_table(&table, &text);
+    text_table_put(&table, &text);
     for (int i = 0; i < count; i++)
         if (rows[i].verdict[0])
             buffer_format(&text, "%s%s%s: %s\n", rows[i].run->method->row.name, several ? " " : "",
                           several ? settings[i] : "", rows[i].verdict);
+    if (rows[0].reference[0]) {
+        buffer_format(&text, "errors against %s and %s, which agree to ", rows[0].reference[0]->row.name,
+                      rows[0].reference[1]->row.name);
+        buffer_short(&text, rows[0].errors.floor, 2);
+        buffer_char(&text, '\n');
+    }
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
 }
@@ -260,6 +243,7 @@ HANDLER(compare)
                                             .tol = tol->count ? tols : NULL,
                                             .tols = tol->count,
                                             .duration = settings->duration,
+                                            .compensated = session_run_settings(session).compensated,
                                             .record = settings->record,
                                             .timing = (enum timing)settings->timing,
                                             .cancel = session->front.cancel};
@@ -290,9 +274,11 @@ COMMAND(compare, .row = {"compare", "", "several methods on the same scene: erro
         .text =
             "Each method runs for the setting 'duration' with each dt given. The error is the largest distance from "
             "the exact\n"
-            "solution, divided by the amplitude. The runs are kept; a method that diverges is a result, not a failure.",
+            "solution, divided by the amplitude; without a closed form, from a reference that two methods of different "
+            "kinds agree\n"
+            "on. The runs are kept; a method that diverges is a result, not a failure.",
         .examples = "compare euler symplectic-euler\ncompare euler verlet rk4 dt=10ms,5ms",
-        .see = "method runs plot timing", .flags = COMMAND_CHANGES,
+        .see = "precision method runs plot timing", .flags = COMMAND_CHANGES,
         ARGUMENTS(PLACE("METHOD", TYPE_CHOICE, .flags = ARG_REQUIRED | ARG_MANY, .choices = &method_catalog),
                   KEY("dt", TYPE_VALUE, .flags = ARG_MANY, .quantity = QUANTITY_TIME),
                   KEY("tol", TYPE_VALUE, .flags = ARG_MANY, .quantity = QUANTITY_NUMBER),

@@ -34,7 +34,7 @@ HANDLER(layout)
         view->full = false;
     const struct row *row = catalog_row(&layout_catalog, (size_t)view->layout);
     /* A pane that no layout has takes the first place of each. */
-    const bool guest = view->focus > PANE_VELOCITY && view->layout != LAYOUT_LOG;
+    const bool guest = view->focus > PANE_VELOCITY && view->focus != PANE_ORBIT && view->layout != LAYOUT_LOG;
     reply_line(reply, "layout %s: %s%s%s", row->name, row->brief, guest ? "; first, until 'focus position': " : "",
                guest ? catalog_row(&pane_catalog, (size_t)view->focus)->name : "");
     return changed(session);
@@ -74,15 +74,19 @@ const struct catalog axis_catalog = CATALOG("axis", axes);
 
 static enum quantity axis_quantity(const struct session *session, bool x)
 {
-    static const enum quantity vertical[] = {
-        [PANE_POSITION] = QUANTITY_LENGTH,   [PANE_ENERGY] = QUANTITY_ENERGY, [PANE_PHASE] = QUANTITY_LENGTH,
-        [PANE_VELOCITY] = QUANTITY_VELOCITY, [PANE_ERROR] = QUANTITY_LENGTH,  [PANE_RESIDUAL] = QUANTITY_LENGTH,
-        [PANE_SPECTRUM] = QUANTITY_LENGTH,
-    };
+    const struct run *run = session_run(session);
+    const struct model *model = run ? run->system.model : session->setup.scene.model;
+    const enum quantity first = model->variable[0].quantity;
     const enum pane pane = session->view.focus;
+    const bool plane = pane == PANE_PHASE || pane == PANE_ORBIT;
     if (x)
-        return pane == PANE_PHASE ? QUANTITY_LENGTH : pane == PANE_SPECTRUM ? QUANTITY_FREQUENCY : QUANTITY_TIME;
-    return pane == PANE_PHASE && session->setup.settings.phase_axes == PHASE_RAW ? QUANTITY_VELOCITY : vertical[pane];
+        return plane ? first : pane == PANE_SPECTRUM ? QUANTITY_FREQUENCY : QUANTITY_TIME;
+    if (pane == PANE_ENERGY)
+        return first == QUANTITY_NUMBER ? QUANTITY_NUMBER : QUANTITY_ENERGY;
+    /* The phase plot of a spring has v/omega0. */
+    const bool raw = pane == PANE_PHASE && (session->setup.settings.phase_axes == PHASE_RAW ||
+                                            (run && !(run->system.oscillator.stiffness > 0)));
+    return pane == PANE_VELOCITY || raw ? model->variable[model->n / 2].quantity : first;
 }
 
 static void reply_range(const struct session *session, bool x, struct reply *reply)
@@ -351,8 +355,8 @@ COMMAND(layout, .row = {"layout", "", "choose which panes are shown", "", NULL},
 
 COMMAND(focus, .row = {"focus", "", "choose the pane that range, zoom and pan act on", "", NULL}, .group = "PLOT",
         .text = "full shows it alone, shared together with the others again. Panes: position, energy, phase, velocity, "
-                "error (where an exact\n"
-                "solution is known), residual (where a recording overlaps the run), spectrum.",
+                "orbit (of two\n"
+                "coordinates), error (where an exact solution is known), residual (where a recording has a fit or overlaps the run), spectrum.",
         .examples = "run; focus phase\nrun; focus energy full", .see = "layout range zoom", .flags = COMMAND_ANYTIME,
         ARGUMENTS(PLACE("PANE", TYPE_CHOICE, .choices = &pane_catalog), WORD("full", TYPE_NONE, .group = 1),
                   WORD("shared", TYPE_NONE, .group = 1)))

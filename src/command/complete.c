@@ -50,9 +50,10 @@ static void offer_units(struct completion *c, enum quantity quantity)
 
 static void offer_settable(struct completion *c)
 {
-    offer_catalog(c, &param_catalog);
-    for (size_t i = 0; i < derived_catalog.count; i++) {
-        const struct derived_row *derived = (const struct derived_row *)(const void *)catalog_row(&derived_catalog, i);
+    const struct catalog *derivable = scene_derived(&c->session->setup.scene);
+    offer_catalog(c, scene_params(&c->session->setup.scene));
+    for (size_t i = 0; i < derivable->count; i++) {
+        const struct derived_row *derived = (const struct derived_row *)(const void *)catalog_row(derivable, i);
         if (derived->inverse)
             offer(c, derived->row.name, derived->row.brief);
     }
@@ -87,6 +88,21 @@ static bool digit_before(struct text before)
     return t.len > 0 && t.at[t.len - 1] >= '0' && t.at[t.len - 1] <= '9';
 }
 
+/* State variables and observables of the current run, or of the one that the scene would give. */
+static void offer_columns(struct completion *c)
+{
+    const struct run *run = session_run(c->session);
+    const struct model *moving = run ? run->system.model : c->session->setup.scene.model;
+    for (int i = 0; i < moving->n; i++)
+        if (!catalog_find(&observable_catalog, text_of(moving->variable[i].name)))
+            offer(c, moving->variable[i].name, quantity_name(moving->variable[i].quantity));
+    for (size_t i = 0; i < observable_catalog.count; i++) {
+        const struct row *row = catalog_row(&observable_catalog, i);
+        if (model_offers(moving, (const struct observable *)(const void *)row))
+            offer(c, row->name, row->brief);
+    }
+}
+
 /* Candidates for one item; before: what stands to the left of the word. */
 static void offer_item(struct completion *c, const struct argument *argument, struct text before)
 {
@@ -109,6 +125,9 @@ static void offer_item(struct completion *c, const struct argument *argument, st
         break;
     case TYPE_CHOICE:
         offer_catalog(c, argument->choices);
+        break;
+    case TYPE_COLUMN:
+        offer_columns(c);
         break;
     case TYPE_UNIT:
         offer_units(c, argument->quantity == QUANTITY_NUMBER ? QUANTITY_OTHER : argument->quantity);
@@ -137,11 +156,12 @@ static void offer_item(struct completion *c, const struct argument *argument, st
 /* After NAME of set: the unit of that name, or the choices of that setting. */
 static void offer_for_name(struct completion *c, struct text name, struct text before)
 {
+    const struct scene *scene = &c->session->setup.scene;
     const struct row *row;
     enum quantity quantity = QUANTITY_OTHER;
-    if ((row = catalog_find(&param_catalog, name)))
+    if ((row = catalog_find(scene_params(scene), name)))
         quantity = ((const struct param_row *)(const void *)row)->quantity;
-    else if ((row = catalog_find(&derived_catalog, name)))
+    else if ((row = catalog_find(scene_derived(scene), name)))
         quantity = ((const struct derived_row *)(const void *)row)->quantity;
     else if ((row = catalog_find(&setting_catalog, name))) {
         const struct setting *setting = (const struct setting *)(const void *)row;
@@ -159,11 +179,17 @@ static void offer_for_name(struct completion *c, struct text name, struct text b
 
 static void offer_topics(struct completion *c)
 {
-    static const struct catalog *const topics[] = {&command_catalog, &param_catalog,  &derived_catalog,
-                                                   &setting_catalog, &method_catalog, &observable_catalog,
-                                                   &preset_catalog,  &unit_catalog};
+    static const struct catalog *const topics[] = {&command_catalog, &setting_catalog, &method_catalog,
+                                                   &observable_catalog, &preset_catalog, &unit_catalog};
     for (size_t i = 0; i < COUNT_OF(topics); i++)
         offer_catalog(c, topics[i]);
+    for (const struct model *const *model = scene_models; *model; model++) {
+        const struct catalog *const own[] = {(*model)->params, (*model)->derived};
+        for (size_t i = 0; i < COUNT_OF(own); i++)
+            for (size_t j = 0; j < own[i]->count; j++)
+                if (model_with(text_of(catalog_row(own[i], j)->name)) == *model) /* each name once */
+                    offer(c, catalog_row(own[i], j)->name, catalog_row(own[i], j)->brief);
+    }
 }
 
 /* The last word before the one being completed. */

@@ -23,7 +23,7 @@ bool session_cursor_reading(const struct session *session, struct cursor_reading
                                        .period = {period, spread},
                                        .frequency = {1 / period, spread / (period * period)},
                                        .theory = scene_period(scene),
-                                       .damped = scene && scene->value[param_index("gamma")] != 0,
+                                       .damped = scene && fabs(param_value(scene, "gamma")) > 0,
                                        .decrement = decrement,
                                        .quality = decrement > ROUNDING ? PI / decrement : NAN};
     reading->deviation = (period - reading->theory) / reading->theory;
@@ -39,12 +39,13 @@ static void put_value(struct buffer *text, const char *name, struct measured val
         buffer_char(text, '-');
 }
 
-static void put_line(const struct cursors *c, int which, const char *tail, struct buffer *text)
+static void put_line(const struct cursors *c, int which, const char *name, const char *tail, struct buffer *text)
 {
     buffer_format(text, "%s%c  ", which == c->active ? ">" : " ", 'A' + which);
     put_value(text, "t", (struct measured){c->at[which].t, c->at[which].t_uncertainty}, QUANTITY_TIME);
     const double y = c->at[which].y, amplitude = c->at[which].amplitude;
-    put_value(text, "   y", (struct measured){fabs(y) < ROUNDING * amplitude ? 0 : y, 0}, c->quantity);
+    buffer_put(text, TEXT("   "));
+    put_value(text, name, (struct measured){fabs(y) < ROUNDING * amplitude ? 0 : y, 0}, c->quantity);
     if (c->at[which].crossing > 0)
         buffer_format(text, "   up-crossing #%d", c->at[which].crossing);
     buffer_format(text, "   %s\n", tail);
@@ -57,11 +58,13 @@ void session_cursor_lines(const struct session *session, struct buffer *text)
     char tail[LIMIT_NAME + 64];
     if (!session_cursor_reading(session, &r))
         return;
+    const struct run *run = c->on_data ? NULL : session_run(session);
+    const char *name = run ? run->system.model->variable[0].name : "y";
     snprintf(tail, sizeof tail, "snap: %s%s", catalog_row(&snap_catalog, (size_t)c->snap)->name,
              c->locked ? ", locked" : "");
-    put_line(c, 0, tail, text);
+    put_line(c, 0, name, tail, text);
     snprintf(tail, sizeof tail, "on: %s", c->of);
-    put_line(c, 1, tail, text);
+    put_line(c, 1, name, tail, text);
     put_value(text, " B-A", (struct measured){r.dt, 0}, QUANTITY_TIME);
     if (isfinite(r.periods))
         buffer_format(text, " / %g period%s", r.periods, r.periods == 1 ? "" : "s");

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "export.h"
+#include "precision_text.h"
 #include "journal.h"
 
 #include <math.h>
@@ -51,8 +51,8 @@ static void put_method(const struct run *run, struct buffer *value)
 static void add_scene_keys(struct keys *keys, const struct scene *scene)
 {
     add_text_key(keys, "scene", scene->preset->row.name);
-    for (size_t i = 0; i < param_catalog.count; i++) {
-        const struct param_row *param = (const struct param_row *)(const void *)catalog_row(&param_catalog, i);
+    for (size_t i = 0; i < scene_params(scene)->count; i++) {
+        const struct param_row *param = param_at(scene, (int)i);
         struct buffer value = {0};
         buffer_exact(&value, (struct measured){scene->value[i], scene->uncertainty[i]}, param->quantity);
         add_key(keys, param->row.name, &value);
@@ -67,8 +67,7 @@ static void add_changes(struct keys *keys, const char *name, const struct held_r
         const struct leg *leg = &held->leg[i];
         if (leg->kind != LEG_SET)
             continue;
-        const struct param_row *param =
-            (const struct param_row *)(const void *)catalog_row(&param_catalog, (size_t)leg->param);
+        const struct param_row *param = param_at(&held->run->scene, leg->param);
         buffer_format(&value, "%s%s ", value.len ? "; " : "", param->row.name);
         buffer_exact(&value, leg->value, param->quantity);
         buffer_put(&value, TEXT(" at t = "));
@@ -126,10 +125,11 @@ static bool finish(const struct keys *keys, struct export *export, struct error 
 
 /* ---- runs ---- */
 
-static const struct observable *observable_at(const struct row *row)
-{
-    return (const struct observable *)(const void *)row;
-}
+/* A column of a run: a state variable or an observable. */
+struct chosen_column {
+    const struct row *row; /* NULL: state variable number `variable` */
+    int variable;
+};
 
 /* Which rows of a run are written: mark[i], and how many. */
 static size_t select_rows(const struct run *run, const struct given *every, bool *mark)
@@ -177,23 +177,71 @@ static int list_runs(const struct session *session, const struct given *runs, in
     return count;
 }
 
-/* t first, then what was asked for, each once. */
-static int list_columns(const struct given *column, const struct row **list)
+static const struct observable *observable_of(const struct chosen_column *column)
 {
-    static const char *const usual[] = {"y", "v", "energy"};
-    int count = 0;
-    list[count++] = catalog_find(&observable_catalog, TEXT("t"));
-    const int most = column->count ? column->count : (int)COUNT_OF(usual);
-    for (int i = 0; i < most; i++) {
-        const struct row *row =
-            column->count ? column->item[i].row : catalog_find(&observable_catalog, text_of(usual[i]));
-        bool listed = false;
-        for (int j = 0; j < count; j++)
-            listed |= list[j] == row;
-        if (row && !listed)
-            list[count++] = row;
+    return (const struct observable *)(const void *)column->row;
+}
+
+static void add_column(const struct model *model, struct text name, struct chosen_column *list, int *count)
+{
+    const int variable = model_variable(model, name);
+    const struct chosen_column one = {variable < 0 ? catalog_find(&observable_catalog, name) : NULL, variable};
+    for (int i = 0; i < *count; i++)
+        if (list[i].row == one.row && list[i].variable == one.variable)
+            return;
+    list[(*count)++] = one;
+}
+
+/* t first, then what was asked for, or the state and the energy, each once. False: a name is not one of this model. */
+static bool list_columns(const struct model *model, const struct given *column, struct chosen_column *list, int *count,
+                         struct error *error)
+{
+    add_column(model, TEXT("t"), list, count);
+    for (int i = 0; i < column->count; i++) {
+        const struct text name = column->item[i].text;
+        if (!column->item[i].row && model_variable(model, name) < 0) {
+            error_at(error, name, "this run has no state variable '%.*s'", (int)name.len, name.at);
+            struct buffer own = {0};
+            for (int v = 0; v < model->n; v++)
+                buffer_format(&own, "%s%s", v ? ", " : "", model->variable[v].name);
+            error_hint(error, "it has %s", buffer_view(&own));
+            buffer_free(&own);
+            return false;
+        }
+        add_column(model, name, list, count);
     }
-    return count;
+    for (int v = 0; v < model->n && !column->count; v++)
+        add_column(model, text_of(model->variable[v].name), list, count);
+    if (!column->count && model->order == 2)
+        add_column(model, TEXT("energy"), list, count);
+    return true;
+}
+
+static const char *column_name(const struct model *model, const struct chosen_column *column)
+{
+    return column->row ? column->row->name : model->variable[column->variable].name;
+}
+
+static bool fill_column(const struct run *run, const struct chosen_column *column, double *out, struct error *error)
+{
+    if (column->row)
+        return run_column(run, observable_of(column), out, error);
+    run_variable_column(run, column->variable, out);
+    return true;
+}
+
+static bool same_model(const struct session *session, const int *place, int count, struct error *error)
+{
+    const struct run *first = session->run[place[0]]->run;
+    for (int i = 1; i < count; i++) {
+        const struct run *run = session->run[place[i]]->run;
+        if (run->system.model == first->system.model)
+            continue;
+        error_set(error, ERROR_COMMAND, "run %d (%s) and run %d (%s) have different variables: not in one file",
+                  first->number, first->scene.preset->row.name, run->number, run->scene.preset->row.name);
+        return error_hint(error, "export FILE run %d", first->number);
+    }
+    return true;
 }
 
 bool export_runs(const struct session *session, const struct given *runs, const struct given *column,
@@ -207,9 +255,11 @@ bool export_runs(const struct session *session, const struct given *runs, const 
         return error_hint(error, "type: run; or: export FILE data");
     }
     struct keys keys;
-    if (!check_every(every, error) || !begin(&keys, export, error))
+    const struct system *system = &session->run[place[0]]->run->system;
+    const struct model *model = system->model;
+    if (!same_model(session, place, count, error) || !check_every(every, error) || !begin(&keys, export, error))
         return false;
-    const struct row **list = arena_array(arena, (size_t)column->count + 5, sizeof *list);
+    struct chosen_column *list = arena_array(arena, (size_t)column->count + (size_t)model->n + 2, sizeof *list);
     size_t rows = 0, largest = 0;
     bool **mark = arena_array(arena, (size_t)count, sizeof *mark);
     if (!list || !mark)
@@ -222,7 +272,10 @@ bool export_runs(const struct session *session, const struct given *runs, const 
         rows += select_rows(run, every, mark[r]);
         largest = n > largest ? n : largest;
     }
-    const int columns = list_columns(column, list), lead = count > 1;
+    int columns = 0;
+    if (!list_columns(model, column, list, &columns, error))
+        return false;
+    const int lead = count > 1;
     struct table_column *out = arena_array(arena, (size_t)(columns + lead), sizeof *out);
     double *work = arena_array(arena, largest, sizeof *work);
     if (!out || !work)
@@ -234,16 +287,19 @@ bool export_runs(const struct session *session, const struct given *runs, const 
             return error_memory(error);
         for (int r = 0; r < count; r++) {
             const struct run *run = session->run[place[r]]->run;
-            if (c >= lead && !run_column(run, observable_at(list[c - lead]), work, error))
+            if (c >= lead && !fill_column(run, &list[c - lead], work, error))
                 return false;
             for (size_t i = 0; i < trace_count(run->trace); i++)
                 if (mark[r][i])
                     value[n++] = c < lead ? run->number : work[i];
         }
-        out[c] =
-            c < lead
-                ? (struct table_column){.name = "run", .unit = "", .value = value}
-                : (struct table_column){.name = list[c - lead]->name, .unit = list[c - lead]->unit, .value = value};
+        out[c] = (struct table_column){.name = "run", .unit = "", .value = value};
+        if (c < lead)
+            continue;
+        const struct chosen_column *chosen = &list[c - lead];
+        out[c].name = column_name(model, chosen);
+        out[c].unit = chosen->row ? observable_unit(observable_of(chosen), system)
+                                  : quantity_unit(model->variable[chosen->variable].quantity);
     }
     add_run_keys(&keys, session, place, count);
     export->table = (struct table){.column = out, .columns = columns + lead, .rows = rows};
@@ -315,6 +371,21 @@ bool export_measurements(const struct session *session, struct export *export, s
     memcpy(out, columns, sizeof columns);
     add_scene_keys(&keys, &session->setup.scene);
     export->table = (struct table){.column = out, .columns = (int)COUNT_OF(columns), .rows = n};
+    return finish(&keys, export, error);
+}
+
+bool export_precision(const struct session *session, struct export *export, struct error *error)
+{
+    const struct precision *precision = session->precision;
+    struct keys keys;
+    struct buffer duration = {0}, reference = {0};
+    if (!begin(&keys, export, error) || !precision_table(precision, export, error))
+        return false;
+    buffer_exact(&duration, (struct measured){precision->duration, 0}, QUANTITY_TIME);
+    reference_describe(&precision->reference, &reference);
+    add_key(&keys, "duration", &duration);
+    add_key(&keys, "reference", &reference);
+    add_scene_keys(&keys, &precision->scene);
     return finish(&keys, export, error);
 }
 

@@ -16,6 +16,7 @@ bool export_runs(const struct session *session, const struct given *runs, const 
                  const struct given *every, struct export *export, struct error *error);
 bool export_recording(const struct session *session, struct export *export, struct error *error);
 bool export_measurements(const struct session *session, struct export *export, struct error *error);
+bool export_precision(const struct session *session, struct export *export, struct error *error);
 bool export_run_table(const struct session *session, struct export *export, struct error *error);
 
 #endif

@@ -163,6 +163,12 @@ static bool follows_from_row(const struct run *run, const struct observable *obs
             never_changed(run));
 }
 
+void state_at_rows(const struct run *run, int i, const struct chosen_rows *rows, double *out)
+{
+    for (size_t row = 0; row < rows->n; row++)
+        out[row] = trace_state(run->trace, rows->row[row])[i];
+}
+
 bool values_at_rows(const struct run *run, const struct observable *observable, const struct chosen_rows *rows,
                     struct arena *arena, double *out, struct error *error)
 {
@@ -228,7 +234,7 @@ bool run_spectrum(const struct run *run, double from, double to, double period, 
     double *t = arena_array(arena, n + 1, sizeof *t), *y = arena_array(arena, n + 1, sizeof *y);
     if (!t || !y)
         return error_memory(error);
-    struct series series = {t, y, 0, QUANTITY_LENGTH};
+    struct series series = {t, y, 0, system_variable(&run->system, 0).quantity};
     for (size_t i = 0; i < n; i++) {
         t[series.n] = to - (double)(n - i) * step;
         y[series.n] = run_position(run, t[series.n]);

@@ -26,7 +26,9 @@ bool choose_rows(const struct run *run, const struct row_request *request, struc
  * through as a whole. */
 bool values_at_rows(const struct run *run, const struct observable *observable, const struct chosen_rows *rows,
                     struct arena *arena, double *out, struct error *error);
-/* [m] position between recorded rows; NAN outside. */
+/* State variable i at these rows. */
+void state_at_rows(const struct run *run, int i, const struct chosen_rows *rows, double *out);
+/* The first variable between recorded rows; NAN outside. */
 double run_position(const struct run *run, double t);
 /* Amplitude spectrum of the position between two times; frequency [Hz]. */
 bool run_spectrum(const struct run *run, double from, double to, double period, struct arena *arena,

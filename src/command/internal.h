@@ -23,6 +23,7 @@ enum argument_type {
     TYPE_CONDITION, /* y < 1 cm */
     TYPE_EXPR,      /* an expression of any quantity, or a string */
     TYPE_CHOICE,    /* a row of `choices` */
+    TYPE_COLUMN,    /* a state variable or an observable */
     TYPE_UNIT,      /* the name of a unit */
     TYPE_RUN,       /* number or name of a run; -1 for `all` where ARG_ALL allows it */
     TYPE_RECORDING, /* name of a recording */
@@ -178,6 +179,24 @@ bool parse_arguments(struct parser *parser, const struct command *command, struc
 const struct row *choose(const struct session *session, const struct catalog *catalog, struct text name);
 int catalog_place(const struct catalog *catalog, const struct row *row);
 
+/* ---- what a scene has, by name (parameters.c) ---- */
+
+const struct param_row *param_at(const struct scene *scene, int place);
+double param_value(const struct scene *scene, const char *name); /* NAN: the scene has no such parameter */
+bool param_given(const struct scene *scene, const char *name);
+/* It says where a run starts, and nothing else. */
+bool param_is_start(const struct scene *scene, int place);
+/* A short description of the scene holds it. */
+bool param_matters(const struct scene *scene, int place);
+int model_variable(const struct model *model, struct text name); /* place, -1: none */
+const struct model *model_with(struct text name); /* the first with such a parameter, derived quantity or variable */
+const char *model_scene(const struct model *model); /* name of a scene that is one */
+enum quantity model_quantity(const struct model *model, const struct observable *observable);
+bool model_offers(const struct model *model, const struct observable *observable); /* as far as the model decides it */
+/* Says where the name belongs, if it is to another model; false: it does not. */
+bool hint_other_model(const struct session *session, struct text name, struct error *error);
+bool unknown_parameter(const struct session *session, struct text name, struct error *error); /* false, always */
+
 /* ---- names in expressions (names.c) ---- */
 
 struct names {
@@ -250,9 +269,9 @@ void reply_growth(struct run *run, struct reply *reply);
 void reply_tiny(const struct run *run, struct reply *reply);
 /* Warns of a step that is too coarse for the period. */
 void reply_coarse(const struct session *session, const struct run *run, struct reply *reply);
-/* [m] rms distance of the run from the recording where they overlap in time; NAN: they do not, or it is no length. */
+/* Rms distance of the run from the recording where they overlap in time and hold the same quantity. */
 struct data_distance {
-    double rms;    /* [m] NAN: they do not overlap */
+    double rms;    /* NAN: they do not overlap */
     size_t spikes; /* samples left out: missed echoes would hide how well the run fits */
 };
 struct data_distance run_data_distance(const struct run *run, const struct recording *recording);
@@ -308,13 +327,15 @@ struct subject {
 /* The scene that a run or a recording is measured against: its own; for a recording the present one, if somebody has
  * said what the spring is, else NULL. */
 const struct scene *subject_scene(const struct session *session, const struct run *run);
+/* Whether the scene is an oscillator; error if not, which says that `what` needs one. */
+bool needs_spring(const struct scene *scene, const char *what, struct error *error);
 /* [s] of the oscillation with its linear damping; NAN: it does not oscillate, or there is no scene. */
 double scene_period(const struct scene *scene);
 double derived_value(const struct scene *scene, const char *name); /* NAN: no scene, or not defined */
 /* Keeps it as a row of `list measurements` and as the result measured_NAME. */
 bool session_keep_measurement(struct session *session, const char *name, const char *of, struct measured value,
                               enum quantity unit, double periods, struct error *error);
-/* Position, or energy, of a run over time; oldest first also where it went backwards. */
+/* The first variable, or energy, of a run over time; oldest first also where it went backwards. */
 bool run_series(const struct run *run, bool energy, struct arena *arena, struct series *series, struct error *error);
 /* The run or recording that was given, else the latest; window: of TYPE_RANGE. At least `least` samples. */
 bool subject_open(struct session *session, const struct given *run, const struct given *data,

@@ -230,10 +230,9 @@ static bool put_go(struct composer *c, const struct leg *leg, int64_t from, int6
     return true;
 }
 
-static void put_set(const struct leg *leg, struct buffer *text)
+static void put_set(const struct run *run, const struct leg *leg, struct buffer *text)
 {
-    const struct param_row *param =
-        (const struct param_row *)(const void *)catalog_row(&param_catalog, (size_t)leg->param);
+    const struct param_row *param = param_at(&run->scene, leg->param);
     buffer_format(text, "change %s ", param->row.name);
     buffer_exact(text, leg->value, param->quantity);
     buffer_char(text, '\n');
@@ -263,7 +262,7 @@ bool journal_write(const struct session *session, const struct held_run *held, i
             continue;
         put_start(&c);
         if (next->kind == LEG_SET)
-            put_set(next, text);
+            put_set(run, next, text);
         else
             buffer_format(text, "back %lld\n", (long long)next->rows);
         at = next->kind == LEG_BACK ? next->end : at;

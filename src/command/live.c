@@ -131,19 +131,25 @@ bool live_bind(struct session *session, int param, double *from, struct error *e
 {
     struct run *run = session_run(session);
     const struct live *live = &session->live;
-    const char *name = catalog_row(&param_catalog, (size_t)param)->name;
-    const bool is_start = text_is(text_of(name), "y0") || text_is(text_of(name), "v0") || text_is(text_of(name), "t0");
+    const struct scene *now = &session->setup.scene;
+    const bool is_start = param_is_start(now, param), is_other = run && run->system.model != now->model;
     *from = NAN;
     if (live->changing && !run)
         return error_set(error, ERROR_COMMAND, "there is no run to change");
+    if (live->changing && is_other) {
+        error_set(error, ERROR_COMMAND, "run %d is one of %s, the scene is now %s", run->number,
+                  run->scene.preset->row.name, now->preset->row.name);
+        return error_hint(error, "type: scene %s", run->scene.preset->row.name);
+    }
     if (live->changing && is_start)
-        return error_set(error, ERROR_COMMAND, "%s is where a run starts: it cannot change on the way", name);
+        return error_set(error, ERROR_COMMAND, "%s is where a run starts: it cannot change on the way",
+                         param_at(now, param)->row.name);
     const bool going =
         run && (live->state == LIVE_RUNNING || (session->typed && run->stop == STOP_CANCELLED) || live->changing);
-    if (!going || is_start)
+    if (!going || is_start || is_other)
         return true;
     struct held_run *held = session->run[session->current_run];
-    const struct measured value = {session->setup.scene.value[param], session->setup.scene.uncertainty[param]};
+    const struct measured value = {now->value[param], now->uncertainty[param]};
     struct scene scene;
     const struct leg leg = {.kind = LEG_SET, .from = run->steps, .from_t = run->t, .param = param, .value = value};
     journal_scene(held, &scene);

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What names mean in expressions: state and observables of the current run first, then parameters, derived quantities,
- * settings, variables, results. */
+/* What names mean in expressions: state and observables of the current run first, then parameters and derived quantities
+ * of the scene, settings, variables, results. */
 #include "internal.h"
 
 #include <math.h>
 #include <string.h>
 
-enum name_kind { NAME_OBSERVABLE, NAME_PARAM, NAME_DERIVED, NAME_SETTING, NAME_LET, NAME_RESULT };
+enum name_kind { NAME_STATE, NAME_OBSERVABLE, NAME_PARAM, NAME_DERIVED, NAME_SETTING, NAME_LET, NAME_RESULT };
 
 #define SLOT_KIND 16 /* slot = kind << SLOT_KIND | place */
 
@@ -35,16 +35,33 @@ static bool in_catalog(const struct catalog *catalog, struct text name, int *pla
     return row != NULL;
 }
 
+/* Whose state and observables have names; NULL: there is no run. */
+static const struct model *state_model(const struct names *names)
+{
+    const struct run *run = names->run || names->expects_run ? names->run : session_run(names->session);
+    return run ? run->system.model : names->expects_run ? names->session->setup.scene.model : NULL;
+}
+
+static bool in_state(const struct model *model, struct text name, int *place)
+{
+    *place = model_variable(model, name);
+    return *place >= 0;
+}
+
 static bool find_name(const struct names *names, struct text name, int *slot)
 {
     const struct session *session = names->session;
+    const struct scene *scene = &session->setup.scene;
+    const struct model *moving = state_model(names);
     enum name_kind kind;
     int place = 0;
-    if ((names->expects_run || names->run || session_run(session)) && in_catalog(&observable_catalog, name, &place))
+    if (moving && in_state(moving, name, &place))
+        kind = NAME_STATE;
+    else if (moving && in_catalog(&observable_catalog, name, &place))
         kind = NAME_OBSERVABLE;
-    else if (in_catalog(&param_catalog, name, &place))
+    else if (in_catalog(scene_params(scene), name, &place))
         kind = NAME_PARAM;
-    else if (in_catalog(&derived_catalog, name, &place))
+    else if (in_catalog(scene_derived(scene), name, &place))
         kind = NAME_DERIVED;
     else if (setting_is_number(catalog_find(&setting_catalog, name)) && in_catalog(&setting_catalog, name, &place))
         kind = NAME_SETTING;
@@ -77,25 +94,29 @@ static struct named_value slot_value(const struct names *names, int slot)
     const size_t place = (size_t)(slot & ((1 << SLOT_KIND) - 1));
     const struct setup *setup = &session->setup;
     struct named_value value = {.value = NAN, .quantity = QUANTITY_OTHER};
+    const struct model *moving = state_model(names);
     switch ((enum name_kind)(slot >> SLOT_KIND)) {
+    case NAME_STATE:
+        value.quantity = moving->variable[place].quantity;
+        if (run && run->system.model == moving)
+            value.value = run->y[place];
+        break;
     case NAME_OBSERVABLE: {
         const struct observable *observable =
             (const struct observable *)(const void *)catalog_row(&observable_catalog, place);
-        value.quantity = observable->quantity;
+        value.quantity = model_quantity(moving, observable);
         if (run)
             value.value = run_observable(run, observable);
         break;
     }
-    case NAME_PARAM: {
-        const struct param_row *param = (const struct param_row *)(const void *)catalog_row(&param_catalog, place);
+    case NAME_PARAM:
         value.value = setup->scene.value[place];
         value.uncertainty = setup->scene.uncertainty[place];
-        value.quantity = param->quantity;
+        value.quantity = param_at(&setup->scene, (int)place)->quantity;
         break;
-    }
     case NAME_DERIVED: {
         const struct derived_row *derived =
-            (const struct derived_row *)(const void *)catalog_row(&derived_catalog, place);
+            (const struct derived_row *)(const void *)catalog_row(scene_derived(&setup->scene), place);
         const struct measured measured = derived->value(&setup->scene);
         value.value = measured.value;
         value.uncertainty = measured.uncertainty;
@@ -124,11 +145,19 @@ static double scope_load(const void *context, int slot)
 void names_each(const struct session *session, void (*offer)(void *context, const char *name, const char *brief),
                 void *context)
 {
-    const struct catalog *const catalogs[] = {&observable_catalog, &param_catalog, &derived_catalog, &setting_catalog};
+    const struct scene *scene = &session->setup.scene;
+    const struct run *run = session_run(session);
+    const struct model *moving = run ? run->system.model : scene->model;
+    const struct catalog *const catalogs[] = {&observable_catalog, scene_params(scene), scene_derived(scene),
+                                              &setting_catalog};
+    for (int i = 0; i < moving->n; i++)
+        if (!catalog_find(&observable_catalog, text_of(moving->variable[i].name)))
+            offer(context, moving->variable[i].name, quantity_name(moving->variable[i].quantity));
     for (size_t c = 0; c < COUNT_OF(catalogs); c++)
         for (size_t i = 0; i < catalogs[c]->count; i++) {
             const struct row *row = catalog_row(catalogs[c], i);
-            if (catalogs[c] != &setting_catalog || setting_is_number(row))
+            const bool fits = c > 0 || model_offers(moving, (const struct observable *)(const void *)row);
+            if (fits && (catalogs[c] != &setting_catalog || setting_is_number(row)))
                 offer(context, row->name, row->brief);
         }
     for (int i = 0; i < session->setup.lets; i++)
@@ -174,13 +203,15 @@ bool names_explain(const struct session *session, struct error *error)
     int slot;
     if (find_name(&names, name, &slot))
         return false;
-    if (catalog_find(&observable_catalog, name)) {
+    if (catalog_find(&observable_catalog, name) || model_variable(session->setup.scene.model, name) >= 0) {
         error_at(error, name, "'%.*s' has no value: there is no run yet", (int)name.len, name.at);
         return error_hint(error, "type: run");
     }
     for (size_t i = 0; i < COUNT_OF(later); i++)
         if (text_starts(name, text_of(later[i].start)) && !error->hint[0])
             return error_hint(error, "it has a value after, for example: %s", later[i].command);
+    if (!error->hint[0])
+        hint_other_model(session, name, error);
     return false;
 }
 
@@ -193,14 +224,19 @@ enum quantity name_quantity(const struct session *session, struct text name)
 
 bool name_is_taken(const struct session *session, struct text name, const char **kind)
 {
-    const struct catalog *const catalogs[] = {&param_catalog, &derived_catalog, &setting_catalog, &observable_catalog,
-                                              &function_catalog};
+    const struct scene *scene = &session->setup.scene;
+    const struct catalog *const catalogs[] = {scene_params(scene), scene_derived(scene), &setting_catalog,
+                                              &observable_catalog, &function_catalog};
     for (size_t i = 0; i < COUNT_OF(catalogs); i++)
         if (catalog_find(catalogs[i], name)) {
             *kind = catalogs[i]->kind;
             return true;
         }
     int place;
+    if (in_state(scene->model, name, &place)) {
+        *kind = "state variable";
+        return true;
+    }
     *kind = in_values(session->result, session->results, name, &place) ? "result" : "constant";
     return text_is(name, "pi") || in_values(session->result, session->results, name, &place);
 }

@@ -2,16 +2,14 @@
 /* What the screen can be made of: layouts, panes, what cursors snap to. */
 #include "internal.h"
 
-#include <math.h>
-
 #define ROW(name, brief)                                                                                               \
     {                                                                                                                  \
         name, "", brief, "", NULL                                                                                      \
     }
 
 static const struct row layouts[] = {
-    [LAYOUT_TRIO] = ROW("trio", "position above energy, phase beside them"),
-    [LAYOUT_DUO] = ROW("duo", "position and phase side by side"),
+    [LAYOUT_TRIO] = ROW("trio", "position above energy, phase or orbit beside them"),
+    [LAYOUT_DUO] = ROW("duo", "position and phase or orbit side by side"),
     [LAYOUT_SINGLE] = ROW("single", "the focused pane, and the log"),
     [LAYOUT_STACK] = ROW("stack", "position, velocity and energy above each other, one time axis"),
     [LAYOUT_QUAD] = ROW("quad", "position, phase, velocity and energy"),
@@ -39,20 +37,21 @@ static bool has_mechanics(const struct session *session)
     return run && run->system.order == 2;
 }
 
+static bool has_orbit(const struct session *session)
+{
+    const struct run *run = session_run(session);
+    return run && plot_fits(PLOT_ORBIT, run->system.model);
+}
+
 static bool has_exact(const struct session *session)
 {
     const struct run *run = session_run(session);
     return run && run->plan.exact_known;
 }
 
-static bool has_overlap(const struct session *session)
+static bool has_residual(const struct session *session)
 {
-    const struct run *run = session_run(session);
-    const struct recording *recording = session_recording(session);
-    if (!run || !recording || recording->column[recording->value].quantity != QUANTITY_LENGTH)
-        return false;
-    const double a = trace_time(run->trace, 0), b = trace_time(run->trace, trace_count(run->trace) - 1);
-    return fmin(a, b) < recording->window[1] && fmax(a, b) > recording->window[0];
+    return figure_recording(session, PLOT_RESIDUAL) >= 0;
 }
 
 static const struct pane_row panes[] = {
@@ -61,7 +60,9 @@ static const struct pane_row panes[] = {
     [PANE_PHASE] = {{"phase", "m", "v against y", "", NULL}, has_mechanics},
     [PANE_VELOCITY] = {{"velocity", "m/s", "v against t", "", NULL}, has_mechanics},
     [PANE_ERROR] = {{"error", "m", "distance from the exact solution against t", "", NULL}, has_exact},
-    [PANE_RESIDUAL] = {{"residual", "m", "recording minus run against t", "", NULL}, has_overlap},
+    [PANE_RESIDUAL] = {{"residual", "m", "the recording minus its fit, or minus the run, against t", "", NULL},
+                       has_residual},
     [PANE_SPECTRUM] = {{"spectrum", "m", "amplitude against frequency", "", NULL}, has_series},
+    [PANE_ORBIT] = {{"orbit", "m", "the second coordinate against the first", "", NULL}, has_orbit},
 };
 const struct catalog pane_catalog = CATALOG("pane", panes);

@@ -6,6 +6,13 @@
 
 #define TINY 1.5e-154 /* its square is the least normal number */
 
+/* NAN: the scene has no variable of that name. */
+static double state_value(const struct run *run, const char *name)
+{
+    const int variable = model_variable(run->system.model, text_of(name));
+    return variable < 0 ? NAN : run->y[variable];
+}
+
 void reply_run(const struct session *session, const struct run *run, struct reply *reply)
 {
     struct ledger ledger;
@@ -21,8 +28,9 @@ void reply_run(const struct session *session, const struct run *run, struct repl
     }
     const struct data_distance data = run_data_distance(run, session_recording(session));
     if (isfinite(data.rms)) {
-        buffer_put(&text, TEXT(", rms(y-data) = "));
-        buffer_quantity(&text, data.rms, QUANTITY_LENGTH, 2);
+        const struct variable first = system_variable(&run->system, 0);
+        buffer_format(&text, ", rms(%s-data) = ", first.name);
+        buffer_quantity(&text, data.rms, first.quantity, 2);
         if (data.spikes > 0)
             buffer_format(&text, " (%zu spike%s left out)", data.spikes, data.spikes == 1 ? "" : "s");
     }
@@ -40,8 +48,8 @@ void reply_run(const struct session *session, const struct run *run, struct repl
     reply_int(reply, "steps", run->steps);
     reply_int(reply, "evals", run->cost.evals);
     reply_real(reply, "t", run->t);
-    reply_real(reply, "y", run->y[0]);
-    reply_real(reply, "v", run->system.order == 2 ? run->y[run->system.n / 2] : NAN);
+    reply_real(reply, "y", state_value(run, "y"));
+    reply_real(reply, "v", state_value(run, "v"));
     reply_object(reply, "state");
     for (int i = 0; i < run->system.n; i++)
         reply_real(reply, system_variable(&run->system, i).name, run->y[i]);
@@ -91,8 +99,7 @@ void reply_tiny(const struct run *run, struct reply *reply)
 
 void reply_coarse(const struct session *session, const struct run *run, struct reply *reply)
 {
-    const struct row *row = catalog_find(&derived_catalog, TEXT("T0"));
-    const double period = ((const struct derived_row *)(const void *)row)->value(&session->setup.scene).value;
+    const double period = derived_value(&session->setup.scene, "T0");
     const double dt = run->settings.dt;
     if (run->plan.adaptive || run->method->order == 0 || !(dt > 0.125 * period))
         return;

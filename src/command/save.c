@@ -12,8 +12,8 @@ static void save_scene(const struct scene *scene, bool always, struct buffer *te
 {
     if (always || scene->preset != (const struct preset *)(const void *)catalog_row(&preset_catalog, 0))
         buffer_format(text, "scene %s\n", scene->preset->row.name);
-    for (size_t i = 0; i < param_catalog.count; i++) {
-        const struct param_row *param = (const struct param_row *)(const void *)catalog_row(&param_catalog, i);
+    for (size_t i = 0; i < scene_params(scene)->count; i++) {
+        const struct param_row *param = param_at(scene, (int)i);
         if (!scene->given[i])
             continue;
         buffer_format(text, "%s = ", param->row.name);
@@ -136,10 +136,10 @@ static void save_current_recording(const struct session *session, bool always, s
 void session_save(const struct session *session, struct buffer *text)
 {
     buffer_put(text, TEXT("# set-up saved by hooke " HOOKE_VERSION "\n"));
+    save_let(&session->setup, text); /* the scene may have a parameter of that name */
     save_scene(&session->setup.scene, false, text);
     save_method(&session->setup, false, text);
     save_settings(&session->setup.settings, false, text);
-    save_let(&session->setup, text);
     save_recordings(session, false, text);
     save_current_recording(session, false, text);
     if (session->view.focus == PANE_POSITION) /* other panes show runs, which are not saved */
@@ -166,9 +166,14 @@ static bool save_run(const struct session *session, const struct held_run *held,
     struct settings settings;
     session_default_settings(&settings);
     settings.record = run->settings.record;
-    const struct setting *record = (const struct setting *)(const void *)catalog_find(&setting_catalog, TEXT("record"));
-    buffer_put(text, TEXT("\nset record "));
-    setting_exact(record, &settings, text);
+    settings.kernel = (int)run->settings.kernel;
+    settings.sums = run->settings.compensated ? SUMS_COMPENSATED : SUMS_PLAIN;
+    static const char *const kept[] = {"record", "kernel", "sums"};
+    for (size_t i = 0; i < COUNT_OF(kept); i++) {
+        const struct row *row = catalog_find(&setting_catalog, text_of(kept[i]));
+        buffer_format(text, "\nset %s ", kept[i]);
+        setting_exact((const struct setting *)(const void *)row, &settings, text);
+    }
     buffer_char(text, '\n');
     const char *why = NULL;
     if (run->seconds >= SECONDS_MOST)

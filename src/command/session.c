@@ -41,6 +41,9 @@ void session_destroy(struct session *session)
         free(session->history[i]);
     free(session->history);
     free(session->measurement);
+    if (session->precision)
+        precision_free(session->precision);
+    free(session->precision);
     log_clear(&session->log);
     buffer_free(&session->live.record);
     buffer_free(&session->live.typed);
@@ -209,6 +212,8 @@ struct run_settings session_run_settings(const struct session *session)
     return (struct run_settings){.dt = settings->dt,
                                  .tol = adaptive ? settings->tol : 0,
                                  .drag = session->setup.drag,
+                                 .kernel = (enum kernel)settings->kernel,
+                                 .compensated = settings->sums == SUMS_COMPENSATED,
                                  .record = settings->record};
 }
 
@@ -305,9 +310,9 @@ void session_state_line(const struct session *session, struct buffer *text)
 {
     const struct setup *setup = &session->setup;
     buffer_put(text, text_of(setup->scene.preset->row.name));
-    for (size_t i = 0; i < param_catalog.count; i++) {
-        const struct param_row *param = (const struct param_row *)(const void *)catalog_row(&param_catalog, i);
-        if (i != (size_t)param_index("m") && i != (size_t)param_index("k") && !setup->scene.given[i])
+    for (int i = 0; i < (int)scene_params(&setup->scene)->count; i++) {
+        const struct param_row *param = param_at(&setup->scene, i);
+        if (!param_matters(&setup->scene, i))
             continue;
         buffer_format(text, " %s=", param->row.name);
         buffer_measured(text, (struct measured){setup->scene.value[i], 0}, param->quantity, 4);

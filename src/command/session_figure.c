@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Plots of a session as figures: which curves, over which time, in which units. */
 #include "figure_curves.h"
+#include "precision_text.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -16,24 +17,33 @@
 
 struct plot_row {
     struct row row;
-    const char *observable, *label; /* of the vertical axis */
+    const char *observable; /* on the vertical axis; NULL: state variables, or something else */
+    const char *label;      /* of that axis, where the names of the variables are not */
     bool periods;                   /* each period has to be seen: the window is limited to what the width can show */
 };
 
 static const struct plot_row plots[] = {
-    [PLOT_POSITION] = {{"position", "", "y against t", "", NULL}, "y", "y", true},
-    [PLOT_VELOCITY] = {{"velocity", "", "v against t", "", NULL}, "v", "v", true},
+    [PLOT_POSITION] = {{"position", "", "y against t, or all coordinates", "", NULL}, NULL, "y", true},
+    [PLOT_VELOCITY] = {{"velocity", "", "v against t", "", NULL}, NULL, NULL, true},
     [PLOT_PHASE] = {{"phase", "", "v against y, the last two periods unless a window is given", "", NULL},
-                    "v",
-                    "v",
+                    NULL,
+                    NULL,
+                    false},
+    [PLOT_ORBIT] = {{"orbit", "", "the second coordinate against the first, as long as phase", "", NULL},
+                    NULL,
+                    NULL,
                     false},
     [PLOT_ENERGY] = {{"energy", "", "energy against t", "", NULL}, "energy", "E", false},
     [PLOT_ERROR] = {{"error", "", "distance from the exact solution against t", "", NULL}, "error", "error", false},
     [PLOT_RESIDUAL] = {{"residual", "", "the recording minus its fit, or minus the run, against t", "", NULL},
-                       "y",
+                       NULL,
                        "residual",
                        false},
-    [PLOT_SPECTRUM] = {{"spectrum", "", "amplitude spectrum of y", "", NULL}, "y", "amplitude", false},
+    [PLOT_SPECTRUM] = {{"spectrum", "", "amplitude spectrum of y", "", NULL}, NULL, "amplitude", false},
+    [PLOT_PRECISION] = {{"precision", "", "error against run time, of the last 'precision'", "", NULL},
+                        NULL,
+                        "error",
+                        false},
 };
 const struct catalog plot_catalog = CATALOG("plot", plots);
 
@@ -45,10 +55,12 @@ struct drawing {
     struct error *error;
     struct curve *curve;
     int curves;
-    double omega0;       /* [rad/s] that v is divided by; 1: not */
-    double period;       /* [s] of the first run, NAN: none */
-    double window[2];    /* [s] */
-    double shown, total; /* [s] */
+    const struct model *model; /* of the runs; NULL: there are none */
+    int coordinates;           /* curves that one run has */
+    double omega0;             /* [rad/s] that v is divided by; 1: not */
+    double period;             /* [s] of the first run, NAN: none */
+    double window[2];          /* [s] */
+    double shown, total;       /* [s] */
 };
 
 static const struct observable *observable(const char *name)
@@ -78,10 +90,70 @@ int figure_recording(const struct session *session, enum plot_kind kind)
         return -1;
     if (!run)
         return session->current_recording;
-    if (recording->column[recording->value].quantity != QUANTITY_LENGTH)
+    if (recording->column[recording->value].quantity != system_variable(&run->system, 0).quantity)
         return -1;
     const double a = trace_time(run->trace, 0), b = trace_time(run->trace, trace_count(run->trace) - 1);
     return fmin(a, b) < recording->window[1] && fmax(a, b) > recording->window[0] ? session->current_recording : -1;
+}
+
+/* ---- what moves ---- */
+
+static bool is_plane(enum plot_kind kind)
+{
+    return kind == PLOT_PHASE || kind == PLOT_ORBIT;
+}
+
+/* On the vertical axis. */
+static const struct variable *first_variable(const struct model *model, enum plot_kind kind)
+{
+    return &model->variable[kind == PLOT_VELOCITY || kind == PLOT_PHASE ? model->n / 2 : kind == PLOT_ORBIT ? 1 : 0];
+}
+
+int plot_coordinates(const struct model *model)
+{
+    const int all = model->order == 2 ? model->n / 2 : model->n;
+    int n = 1;
+    while (n < all && n <= LIMIT_OVERLAY && model->variable[n].quantity == model->variable[0].quantity)
+        n++;
+    return n;
+}
+
+bool plot_fits(enum plot_kind kind, const struct model *model)
+{
+    if (kind == PLOT_ORBIT)
+        return model->order == 2 && model->n == 4 && plot_coordinates(model) == 2;
+    return model->order == 2 || (kind != PLOT_VELOCITY && kind != PLOT_PHASE && kind != PLOT_ENERGY);
+}
+
+/* [s] that the scene, or the sizes of what moves, lead to expect; NAN: none. */
+static double rhythm(const struct run *run)
+{
+    const struct system *system = &run->system;
+    if (system->model == &oscillator_model || system->order != 2)
+        return scene_period(&run->scene);
+    return 6.283185307179586 * system->scale[0] / system->scale[system->n / 2];
+}
+
+/* What all runs of the plot have to be. */
+static bool find_model(struct drawing *d)
+{
+    const struct figure_request *request = d->request;
+    const struct run *first = d->session->run[request->run[0]]->run;
+    d->model = first->system.model;
+    for (int i = 1; i < request->runs; i++) {
+        const struct run *run = d->session->run[request->run[i]]->run;
+        if (run->system.model != d->model)
+            return error_set(d->error, ERROR_COMMAND, "run %d is one of %s, run %d one of %s: no plot shows both",
+                             first->number, first->scene.preset->row.name, run->number, run->scene.preset->row.name);
+    }
+    const char *kind = plots[request->kind].row.name;
+    if (!plot_fits(request->kind, d->model))
+        return error_set(d->error, ERROR_COMMAND, "%s has no %s: %s", first->scene.preset->row.name, kind,
+                         request->kind == PLOT_ORBIT ? "that needs two coordinates"
+                                                     : "that needs positions and velocities");
+    if ((request->kind == PLOT_POSITION || request->kind == PLOT_VELOCITY) && request->runs == 1 && !recording_of(d))
+        d->coordinates = plot_coordinates(d->model);
+    return true;
 }
 
 /* ---- which part of the time ---- */
@@ -138,7 +210,7 @@ static void choose_window(struct drawing *d)
     double from, to;
     span_of(d, &from, &to);
     const double now = to;
-    const bool asked = !isnan(request->window[0]) || !isnan(request->window[1]), phase = request->kind == PLOT_PHASE;
+    const bool asked = !isnan(request->window[0]) || !isnan(request->window[1]), phase = is_plane(request->kind);
     if (request->follow && !phase && request->until > to)
         to = request->until;
     d->total = to - from;
@@ -181,12 +253,25 @@ static const char *run_label(const struct drawing *d, const struct run *run)
     return label;
 }
 
+static bool vertical_values(struct drawing *d, const struct run *run, int coordinate, const struct chosen_rows *rows,
+                            double *y)
+{
+    const enum plot_kind kind = d->request->kind;
+    if (plots[kind].observable)
+        return values_at_rows(run, observable(plots[kind].observable), rows, d->arena, y, d->error);
+    state_at_rows(run, (int)(first_variable(d->model, kind) - d->model->variable) + coordinate, rows, y);
+    for (size_t i = 0; i < rows->n && d->omega0 != 1; i++)
+        y[i] /= d->omega0;
+    return true;
+}
+
 static bool add_run(struct drawing *d, const struct run *run)
 {
-    const bool phase = d->request->kind == PLOT_PHASE;
+    const bool plane = is_plane(d->request->kind);
     struct curve *curve = &d->curve[d->curves];
-    *curve = (struct curve){.label = run_label(d, run)};
-    if (!curve->label)
+    const char *label = run_label(d, run);
+    *curve = (struct curve){.label = label};
+    if (!label)
         return error_memory(d->error);
     if (d->request->kind == PLOT_SPECTRUM) {
         d->curves++;
@@ -194,24 +279,31 @@ static bool add_run(struct drawing *d, const struct run *run)
     }
     /* Of a run that ended earlier the phase plot shows its own last periods. */
     const double end = trace_time(run->trace, trace_count(run->trace) - 1);
-    const double late = phase && isnan(d->request->window[0]) && end < d->window[1] ? d->window[1] - end : 0;
+    const double late = plane && isnan(d->request->window[0]) && end < d->window[1] ? d->window[1] - end : 0;
     struct chosen_rows rows;
     const struct row_request part = {d->window[0] - late, d->window[1], d->request->width, d->period,
                                      d->request->follow};
     if (!choose_rows(run, &part, d->arena, &rows, d->error))
         return false;
-    double *x = arena_array(d->arena, rows.n + 1, sizeof *x), *y = arena_array(d->arena, rows.n + 1, sizeof *y);
-    if (!x || !y)
+    double *x = arena_array(d->arena, rows.n + 1, sizeof *x);
+    if (!x)
         return error_memory(d->error);
-    if (!values_at_rows(run, observable(phase ? "y" : "t"), &rows, d->arena, x, d->error) ||
-        !values_at_rows(run, observable(plots[d->request->kind].observable), &rows, d->arena, y, d->error))
-        return false;
-    for (size_t i = 0; i < rows.n && d->omega0 != 1; i++)
-        y[i] /= d->omega0;
-    curve->x = x;
-    curve->y = y;
-    curve->n = rows.n;
-    d->curves++;
+    if (plane)
+        state_at_rows(run, 0, &rows, x);
+    for (size_t i = 0; i < rows.n && !plane; i++)
+        x[i] = trace_time(run->trace, rows.row[i]);
+    for (int i = 0; i < d->coordinates; i++) {
+        double *y = arena_array(d->arena, rows.n + 1, sizeof *y);
+        if (!y)
+            return error_memory(d->error);
+        if (!vertical_values(d, run, i, &rows, y))
+            return false;
+        d->curve[d->curves++] = (struct curve){
+            .label = d->coordinates > 1 ? first_variable(d->model, d->request->kind)[i].name : label,
+            .x = x,
+            .y = y,
+            .n = rows.n};
+    }
     return true;
 }
 
@@ -282,6 +374,8 @@ static bool grows(const struct run *run)
 /* A growing run that dwarfs the others does not set the range; a single curve always does. */
 static bool mark_unbounded(struct drawing *d)
 {
+    if (d->coordinates > 1)
+        return true;
     double *most = arena_array(d->arena, (size_t)d->curves + 1, sizeof *most);
     double *other = arena_array(d->arena, (size_t)d->curves + 1, sizeof *other);
     if (!most || !other)
@@ -328,7 +422,7 @@ static const char *make_note(const struct drawing *d)
     const bool asked = !isnan(request->window[0]) || !isnan(request->window[1]),
                part = !asked && d->shown < d->total * (1 - 1e-9);
     struct buffer text = {0};
-    if (request->kind == PLOT_PHASE && part)
+    if (is_plane(request->kind) && part)
         buffer_format(&text, "last %.4g T", trail(d));
     else if (request->follow && part && !request->running)
         buffer_format(&text, "last %.4g of %.4g s", d->shown, d->total);
@@ -345,11 +439,29 @@ static const char *make_note(const struct drawing *d)
 static enum quantity y_quantity(const struct drawing *d)
 {
     const struct recording *recording = recording_of(d);
+    const enum plot_kind kind = d->request->kind;
     if (recording && d->request->runs == 0)
         return recording->column[recording->value].quantity;
-    if (d->request->kind == PLOT_PHASE && d->omega0 != 1)
-        return QUANTITY_LENGTH;
-    return observable(plots[d->request->kind].observable)->quantity;
+    if (d->omega0 != 1)
+        return d->model->variable[0].quantity;
+    if (plots[kind].observable)
+        return model_quantity(d->model, observable(plots[kind].observable));
+    return first_variable(d->model, kind)->quantity;
+}
+
+/* "y", "x, y", "v/omega0", "E". */
+static const char *y_label(const struct drawing *d)
+{
+    const enum plot_kind kind = d->request->kind;
+    if (plots[kind].label && (!d->model || kind != PLOT_POSITION))
+        return plots[kind].label;
+    struct buffer text = {0};
+    for (int i = 0; i < d->coordinates; i++)
+        buffer_format(&text, "%s%s", i ? ", " : "", first_variable(d->model, kind)[i].name);
+    buffer_put(&text, d->omega0 != 1 ? TEXT("/omega0") : TEXT(""));
+    const char *label = arena_text(d->arena, buffer_text(&text));
+    buffer_free(&text);
+    return label;
 }
 
 static void mark_present(const struct drawing *d, struct figure *figure)
@@ -366,15 +478,19 @@ bool session_figure(const struct session *session, const struct figure_request *
                     struct figure *figure, struct error *error)
 {
     struct drawing d = {
-        .session = session, .request = request, .arena = arena, .error = error, .omega0 = 1, .period = NAN};
-    d.curve = arena_array(arena, (size_t)request->runs + 1, sizeof *d.curve);
+        .session = session, .request = request, .arena = arena, .error = error, .coordinates = 1, .omega0 = 1, .period = NAN};
+    if (request->kind == PLOT_PRECISION)
+        return precision_figure(session->precision, arena, figure, error);
+    d.curve = arena_array(arena, (size_t)request->runs + LIMIT_OVERLAY + 1, sizeof *d.curve);
     if (!d.curve)
         return error_memory(error);
-    const bool phase = request->kind == PLOT_PHASE;
+    if (request->runs > 0 && !find_model(&d))
+        return false;
+    const bool phase = request->kind == PLOT_PHASE, plane = is_plane(request->kind);
     if (request->runs > 0) {
         const struct run *run = session->run[request->run[0]]->run;
         const double stiffness = run->system.oscillator.stiffness; /* now in force */
-        d.period = scene_period(&run->scene);
+        d.period = rhythm(run);
         if (phase && session->setup.settings.phase_axes == PHASE_SCALED && stiffness > 0)
             d.omega0 = sqrt(stiffness);
     }
@@ -400,19 +516,19 @@ bool session_figure(const struct session *session, const struct figure_request *
                               .curve = d.curve,
                               .curves = d.curves,
                               .zero_line = request->kind != PLOT_ENERGY && !spectrum,
-                              .equal = phase && d.omega0 != 1,
+                              .equal = (phase && d.omega0 != 1) || request->kind == PLOT_ORBIT,
                               .note = make_note(&d)};
-    figure->x = phase      ? make_axis("y", QUANTITY_LENGTH, size_of(&d, true))
+    figure->x = plane      ? make_axis(d.model->variable[0].name, d.model->variable[0].quantity, size_of(&d, true))
                 : spectrum ? (struct axis){.label = "f", .unit = "Hz"}
                            : make_axis("t", QUANTITY_TIME, d.window[1]);
     figure->y =
-        make_axis(phase && d.omega0 != 1 ? "v/omega0" : plots[request->kind].label, y_quantity(&d), size_of(&d, false));
+        make_axis(y_label(&d), y_quantity(&d), size_of(&d, false));
     figure->y.log = request->log;
     if (figure->equal) {
         figure->y.factor = figure->x.factor;
         figure->y.unit = figure->x.unit;
     }
-    if (request->follow && !phase && !spectrum) {
+    if (request->follow && !plane && !spectrum) {
         figure->x.fixed = true;
         figure->x.from = d.window[0];
         figure->x.to = d.window[1];

@@ -39,6 +39,13 @@ static const struct row view_rows[] = {
     [VIEW_PAGE] = {"page", "", "the live view sweeps, then pages: few bytes", "", NULL},
     [VIEW_SCROLL] = {"scroll", "", "it scrolls by whole cells", "", NULL},
 };
+static const struct row sums_rows[] = {
+    [SUMS_PLAIN] = {"plain", "", "sums as they come: the textbook's", "", NULL},
+    [SUMS_COMPENSATED] = {"compensated", "", "rounding grows as slowly as chance allows (Brouwer's law)", "Kahan 1965",
+                          NULL},
+};
+static const struct catalog sums_catalog = CATALOG("kind of sum", sums_rows);
+
 const struct catalog view_choice_catalog = CATALOG("kind of view", view_rows);
 
 static const struct row phase_rows[] = {
@@ -212,6 +219,12 @@ static const struct setting settings_rows[] = {
     {.row = BRIEF("timing", "", "how carefully compare times its runs"),
      .offset = FIELD(timing),
      .choices = &timing_catalog},
+    {.row = BRIEF("kernel", "", "how fixed steps are computed: 'plan' shows what that means here"),
+     .offset = FIELD(kernel),
+     .choices = &kernel_catalog},
+    {.row = BRIEF("sums", "", "whether fixed steps carry along what rounding takes from the state"),
+     .offset = FIELD(sums),
+     .choices = &sums_catalog},
 };
 const struct catalog setting_catalog = CATALOG("setting", settings_rows);
 

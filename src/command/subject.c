@@ -12,9 +12,12 @@ bool run_series(const struct run *run, bool energy, struct arena *arena, struct 
     double *t = arena_array(arena, n, sizeof *t), *y = arena_array(arena, n, sizeof *y);
     if (!t || !y)
         return error_memory(error);
-    const struct row *row = catalog_find(&observable_catalog, energy ? TEXT("energy") : TEXT("y"));
-    if (!run_column(run, (const struct observable *)(const void *)row, y, error))
+    const struct observable *energy_of =
+        (const struct observable *)(const void *)catalog_find(&observable_catalog, TEXT("energy"));
+    if (energy && !run_column(run, energy_of, y, error))
         return false;
+    if (!energy)
+        run_variable_column(run, 0, y);
     for (size_t i = 0; i < n; i++)
         t[i] = trace_time(run->trace, i);
     if (n > 1 && t[n - 1] < t[0])
@@ -25,8 +28,18 @@ bool run_series(const struct run *run, bool energy, struct arena *arena, struct 
             t[n - 1 - i] = a;
             y[n - 1 - i] = b;
         }
-    *series = (struct series){t, y, n, energy ? QUANTITY_ENERGY : QUANTITY_LENGTH};
+    *series = (struct series){t, y, n, energy ? observable_quantity(energy_of, &run->system)
+                                              : system_variable(&run->system, 0).quantity};
     return true;
+}
+
+bool needs_spring(const struct scene *scene, const char *what, struct error *error)
+{
+    if (scene->model == &oscillator_model)
+        return true;
+    error_set(error, ERROR_COMMAND, "%s needs the mass and the spring of an oscillator, the scene is %s", what,
+              scene->preset->row.name);
+    return error_hint(error, "type: scene spring");
 }
 
 /* Kinetic and potential energy of a recording: m and k from the scene, the velocity by central differences. */
@@ -34,10 +47,12 @@ static bool data_energy(const struct session *session, struct arena *arena, stru
 {
     const size_t n = series->n;
     const struct scene *scene = &session->setup.scene;
-    const double m = scene->value[param_index("m")], k = scene->value[param_index("k")];
+    const double m = param_value(scene, "m"), k = param_value(scene, "k");
     double *e = arena_array(arena, n, sizeof *e);
     if (!e)
         return error_memory(error);
+    if (!needs_spring(scene, "the energy of a recording", error))
+        return false;
     if (series->quantity != QUANTITY_LENGTH)
         return error_set(error, ERROR_COMMAND, "the energy needs positions, the recording holds another quantity");
     double mean = 0;
@@ -148,7 +163,8 @@ struct data_distance run_data_distance(const struct run *run, const struct recor
     size_t count = 0, row = 0;
     const size_t rows = trace_count(run->trace);
     if (recording && run->system.n == 2 && run->system.order == 2 && rows > 1 &&
-        recording_series(recording, &arena, 2, &data, &ignored) && data.quantity == QUANTITY_LENGTH &&
+        recording_series(recording, &arena, 2, &data, &ignored) &&
+        data.quantity == system_variable(&run->system, 0).quantity &&
         trace_time(run->trace, rows - 1) > trace_time(run->trace, 0))
         distance = arena_array(&arena, data.n, sizeof *distance);
     for (size_t i = 0; distance && i < data.n; i++) {
@@ -180,13 +196,13 @@ const struct scene *subject_scene(const struct session *session, const struct ru
     const struct scene *scene = &session->setup.scene;
     if (run)
         return &run->scene;
-    return scene->given[param_index("k")] || scene->given[param_index("m")] ? scene : NULL;
+    return scene->model == &oscillator_model && (param_given(scene, "k") || param_given(scene, "m")) ? scene : NULL;
 }
 
 double derived_value(const struct scene *scene, const char *name)
 {
-    const struct row *row = catalog_find(&derived_catalog, text_of(name));
-    return scene && row ? ((const struct derived_row *)(const void *)row)->value(scene).value : NAN;
+    const struct row *row = scene ? catalog_find(scene_derived(scene), text_of(name)) : NULL;
+    return row ? ((const struct derived_row *)(const void *)row)->value(scene).value : NAN;
 }
 
 double scene_period(const struct scene *scene)

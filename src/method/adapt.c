@@ -1,31 +1,53 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
  * Step-size control: one accepted step of a method with an error estimate.
- * Source: Hairer, Norsett, Wanner 1993, Solving ODEs I, II.4 (first step, PI control with the constants of DOPRI5).
+ *
+ * The next step is rho h, from the errors e of the last two accepted steps, in units of what is aimed at:
+ * rho = e_n^(-b1/k) e_n-1^(-b2/k) (h_n/h_n-1)^-a, where the estimate goes like h^k (digital filters: Soderlind 2003,
+ * ACM Trans. Math. Softw. 29:1), through the limiter 1 + atan(rho - 1) (Soderlind, Wang 2006, J. Comput. Appl. Math.
+ * 185:225). An error that is just right leaves h as it is: an implicit method keeps its factors, and no power is
+ * computed. First step: Hairer, Norsett, Wanner 1993, Solving ODEs I, II.4.
  */
 #include "step.h"
 
 #include <assert.h>
 #include <float.h>
 
-#define BETA 0.04  /* weight of the error before */
-#define SAFETY 0.9 /* aim below the tolerance */
-#define SHRINK 0.2 /* limits of the change from one step to the next */
-#define GROW 10.0
-#define STRETCH 1.01    /* a last step may be this much longer, so that no sliver remains */
-#define FAILURES 20     /* steps in a row that give no number: each makes the next a quarter */
-#define LEAST_ULPS 16   /* of t: a smaller step is only rounding */
-#define MEMORY (1. / 8) /* share of the newest estimate in the smoothed stiffness */
+enum { ELEMENTARY, PI42, PC47 };
+
+/* Rows of Soderlind's tables. H211b, smoother, rejects every sixth explicit step at the edge of stability: PI42 few. */
+static const struct filter {
+    double b1, b2, a;
+} filters[] = {
+    [ELEMENTARY] = {1, 0, 0},                 /* first steps, rejected steps */
+    [PI42] = {3. / 5, -1. / 5, 0},            /* explicit methods */
+    [PC47] = {11. / 10, -7. / 10, -10. / 10}, /* implicit methods: follows a trend */
+};
+
+#define SHARE (1. / 3)  /* of the tolerance, where the row says nothing */
+#define AIM 0.5         /* of the largest error that is accepted */
+#define KEEP_LEAST 0.35 /* errors from here to KEEP_MOST leave h as it is */
+#define KEEP_MOST 0.65
+#define SHRINK 0.2       /* limit of the change after a rejection, */
+#define GROW 10.0        /* and while there is no history */
+#define LEAST_ERROR 1e-8 /* smaller ones say nothing about the next */
+#define STRETCH 1.01     /* a last step may be this much longer, so that no sliver remains */
+#define FAILURES 20      /* steps in a row that give no number: each makes the next a quarter */
+#define LEAST_ULPS 16    /* of t: a smaller step is only rounding */
+#define MEMORY (1. / 8)  /* share of the newest estimate in the smoothed stiffness */
 
 /* RMS of x_i / (tol max(scale_i, |y_i|, |z_i|)) */
 static double norm(const struct system *system, double tol, const double *x, const double *y, const double *z)
 {
-    double sum = 0;
-    for (int i = 0; i < system->n; i++) {
-        double ratio = x[i] / (tol * fmax(system->scale[i], fmax(fabs(y[i]), fabs(z[i]))));
-        sum += ratio * ratio;
-    }
-    return sqrt(sum / system->n);
+    return sqrt(scaled_square(system, x, y, z) / system->n) / tol;
+}
+
+/* The estimate goes with h^k, what adds up with h^order: this makes the latter go with tol. */
+static double largest_estimate(const struct method *method, double tol)
+{
+    const int k = method->embedded + 1;
+    double proportional = k == method->order ? tol : pow(tol, (double)k / method->order);
+    return (method->share > 0 ? method->share : SHARE) * proportional;
 }
 
 /* A first step by the size of the first and second derivative (II.4, algorithm of Gladwell, Shampine, Brankin 1987). */
@@ -60,12 +82,31 @@ static double least_step(double t)
     return LEAST_ULPS * (nextafter(fabs(t), HUGE_VAL) - fabs(t));
 }
 
-/* Takes back a step whose error is too large. */
-static void take_back(struct step *step, double t, const double *y)
+/* rho as above; error and previous in units of the largest that is accepted; ratio: h_n/h_n-1 */
+static double change(int row, int k, double error, double previous, double ratio)
 {
-    memcpy(step->y, y, (size_t)step->system->n * sizeof *y);
-    step->t = t;
-    step->warm = false;
+    const struct filter *filter = &filters[row];
+    double rho = pow(error / AIM, -filter->b1 / k);
+    if (filter->b2 != 0)
+        rho *= pow(previous / AIM, -filter->b2 / k);
+    return filter->a != 0 ? rho * pow(ratio, -filter->a) : rho;
+}
+
+/* Plans the next step after an accepted one of step->h. */
+static void plan_next(const struct method *method, const struct step *step, struct controller *controller, double error)
+{
+    const int k = method->embedded + 1, row = method->flags & METHOD_IMPLICIT ? PC47 : PI42;
+    double rho = 1;
+    error = fmax(error, LEAST_ERROR);
+    if (controller->previous == 0)
+        rho = fmin(change(ELEMENTARY, k, error, 0, 1), GROW);
+    else if (error < KEEP_LEAST || error > KEEP_MOST)
+        rho = 1 + atan(change(row, k, error, controller->previous, step->h / controller->last) - 1);
+    if (controller->rejected)
+        rho = fmin(rho, 1);
+    controller->previous = error;
+    controller->last = step->h;
+    controller->h = step->h * rho;
 }
 
 static void note_stiffness(const struct method *method, const struct step *step, struct controller *controller)
@@ -75,38 +116,53 @@ static void note_stiffness(const struct method *method, const struct step *step,
         controller->stiffness += MEMORY * (estimate - controller->stiffness);
 }
 
+/* A step that was not good: puts everything back as it was and makes the next attempt smaller. */
+static void take_back(struct step *step, struct controller *controller, double t, const double *y, const double *low)
+{
+    size_t size = (size_t)step->system->n * sizeof *y;
+    memcpy(step->y, y, size);
+    if (step->low)
+        memcpy(step->low, low, size);
+    step->t = t;
+    step->warm = false;
+    step->cost.rejected++;
+    controller->rejected = true;
+}
+
 enum step_status method_adapt(const struct method *method, struct step *step, struct controller *controller,
                               double t_end)
 {
     const double tol = fmax(controller->tol, 10 * DBL_EPSILON), t = step->t, span = t_end - t;
-    const double exponent = 1.0 / (method->embedded + 1);
-    double before[LIMIT_VARIABLES], own_error[LIMIT_VARIABLES], *asked = step->error;
-    enum step_status status;
+    const double most = largest_estimate(method, tol);
+    const size_t size = (size_t)step->system->n * sizeof *step->y;
+    double before[LIMIT_VARIABLES], low[LIMIT_VARIABLES], own_error[LIMIT_VARIABLES], *asked = step->error;
     assert(method->flags & METHOD_ADAPTIVE);
     if (span == 0)
         return STEP_OK;
     if (controller->h == 0)
         controller->h = first_step(step, tol, method->order, span);
     controller->h = copysign(controller->h, span);
-    memcpy(before, step->y, (size_t)step->system->n * sizeof *before);
+    memcpy(before, step->y, size);
+    if (step->low)
+        memcpy(low, step->low, size);
 
-    for (int failures = 0;;) {
+    for (int attempt = 0, failures = 0;; attempt++) {
         bool last = fabs(controller->h) * STRETCH >= fabs(span);
         step->h = last ? span : controller->h;
         step->error = asked ? asked : own_error;
-        status = method_step(method, step);
-        double error = status == STEP_OK ? norm(step->system, tol, step->error, before, step->y) : NAN;
+        step->again = attempt > 0;
+        step->tol = most;
+        enum step_status status = method_step(method, step);
+        double error = status == STEP_OK ? norm(step->system, step->tol, step->error, before, step->y) : NAN;
         step->error = asked;
+        step->tol = 0;
 
         if (error <= 1) {
-            double change = SAFETY * pow(controller->previous > 0 ? controller->previous : 1, BETA) /
-                            pow(error, exponent - 0.75 * BETA);
-            change = fmin(fmax(change, SHRINK), controller->rejected ? 1 : GROW); /* error 0: grow */
             /* A last step that was cut short says nothing against the longer one that was planned. */
-            if (!last || fabs(step->h) * change > fabs(controller->h)) {
-                controller->h = step->h * change;
-                controller->previous = fmax(error, 1e-4);
-            }
+            struct controller planned = *controller;
+            plan_next(method, step, &planned, error);
+            if (!last || fabs(planned.h) > fabs(controller->h))
+                *controller = planned;
             if (last)
                 step->t = t_end;
             controller->rejected = false;
@@ -114,12 +170,9 @@ enum step_status method_adapt(const struct method *method, struct step *step, st
             return STEP_OK;
         }
 
-        if (status == STEP_OK)
-            take_back(step, t, before);
-        step->cost.rejected++;
-        controller->rejected = true;
+        take_back(step, controller, t, before, low);
         if (isfinite(error)) {
-            controller->h = step->h * fmax(SAFETY / pow(error, exponent - 0.75 * BETA), SHRINK);
+            controller->h = step->h * fmax(change(ELEMENTARY, method->embedded + 1, error, 0, 1), SHRINK);
         } else {
             if (status == STEP_OK)
                 status = STEP_NONFINITE;

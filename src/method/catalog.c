@@ -15,7 +15,7 @@
 static const struct method methods[] = {
 #define RUNGE_KUTTA(...) {.step = rk_step, .work = rk_work, __VA_ARGS__},
 #include "rk.def"
-#define SPLITTING(...) {.step = split_step, .work = split_work, .drags = DRAG_VARIANTS, __VA_ARGS__},
+#define SPLITTING(...) {.step = split_step, .work = split_work, __VA_ARGS__},
 #include "split.def"
 #define NYSTROM(...) {.step = nystrom_step, .work = nystrom_work, __VA_ARGS__},
 #include "nystrom.def"
@@ -58,6 +58,15 @@ size_t method_work_size(const struct method *method, int n)
     return method->work(method, n);
 }
 
+/* All forces but drag have a potential. */
+static bool has_potential(const struct system *system)
+{
+    for (int i = 0; i < system->terms; i++)
+        if (!system->term[i].row->potential && !(system->term[i].row->flags & TERM_VELOCITY))
+            return false;
+    return true;
+}
+
 bool method_applies(const struct method *method, const struct system *system, enum drag *drag, struct error *error)
 {
     const char *name = method->row.name;
@@ -70,13 +79,23 @@ bool method_applies(const struct method *method, const struct system *system, en
         error_set(error, ERROR_COMMAND, "no exact solution is known for this scene, so '%s' cannot step it", name);
         return error_hint(error, "the scene must be a linear oscillator; use dopri5 with a small tol instead");
     }
+    if (method->flags & METHOD_NO_VELOCITY && system->velocity) {
+        error_set(error, ERROR_COMMAND, "%s is for y'' = a(t, y): no force may depend on velocity", name);
+        return error_hint(error, "with damping or drag use verlet, rk4 or dopri5");
+    }
+    if (method->flags & METHOD_POTENTIAL && !has_potential(system)) {
+        error_set(error, ERROR_COMMAND, "%s is for forces that have a potential, besides drag", name);
+        return error_hint(error, "use implicit-midpoint or gauss4");
+    }
     enum drag wanted = *drag == DRAG_DEFAULT ? method->drag : *drag;
     if (wanted != DRAG_DEFAULT && !(method->drags & 1u << wanted)) {
         const char *variant = drags[wanted - 1].name;
         if (!method->drags)
             return error_set(error, ERROR_COMMAND,
                              "%s has no drag variants: drag is part of the force that it evaluates", name);
-        return error_set(error, ERROR_COMMAND, "%s does not offer drag=%s", name, variant);
+        error_set(error, ERROR_COMMAND, "%s does not offer drag=%s, which is not of its order %d", name, variant,
+                  method->order);
+        return error_hint(error, "use %s drag=%s, or verlet drag=%s", name, drags[method->drag - 1].name, variant);
     }
     if (method->splitting && !split_applies(method, system, wanted, error))
         return false;
@@ -88,6 +107,7 @@ enum step_status method_step(const struct method *method, struct step *step)
 {
     enum step_status status = method->step(method, step);
     step->warm = status == STEP_OK;
+    step->again = false;
     if (status == STEP_OK)
         step->t += step->h;
     return status;

@@ -10,8 +10,14 @@
 /* Growth above 1 that is taken for rounding. */
 static const double MARGIN = 1e-12;
 
-/* The search: begin (over zeta), end, and relative steps, fine around pi, where splittings have narrow windows. */
-static const double X_FIRST = 1e-4, X_LAST = 1e8, COARSE = 1.003, FINE = 1.0003;
+/* The search: where it begins (over zeta) and ends, and its relative steps, fine near pi, where splittings have narrow
+ * windows. */
+static const double X_FIRST = 1e-4, X_LAST = 1e8;
+
+static double next_x(double x)
+{
+    return x * (x > 3.05 && x < 3.25 ? 1.00005 : x > 0.3 && x < 30 ? 1.003 : 1.03);
+}
 
 enum { WORK_MAX = 4096 };
 
@@ -100,18 +106,25 @@ double method_stable_limit(const struct method *method, enum drag drag, double z
     double low = 0, high = X_FIRST / fmax(1, fabs(zeta));
     while (growth(&oscillation, high) <= MARGIN) {
         low = high;
-        high *= high > 1 && high < 10 ? FINE : COARSE;
+        high = next_x(high);
         if (high > X_LAST)
             return HUGE_VAL;
     }
     if (low == 0)
         return 0;
+    /* Growth like x^q from 0 on passes the margin too: then a little below it is already more than rounding. */
+    double before = growth(&oscillation, 0.9 * low), margin = MARGIN;
+    if (before > MARGIN / 10)
+        return 0;
+    if (before < -MARGIN) { /* true decay turns into growth: where exactly */
+        margin = 0;
+        low *= 0.9;
+    }
     while (high - low > 1e-14 * high) {
         double x = low + (high - low) / 2;
         if (x == low || x == high)
             break;
-        *(growth(&oscillation, x) <= MARGIN ? &low : &high) = x;
+        *(growth(&oscillation, x) <= margin ? &low : &high) = x;
     }
-    /* Growth like x^q from 0 on passes the margin too: then a little below it is already more than rounding. */
-    return growth(&oscillation, 0.9 * low) > MARGIN / 100 ? 0 : low;
+    return low;
 }

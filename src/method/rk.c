@@ -1,12 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* One step of any explicit Runge-Kutta tableau. Source: Hairer, Norsett, Wanner 1993, Solving ODEs I, II.1, II.4, II.6.
- */
+/* One step of any explicit Runge-Kutta tableau. Source: Hairer, Norsett, Wanner 1993, Solving ODEs I, II.1-6, II.10. */
 #include "step.h"
 
-/* work: k [stages][n], then one state */
+/* work: k [stages + extra][n], one state, whether the extra stages are those of the last step */
 size_t rk_work(const struct method *method, int n)
 {
-    return (size_t)(method->tableau->stages + 1) * (size_t)n;
+    return (size_t)(method->tableau->stages + method->tableau->extra + 1) * (size_t)n + 1;
+}
+
+static double *interpolant_ready(const struct tableau *tableau, const struct step *step)
+{
+    return step->work + (tableau->stages + tableau->extra + 1) * step->system->n;
 }
 
 static void derivative(struct step *step, double t, const double *y, double *k)
@@ -15,66 +19,92 @@ static void derivative(struct step *step, double t, const double *y, double *k)
     step->cost.evals++;
 }
 
-/* sum_j w_j k_j[i] over the weights that are not zero, from the first to the last */
-static double weighted(const double *w, int count, const double *k, int n, int i)
+/* z = y + h sum_j w_j k_j; low: as in struct step, or NULL */
+static void advance(const struct step *step, const double *w, int count, double *z, double *low)
 {
-    double sum = -0.0;
-    for (int j = 0; j < count; j++)
-        if (w[j] != 0)
-            sum += w[j] * k[j * n + i];
-    return sum;
+    int n = step->system->n;
+    for (int i = 0; i < n; i++) {
+        z[i] = step->y[i];
+        step_add(&z[i], low ? &low[i] : NULL, step->h * weighted_sum(w, count, step->work, n, i));
+    }
+}
+
+/* The difference from the companion; with a rough one too, that of DOP853 (II.10, eq. 10.17). */
+static void estimate_error(const struct tableau *tableau, struct step *step, const double *z)
+{
+    int n = step->system->n, stages = tableau->stages;
+    for (int i = 0; i < n; i++)
+        step->error[i] = step->h * weighted_difference(tableau->b, tableau->companion, stages, step->work, n, i);
+    if (!tableau->rough)
+        return;
+    double rough[LIMIT_VARIABLES];
+    for (int i = 0; i < n; i++)
+        rough[i] = step->h * weighted_difference(tableau->b, tableau->rough, stages, step->work, n, i);
+    double square = scaled_square(step->system, step->error, step->y, z);
+    double share = square > 0 ? sqrt(square / (square + 0.01 * scaled_square(step->system, rough, step->y, z))) : 0;
+    for (int i = 0; i < n; i++)
+        step->error[i] *= share;
 }
 
 enum step_status rk_step(const struct method *method, struct step *step)
 {
     const struct tableau *tableau = method->tableau;
     int n = step->system->n, stages = tableau->stages;
-    double h = step->h, *y = step->y, *k = step->work, *z = k + stages * n;
+    double *k = step->work, *z = k + (stages + tableau->extra) * n, rest[LIMIT_VARIABLES];
+    double *low = step->low ? memcpy(rest, step->low, (size_t)n * sizeof *rest) : NULL;
 
+    *interpolant_ready(tableau, step) = false;
     if (tableau->fsal && step->warm)
         memcpy(k, k + (stages - 1) * n, (size_t)n * sizeof *k);
-    else
-        derivative(step, step->t, y, k);
+    else if (!step->again)
+        derivative(step, step->t, step->y, k);
     for (int s = 1; s < stages; s++) {
-        for (int i = 0; i < n; i++)
-            z[i] = y[i] + h * weighted(tableau_row(tableau, s), s, k, n, i);
-        derivative(step, step->t + tableau->c[s] * h, z, k + s * n);
+        advance(step, tableau_row(tableau, s), s, z, tableau->fsal && s == stages - 1 ? low : NULL);
+        derivative(step, step->t + tableau->c[s] * step->h, z, k + s * n);
     }
     if (!tableau->fsal) /* else z is already there: the last row of a equals b */
-        for (int i = 0; i < n; i++)
-            z[i] = y[i] + h * weighted(tableau->b, stages, k, n, i);
-
+        advance(step, tableau->b, stages, z, low);
     if (step->error && tableau->companion)
+        estimate_error(tableau, step, z);
+    enum step_status status = step_finish(step, z);
+    if (low && status == STEP_OK)
+        memcpy(step->low, low, (size_t)n * sizeof *low);
+    return status;
+}
+
+/* The stages that only the interpolant needs; from the end of the step: y + h sum a k = y' + h sum (a - b) k. */
+static void add_stages(const struct tableau *tableau, const struct step *step)
+{
+    int n = step->system->n, stages = tableau->stages, all = stages + tableau->extra;
+    double *k = step->work, *z = k + all * n, *ready = interpolant_ready(tableau, step);
+    if (*ready != 0)
+        return;
+    for (int s = stages; s < all; s++) {
+        const double *a = tableau_row(tableau, s);
         for (int i = 0; i < n; i++) {
-            double sum = -0.0;
-            for (int s = 0; s < stages; s++)
-                if (tableau->b[s] != tableau->companion[s])
-                    sum += (tableau->b[s] - tableau->companion[s]) * k[s * n + i];
-            step->error[i] = h * sum;
+            double change = weighted_difference(a, tableau->b, stages, k, n, i) +
+                            weighted_sum(a + stages, s - stages, k + stages * n, n, i);
+            z[i] = step->y[i] + step->h * change;
         }
-    return step_finish(step, z);
+        system_derivative(step->system, step->t + (tableau->c[s] - 1) * step->h, z, k + s * n);
+    }
+    *ready = true;
 }
 
 void rk_dense(const struct method *method, const struct step *step, double theta, double *y)
 {
     const struct tableau *tableau = method->tableau;
-    int n = step->system->n, stages = tableau->stages, degree = tableau->degree;
-    const double *k = step->work;
-    double h = step->h;
+    int n = step->system->n, stages = tableau->stages, all = stages + tableau->extra;
+    const double *k = step->work, rest = 1 - theta;
 
-    /* From the end of the step: y(theta) = y' + h sum_s (b_s(theta) - b_s) k_s. */
-    for (int i = 0; i < n; i++)
-        y[i] = 0;
-    for (int s = 0; s < stages; s++) {
-        const double *d = tableau->dense + s * degree;
-        double b = 0;
-        for (int m = degree; m-- > 0;)
-            b = (b + d[m]) * theta;
-        for (int i = 0; i < n; i++)
-            y[i] += (b - tableau->b[s]) * k[s * n + i];
+    add_stages(tableau, step);
+    for (int i = 0; i < n; i++) {
+        double rise = weighted_sum(tableau->b, stages, k, n, i), bend = 0;
+        for (int m = tableau->bends; m-- > 0;)
+            bend = (m % 2 == 0 ? rest : theta) * (weighted_sum(tableau->dense + m * all, all, k, n, i) + bend);
+        double first = k[i] - rise, last = rise - k[(stages - 1) * n + i];
+        y[i] = step->y[i] - step->h * (rest * (rise - theta * (first + theta * (last - first + bend))));
     }
-    for (int i = 0; i < n; i++)
-        y[i] = step->y[i] + h * y[i];
 }
 
 /* Hairer, Wanner 1996, Solving ODEs II, IV.2: |f(g) - f(g*)| / |g - g*| for two stage values g, g* at t + h. */
@@ -89,7 +119,8 @@ double rk_stiffness(const struct method *method, const struct step *step)
     double slopes = 0, values = 0;
     for (int i = 0; i < n; i++) {
         double df = (k[s * n + i] - k[(s - 1) * n + i]) / scale[i];
-        double dg = (weighted(lower, s, k, n, i) - weighted(upper, s - 1, k, n, i)) / scale[i]; /* (g - g*)/h */
+        double change = weighted_difference(lower, upper, s - 1, k, n, i) + lower[s - 1] * k[(s - 1) * n + i];
+        double dg = change / scale[i]; /* (g - g*)/h */
         slopes += df * df;
         values += dg * dg;
     }

@@ -15,18 +15,24 @@
 #include <string.h>
 
 /*
- * k_i = f(t + c_i h, y + h sum_j a_ij k_j), y' = y + h sum_i b_i k_i, error h sum_i (b_i - companion_i) k_i,
- * y(t + theta h) = y + h sum_i k_i sum_m dense_im theta^m, m = 1 … degree.
+ * k_i = f(t + c_i h, y + h sum_j a_ij k_j), y' = y + h sum_i b_i k_i, error e = h sum_i (b_i - companion_i) k_i;
+ * where there is a rough companion too, e |e| / sqrt(|e|^2 + |e_rough|^2 / 100), which is of a higher order.
+ *
+ * Interpolant of a method with fsal, from y and y' and the slopes there, with d_m = h sum_i dense_mi k_i:
+ * y(t + theta h) = y + theta (rise + (1 - theta) (h k_1 - rise + theta (2 rise - h k_1 - h k_last
+ *                    + (1 - theta) (d_1 + theta (d_2 + (1 - theta) (d_3 + ...)))))): cubic Hermite, bent.
  */
 struct tableau {
     int stages;
+    int extra;               /* stages after these that only the interpolant needs */
     bool fsal;               /* the last stage is f(t + h, y'): the next step's first */
-    const double *c;         /* [stages] */
+    const double *c;         /* [stages + extra] */
     const double *a;         /* strictly lower triangle, row by row: a21, a31 a32, … */
     const double *b;         /* [stages] */
     const double *companion; /* [stages] weights of the embedded method, NULL: none */
-    int degree;
-    const double *dense; /* [stages][degree], NULL: none */
+    const double *rough;     /* [stages] weights of a second one, of lower order, NULL: none */
+    int bends;
+    const double *dense; /* [bends][stages + extra] */
 };
 
 /* Row i (counted from 0) of the triangle. */
@@ -35,12 +41,62 @@ static inline const double *tableau_row(const struct tableau *tableau, int i)
     return tableau->a + i * (i - 1) / 2;
 }
 
-/* Drifts q += w h v and kicks v += w h F(q)/m in turn. The clock goes with the drifts. */
+/* sum_j w_j k_j[i] over the weights that are not zero, from the first to the last; k [count][n] */
+static inline double weighted_sum(const double *w, int count, const double *k, int n, int i)
+{
+    double sum = -0.0;
+    for (int j = 0; j < count; j++)
+        if (w[j] != 0)
+            sum += w[j] * k[j * n + i];
+    return sum;
+}
+
+/* sum_j (w_j - u_j) k_j[i] where they differ */
+static inline double weighted_difference(const double *w, const double *u, int count, const double *k, int n, int i)
+{
+    double sum = -0.0;
+    for (int j = 0; j < count; j++)
+        if (w[j] != u[j])
+            sum += (w[j] - u[j]) * k[j * n + i];
+    return sum;
+}
+
+/* Sum of the squares of x_i / max(scale_i, |y_i|, |z_i|): an error x in units of what it is an error of. */
+static inline double scaled_square(const struct system *system, const double *x, const double *y, const double *z)
+{
+    double sum = 0;
+    for (int i = 0; i < system->n; i++) {
+        double size = fabs(y[i]) > fabs(z[i]) ? fabs(y[i]) : fabs(z[i]);
+        double ratio = x[i] / (size > system->scale[i] ? size : system->scale[i]);
+        sum += ratio * ratio;
+    }
+    return sum;
+}
+
+/*
+ * Drifts q += w h v and kicks v += w h F(q)/m in turn. The clock goes with the drifts. How the weights are written:
+ * all of them; a palindrome's first half with the middle; the steps of Verlet of which it is composed, first half with
+ * the middle (the kicks of neighbours are then one).
+ */
+enum splitting_form { SPLITTING_WHOLE, SPLITTING_PALINDROME, SPLITTING_VERLET_STEPS };
+
 struct splitting {
+    enum splitting_form form;
     bool kick_first;
-    int count;
-    const double *weight; /* [count] */
+    int count; /* drifts and kicks of a step */
+    const double *weight;
 };
+
+static inline double splitting_weight(const struct splitting *splitting, int i)
+{
+    if (splitting->form == SPLITTING_WHOLE)
+        return splitting->weight[i];
+    int k = i < splitting->count / 2 ? i : splitting->count - 1 - i;
+    if (splitting->form == SPLITTING_PALINDROME)
+        return splitting->weight[k];
+    const double *g = splitting->weight + k / 2;
+    return k % 2 == 1 ? g[0] : k == 0 ? g[0] / 2 : (g[-1] + g[0]) / 2;
+}
 
 /*
  * q'' = a(t, q): k_i = a(t + c_i h, q + c_i h v + h^2 sum_j a_ij k_j), q' = q + h v + h^2 sum_i b_i k_i,
@@ -57,18 +113,34 @@ struct nystrom {
     const double *companion_d;
 };
 
-/* k_i = f(t + c_i h, y + h sum_j a_ij k_j) with a full matrix, y' = y + h sum_i b_i k_i. */
+/*
+ * z_i = y + h sum_j a_ij f(t + c_j h, z_j), y' = y + h sum_i b_i f(t + c_i h, z_i).
+ *
+ * Stage by stage, where a is lower triangular with this diagonal (its first element may be 0); estimated error
+ * (1 - diagonal h J)^-1 h sum_i (b_i - companion_i) f_i.
+ *
+ * Else (diagonal 0) all at once, by the eigenvalues of a^-1: one is real (0: none), two are alpha +- i beta. With T the
+ * real and imaginary parts of the eigenvectors, so that a^-1 T = T diag(real, [alpha -beta; beta alpha]), it is
+ * left = T^-1 a^-1, right = T; y' = y + sum_i d_i (z_i - y); estimated error, of a method with the slope at the start
+ * as one more stage, (real - h J)^-1 (h f(t, y) + sum_i estimate_i (z_i - y)) (Hairer, Wanner 1996, IV.8).
+ */
 struct implicit_tableau {
-    int stages;
-    const double *c;         /* [stages] */
-    const double *a;         /* [stages][stages] */
-    const double *b;         /* [stages] */
-    const double *companion; /* [stages] weights of the embedded method, NULL: none */
+    int stages;      /* all at once: 3 at most */
+    double diagonal; /* 0: all at once */
+    bool fsal;       /* the first stage is y, and its slope the last stage's of the step before */
+    const double *c; /* [stages] */
+    const double *a; /* [stages][stages] */
+    const double *b; /* [stages] */
+    const double *companion;    /* [stages] weights of the embedded method, NULL: none */
+    const double *d, *estimate; /* [stages] */
+    double real, alpha, beta;
+    const double *left, *right; /* [stages][stages] */
 };
 
 /*
  * (1/(gamma h) - J) u_i = f(t + alpha_i h, y + sum_j a_ij u_j) + sum_j (c_ij/h) u_j + d_i h df/dt,
- * y' = y + sum_i m_i u_i (Hairer, Wanner 1996, IV.7).
+ * y' = y + sum_i m_i u_i (Hairer, Wanner 1996, IV.7),
+ * y(t + theta h) = (1 - theta) y + theta y' + theta (1 - theta) sum_i u_i sum_m dense_mi theta^m, m = 0 … degree - 1.
  */
 struct rosenbrock {
     int stages;
@@ -78,6 +150,8 @@ struct rosenbrock {
     const double *a, *c;     /* strictly lower triangles, row by row */
     const double *m;         /* [stages] */
     const double *companion; /* [stages], NULL: none */
+    int degree;
+    const double *dense; /* [degree][stages], NULL: none */
 };
 
 /* The newest first. */
@@ -99,13 +173,20 @@ size_t nystrom_work(const struct method *method, int n);
 
 enum step_status implicit_step(const struct method *method, struct step *step);
 size_t implicit_work(const struct method *method, int n);
+void implicit_dense(const struct method *method, const struct step *step, double theta, double *y);
+size_t avf_work(const struct method *method, int n);
+size_t structural_work(const struct method *method, int n);
+double structural_growth(const struct method *method, double x, double zeta);
 
 enum step_status rosenbrock_step(const struct method *method, struct step *step);
 size_t rosenbrock_work(const struct method *method, int n);
+void rosenbrock_dense(const struct method *method, const struct step *step, double theta, double *y);
 
 enum step_status multistep_step(const struct method *method, struct step *step);
 size_t multistep_work(const struct method *method, int n);
 double multistep_growth(const struct method *method, double x, double zeta);
+
+size_t odex_work(const struct method *method, int n);
 
 enum step_status split_step(const struct method *method, struct step *step);
 size_t split_work(const struct method *method, int n);
@@ -114,7 +195,7 @@ bool split_fits(const struct method *method, const struct system *system, enum d
 bool split_applies(const struct method *method, const struct system *system, enum drag drag, struct error *error);
 
 /*
- * Solves z = y + h f(t, z). y and z [n] are different; work: the last n (n + 4) doubles of newton_work().
+ * Solves z = y + h f(t, z). y and z [n] are different; work: the last newton_work() - 2 n doubles of newton_work().
  * A whole oscillator, linear and quadratic drag included, is solved in closed form, the rest by Newton's iteration.
  */
 enum step_status implicit_euler_solve(struct step *step, double t, double h, const double *y, double *z, double *work);
@@ -132,6 +213,21 @@ static inline double drag_root(double a, double c, double r)
     return 2 * u / (1 + sqrt(1 + 4 * (c / a) * fabs(u)));
 }
 
+/*
+ * y += increment. low: what rounding took from y so far, it goes along and stays behind again (Kahan 1965, Commun. ACM
+ * 8:40, with the exact error of a sum by Knuth, TAOCP 2, 4.2.2, which does not ask for |increment| <= |y|). NULL: plain.
+ */
+static inline void step_add(double *y, double *low, double increment)
+{
+    if (!low) {
+        *y += increment;
+        return;
+    }
+    double add = increment + *low, sum = *y + add, added = sum - *y;
+    *low = (*y - (sum - added)) + (add - added);
+    *y = sum;
+}
+
 /* The end of every step: y becomes z if all of z is finite. */
 static inline enum step_status step_finish(struct step *step, const double *z)
 {
@@ -140,6 +236,18 @@ static inline enum step_status step_finish(struct step *step, const double *z)
         if (!isfinite(z[i]))
             return STEP_NONFINITE;
     memcpy(step->y, z, (size_t)n * sizeof *z);
+    return STEP_OK;
+}
+
+/* The same where the increment is known: y += increment. */
+static inline enum step_status step_increase(struct step *step, const double *increment)
+{
+    int n = step->system->n;
+    for (int i = 0; i < n; i++)
+        if (!isfinite(step->y[i] + increment[i]))
+            return STEP_NONFINITE;
+    for (int i = 0; i < n; i++)
+        step_add(&step->y[i], step->low ? &step->low[i] : NULL, increment[i]);
     return STEP_OK;
 }
 

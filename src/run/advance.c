@@ -6,20 +6,9 @@
 #include <math.h>
 
 /* Between two looks at the clock and at cancellation pass this many steps and about this much time. */
-#define BATCH_MAX 1024
+#define BATCH_MAX 4096
 #define BATCH_NS_LEAST 200000
 #define BATCH_NS_MOST 800000
-
-/* Where one call of run_advance goes. */
-struct leg {
-    const struct run_target *target;
-    struct grid grid;
-    int64_t last;  /* fixed step: index where the whole steps end */
-    double rest;   /* [s] partial step after it, 0: none */
-    bool exact;    /* the whole steps end at the target */
-    int64_t limit; /* step index to stop at */
-    bool armed;    /* the condition was false since it was last true */
-};
 
 static bool holds(const struct leg *leg)
 {
@@ -76,6 +65,8 @@ static void restore(struct run *run)
 {
     struct run_private *p = run->private_state;
     copy_state(run->y, p->before, run->system.n);
+    if (p->step.low)
+        copy_state(p->step.low, p->low_before, run->system.n);
     p->step.warm = false;
 }
 
@@ -113,6 +104,7 @@ static bool locate(struct run *run, const struct leg *leg, double t, double h)
     }
     memcpy(run->y, found, size);
     run->t = end;
+    forget_rounding(run->private_state, run->system.n);
     run->private_state->step.warm = false;
     return high != h;
 }
@@ -142,19 +134,28 @@ static enum step_status step_once(struct run *run, const struct leg *leg, double
     return method_step(run->method, step);
 }
 
+enum stop stop_of_step(enum step_status status)
+{
+    static const enum stop stop[] = {[STEP_OK] = STOP_NONE,
+                                     [STEP_NONFINITE] = STOP_DIVERGED,
+                                     [STEP_NO_SOLUTION] = STOP_NO_SOLUTION,
+                                     [STEP_STALLED] = STOP_STALLED};
+    return stop[status];
+}
+
 static enum stop advance_step(struct run *run, struct leg *leg)
 {
-    static const enum stop stop_of[] = {
-        [STEP_NONFINITE] = STOP_DIVERGED, [STEP_NO_SOLUTION] = STOP_NO_SOLUTION, [STEP_STALLED] = STOP_STALLED};
     struct run_private *p = run->private_state;
     if (run->steps >= leg->limit || run->t == leg->target->t)
         return STOP_END;
     double t, h, end, was = run->t;
     copy_state(p->before, run->y, run->system.n);
+    if (p->step.low)
+        copy_state(p->low_before, p->step.low, run->system.n);
     enum step_status status = step_once(run, leg, &t, &h, &end);
     if (status != STEP_OK) {
         p->step.warm = false;
-        return stop_of[status];
+        return stop_of_step(status);
     }
     if (out_of_bounds(run)) {
         restore(run);
@@ -197,8 +198,9 @@ bool run_advance(struct run *run, const struct run_target *target, int64_t budge
             stop = STOP_CANCELLED;
             break;
         }
-        for (int64_t i = 0; i < p->batch && stop == STOP_NONE; i++)
-            stop = advance_step(run, &leg);
+        if (!advance_many(run, &leg, &stop))
+            for (int64_t i = 0; i < p->batch && stop == STOP_NONE; i++)
+                stop = advance_step(run, &leg);
         int64_t then = now;
         now = clock_ns();
         if (now - then < BATCH_NS_LEAST && p->batch < BATCH_MAX)

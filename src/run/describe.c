@@ -51,8 +51,8 @@ static void describe_scene(const struct scene *scene, const struct system *syste
         buffer_format(text, "%s: %s\n", row->name, row->brief);
     }
     bool none = true;
-    for (size_t i = 0; i < term_catalog.count; i++) {
-        const struct row *row = catalog_row(&term_catalog, i);
+    for (size_t i = 0; i < system->model->terms->count; i++) {
+        const struct row *row = catalog_row(system->model->terms, i);
         if (is_bound(system, row))
             continue;
         if (none)
@@ -81,7 +81,7 @@ static void describe_method(const struct system *system, const struct method *me
         if (method->flags & property[i].flag)
             buffer_format(text, ", %s", property[i].word);
     }
-    buffer_char(text, '\n');
+    buffer_format(text, settings->compensated && !plan->adaptive ? ", compensated sums\n" : "\n");
 
     enum drag drag = settings->drag;
     struct error ignored;
@@ -117,9 +117,16 @@ static void describe_method(const struct system *system, const struct method *me
         buffer_format(text, ", which end exactly at the time asked for");
     }
     buffer_char(text, '\n');
+    key(text, "kernel");
+    if (plan->propagates)
+        buffer_format(text, "propagator: powers of the one-step matrix, no forces are evaluated\n");
+    else if (settings->kernel != KERNEL_GENERAL && !settings->compensated && method_kernel(method, system, drag))
+        buffer_format(text, "specialised for %s and these forces\n", method->row.name);
+    else
+        buffer_format(text, "general: each force is called at each stage\n");
     if (!isnan(plan->steps)) {
         key(text, "evals");
-        buffer_format(text, "about %.6g, estimated time ", plan->steps * method->evals);
+        buffer_format(text, "about %.6g, estimated time ", plan->propagates ? 0 : plan->steps * method->evals);
         buffer_quantity(text, plan->seconds, QUANTITY_TIME, 1);
         buffer_char(text, '\n');
     }

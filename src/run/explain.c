@@ -17,12 +17,32 @@ static void put_time(struct buffer *text, double seconds, int digits)
     buffer_format(text, " s");
 }
 
+/* [1/s] of the fastest motion near the present state: the norm of the Jacobian in scaled variables. */
+static double fastest_rate(const struct run *run)
+{
+    double jac[LIMIT_VARIABLES * LIMIT_VARIABLES], most = 0;
+    const struct system *system = &run->system;
+    int n = system->n;
+    system_jacobian(system, run->t, run->y, jac);
+    for (int i = 0; i < n; i++) {
+        double sum = 0;
+        for (int j = 0; j < n; j++)
+            sum += fabs(jac[i * n + j]) * system->scale[j] / system->scale[i];
+        most = fmax(most, sum);
+    }
+    return most;
+}
+
 static void explain_divergence(const struct run *run, struct buffer *text)
 {
     const struct oscillator *o = &run->system.oscillator;
     const char *name = run->method->row.name;
-    double dt = run->settings.dt, limit = run->plan.limit, growth = run->plan.growth;
-    if (o->whole && (o->stiffness < 0 || o->damping < 0)) {
+    double dt = run->settings.dt, limit = run->plan.limit, growth = run->plan.growth, rate = fastest_rate(run);
+    bool implicit = run->method->flags & METHOD_IMPLICIT;
+    if (run->plan.adaptive) {
+        buffer_format(text, "no step, however short, gives a state within the range of numbers: the solution itself "
+                            "seems to leave it");
+    } else if (o->whole && (o->stiffness < 0 || o->damping < 0)) {
         buffer_format(text, "the scene itself grows (%s < 0)", o->stiffness < 0 ? "k" : "gamma");
     } else if (limit == 0 && o->damping == 0) {
         buffer_format(text, "%s is unstable on an undamped oscillator for every dt (growth ", name);
@@ -39,6 +59,14 @@ static void explain_divergence(const struct run *run, struct buffer *text)
         buffer_format(text, "%s grows by ", name);
         buffer_short(text, growth, 5);
         buffer_format(text, " a step at this dt; try a smaller dt or an implicit method");
+    } else if (!implicit && isnan(limit) && isfinite(rate) && rate * dt > 1) {
+        buffer_format(text, "the scene's fastest rate here is about ");
+        buffer_short(text, rate, 2);
+        buffer_format(text, " 1/s, too fast for %s at dt = ", name);
+        put_time(text, dt, 6);
+        buffer_format(text, "; try dt <= ");
+        put_time(text, one_digit(1 / rate), 1);
+        buffer_format(text, " or an implicit method");
     } else {
         buffer_format(text, "the state left the range of numbers; try dt <= ");
         put_time(text, one_digit(dt / 10), 1);
@@ -66,13 +94,20 @@ void run_explain(const struct run *run, struct buffer *text)
         explain_divergence(run, text);
         break;
     case STOP_NO_SOLUTION:
-        buffer_format(text, ": the implicit equation of %s was not solved; try dt <= ", run->method->row.name);
-        put_time(text, one_digit(run->settings.dt / 2), 1);
+        buffer_format(text, ": the implicit equation of %s was not solved", run->method->row.name);
+        if (run->plan.adaptive) {
+            buffer_format(text, " by any step, however short");
+        } else {
+            buffer_format(text, "; try dt <= ");
+            put_time(text, one_digit(run->settings.dt / 2), 1);
+        }
         break;
     case STOP_STALLED:
         buffer_format(text, ": the step for tol = ");
         buffer_short(text, run->settings.tol, 3);
-        buffer_format(text, " is below the rounding of t; try a larger tol or an implicit method");
+        buffer_format(text, " is below the rounding of t; try a larger tol");
+        if (!(run->method->flags & METHOD_IMPLICIT))
+            buffer_format(text, " or an implicit method");
         break;
     case STOP_FULL:
         buffer_format(text, ": the trace holds %zu rows in %.4g MB and has no room for more; try 'set record auto'",

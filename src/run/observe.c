@@ -9,6 +9,12 @@ static const double *velocity(const struct sample *sample)
     return sample->y + sample->system->n / 2;
 }
 
+/* Of positions, or of all there is in a first-order scene. */
+static int coordinates(const struct system *system)
+{
+    return system->order == 2 ? system->n / 2 : system->n;
+}
+
 static double energy_of(const struct sample *sample)
 {
     return system_energy(sample->system, sample->y);
@@ -109,7 +115,11 @@ static double value_exact(const struct sample *sample)
 
 static double value_error(const struct sample *sample)
 {
-    return sample->y[0] - sample->exact[0];
+    int count = coordinates(sample->system);
+    double distance = sample->y[0] - sample->exact[0];
+    for (int i = 1; i < count; i++)
+        distance = hypot(distance, sample->y[i] - sample->exact[i]);
+    return distance;
 }
 
 static double value_phase_error(const struct sample *sample)
@@ -141,13 +151,16 @@ static const struct observable observables[] = {
      QUANTITY_NUMBER,
      NEED_MECHANICS | NEED_WORK | NEED_RATIO,
      value_energy_error},
-    {{"momentum", "kg m/s", "momentum m v", "", NULL}, QUANTITY_OTHER, NEED_MECHANICS, value_momentum},
+    {{"momentum", "kg m/s", "momentum m v", "", NULL}, QUANTITY_OTHER, NEED_MECHANICS | NEED_LINE, value_momentum},
     {{"amplitude", "m", "hypot(y - equilibrium, v/omega0)", "", NULL},
      QUANTITY_LENGTH,
      NEED_MECHANICS | NEED_CENTRE,
      value_amplitude},
     {{"exact", "m", "position of the exact solution", "", NULL}, QUANTITY_LENGTH, NEED_EXACT, value_exact},
-    {{"error", "m", "position minus the exact one", "", NULL}, QUANTITY_LENGTH, NEED_EXACT, value_error},
+    {{"error", "m", "position minus the exact one; in several coordinates the distance from it", "", NULL},
+     QUANTITY_LENGTH,
+     NEED_EXACT,
+     value_error},
     {{"phase-error", "rad", "phase minus that of the exact solution, within -pi..pi", "", "phase_error"},
      QUANTITY_ANGLE,
      NEED_MECHANICS | NEED_CENTRE | NEED_EXACT,
@@ -155,6 +168,30 @@ static const struct observable observables[] = {
 };
 
 const struct catalog observable_catalog = CATALOG("observable", observables);
+
+/* ---- what they are in a scene ---- */
+
+static bool on_a_line(const struct system *system)
+{
+    return system_variable(system, 0).quantity == QUANTITY_LENGTH;
+}
+
+enum quantity observable_quantity(const struct observable *observable, const struct system *system)
+{
+    static const enum quantity turning[QUANTITY_COUNT] = {[QUANTITY_LENGTH] = QUANTITY_ANGLE,
+                                                          [QUANTITY_VELOCITY] = QUANTITY_ANGULAR_FREQUENCY,
+                                                          [QUANTITY_ACCELERATION] = QUANTITY_ANGULAR_ACCELERATION};
+    enum quantity own = observable->quantity, first = system_variable(system, 0).quantity;
+    if (first == QUANTITY_NUMBER && own != QUANTITY_TIME)
+        return QUANTITY_NUMBER;
+    return first == QUANTITY_ANGLE && turning[own] ? turning[own] : own;
+}
+
+const char *observable_unit(const struct observable *observable, const struct system *system)
+{
+    enum quantity quantity = observable_quantity(observable, system);
+    return quantity == QUANTITY_OTHER ? observable->row.unit : quantity_unit(quantity);
+}
 
 /* ---- asking ---- */
 
@@ -165,6 +202,10 @@ static const char *missing_need(const struct observable *observable, const struc
         return "a scene with a closed-form solution";
     if (observable->needs & NEED_MECHANICS && system->order != 2)
         return "a scene with positions and velocities";
+    if (observable->needs & NEED_LINE && !(system->n == 2 && on_a_line(system)))
+        return "motion along a line";
+    if (observable->needs & NEED_CENTRE && !system->oscillator.whole)
+        return "a linear spring, with nothing beside it but drag, gravity and drive";
     if (observable->needs & NEED_CENTRE && !(system->oscillator.stiffness > 0))
         return "an oscillation about an equilibrium (k > 0)";
     return NULL;
@@ -187,6 +228,12 @@ bool run_column(const struct run *run, const struct observable *observable, doub
     return true;
 }
 
+void run_variable_column(const struct run *run, int i, double *out)
+{
+    for (size_t row = 0; row < trace_count(run->trace); row++)
+        out[row] = trace_state(run->trace, row)[i];
+}
+
 double run_observable(const struct run *run, const struct observable *observable)
 {
     if (!observable_defined(observable, &run->system, run->plan.exact_known))
@@ -196,42 +243,47 @@ double run_observable(const struct run *run, const struct observable *observable
     return observable->value(&walk.sample);
 }
 
-/* [m] what rounding of the parameters does to the exact position at the end. */
-static double exact_floor(const struct run *run)
-{
-    const struct epoch *epoch = run_epoch(run, run->steps);
-    double exact[LIMIT_VARIABLES], floor[LIMIT_VARIABLES];
-    system_exact(&epoch->system, epoch->t, epoch->start, run->t, exact, floor);
-    return floor[0];
-}
-
 void run_errors(const struct run *run, struct run_errors *errors)
 {
     *errors = (struct run_errors){NAN, NAN, NAN, NAN, NAN};
     if (!run->plan.exact_known)
         return;
+    const struct system *system = &run->system;
+    const bool oscillates = system->oscillator.whole && system->oscillator.stiffness > 0;
+    const int judged = system->order == 2 && system->n == 2 ? 1 : system->n;
+    double most[LIMIT_VARIABLES] = {0}, amplitude[LIMIT_VARIABLES] = {0}, distance[LIMIT_VARIABLES] = {0}, phase = 0;
     struct walk walk;
     const struct sample *sample = &walk.sample;
-    double most = 0, amplitude = 0, distance = 0, phase = 0;
     walk_begin(&walk, run, NEED_EXACT);
     while (walk_next(&walk)) {
-        distance = fabs(sample->y[0] - sample->exact[0]);
-        most = fmax(most, distance);
-        amplitude = fmax(amplitude, fabs(sample->exact[0]));
-        /* It changes little from row to row, which counts the turns. */
-        phase += remainder(phase_between(sample->system, sample->y, sample->exact) - phase, 2 * M_PI);
+        for (int i = 0; i < judged; i++) {
+            distance[i] = fabs(sample->y[i] - sample->exact[i]);
+            most[i] = fmax(most[i], distance[i]);
+            amplitude[i] = fmax(amplitude[i], fabs(sample->exact[i]));
+        }
+        if (oscillates) /* it changes little from row to row, which counts the turns */
+            phase += remainder(phase_between(sample->system, sample->y, sample->exact) - phase, 2 * M_PI);
     }
-    if (amplitude > 0) {
-        errors->end = distance / amplitude;
-        errors->max = most / amplitude;
-        errors->floor = exact_floor(run) / amplitude;
-    } else if (most == 0) {
-        errors->end = errors->max = errors->floor = 0;
+
+    /* What rounding does to the exact solution at the end. */
+    const struct epoch *epoch = run_epoch(run, run->steps);
+    double exact[LIMIT_VARIABLES], floor[LIMIT_VARIABLES];
+    system_exact(&epoch->system, epoch->t, epoch->start, run->t, exact, floor);
+    for (int i = 0; i < judged; i++) {
+        if (most[i] == 0 && amplitude[i] == 0) { /* nothing there, and nothing wrong */
+            amplitude[i] = 1;
+            floor[i] = 0;
+        }
+        if (amplitude[i] > 0) { /* fmax passes over NAN */
+            errors->end = fmax(errors->end, distance[i] / amplitude[i]);
+            errors->max = fmax(errors->max, most[i] / amplitude[i]);
+            errors->floor = fmax(errors->floor, floor[i] / amplitude[i]);
+        }
     }
-    if (run->system.oscillator.stiffness > 0) {
-        double exact = amplitude_of(sample->system, sample->exact);
+    if (oscillates) {
+        double wanted = amplitude_of(sample->system, sample->exact);
         errors->phase = phase;
-        errors->amplitude = exact > 0 ? amplitude_of(sample->system, sample->y) / exact - 1 : NAN;
+        errors->amplitude = wanted > 0 ? amplitude_of(sample->system, sample->y) / wanted - 1 : NAN;
     }
 }
 

@@ -4,6 +4,16 @@
 
 #include <math.h>
 
+static const struct row kernels[] = {
+    [KERNEL_PROPAGATOR] = {"propagator", "", "linear scenes by powers of the one-step matrix, the rest specialised", "",
+                           NULL},
+    [KERNEL_SPECIALISED] = {"specialised", "", "steps made for the method and the kind of scene, where there are some",
+                            "", NULL},
+    [KERNEL_GENERAL] = {"general", "", "the specification: every term is called at every stage", "", NULL},
+};
+
+const struct catalog kernel_catalog = CATALOG("kernel", kernels);
+
 /* Estimates [ns] on a desktop of the 2020s, good to a factor of 3: enough to warn before hours pass. */
 #define NS_STEP 30.0
 #define NS_TERM 15.0  /* a force evaluation, each term */
@@ -66,10 +76,8 @@ double plan_stable_limit(const struct system *system, const struct method *metho
 
 static double predicted_growth(const struct system *system, const struct method *method, enum drag drag, double dt)
 {
-    double omega0, zeta, matrix[4];
-    if (!oscillation(system, &omega0, &zeta) || !method_amplification(method, drag, omega0 * dt, zeta, matrix))
-        return NAN;
-    return matrix_spectral_radius(matrix);
+    double omega0, zeta;
+    return oscillation(system, &omega0, &zeta) ? method_growth(method, drag, omega0 * dt, zeta) : NAN;
 }
 
 bool plan_make(const struct system *system, const struct method *method, const struct run_settings *settings,
@@ -91,6 +99,8 @@ bool plan_make(const struct system *system, const struct method *method, const s
 
     struct stretch stretch = stretch_measure(system->t0, system->t0 + span, dt);
     bool adaptive = settings->tol > 0 && method->flags & METHOD_ADAPTIVE;
+    if (!adaptive && !method_fits(method, system, drag, copysign(dt, span), error))
+        return false;
     *plan = (struct plan){.adaptive = adaptive,
                           .exact_known = system_has_exact(system),
                           .ledger = system->order == 2 && !system->conservative,
@@ -99,6 +109,8 @@ bool plan_make(const struct system *system, const struct method *method, const s
                           .seconds = NAN,
                           .growth = adaptive ? NAN : predicted_growth(system, method, drag, dt),
                           .limit = NAN};
+    plan->propagates = settings->kernel == KERNEL_PROPAGATOR && !adaptive && !settings->compensated &&
+                       system->order == 2 && system->n == 2 && system->linear && system->autonomous && !method->growth;
     if (plan->growth > 1 + GROWTH_MARGIN)
         plan->limit = plan_stable_limit(system, method, drag);
     if (adaptive || isinf(span))
@@ -116,6 +128,6 @@ bool plan_make(const struct system *system, const struct method *method, const s
         rows = fmin(rows, LIMIT_SAMPLES);
     else if (settings->record.rule == RECORD_EVERY)
         rows = floor(plan->steps / (double)settings->record.every) + 1;
-    plan->bytes = rows * (double)trace_row_bytes(system->n, adaptive, settings->record.rule);
+    plan->bytes = rows * (double)trace_row_bytes(system->n, adaptive);
     return settings->record.rule == RECORD_AUTO || check_memory(settings, rows, plan->bytes, error);
 }

@@ -39,8 +39,8 @@ struct stretch stretch_measure(double from, double to, double dt); /* to may be 
 
 /* ---- trace ----
  *
- * Row: n state values, the step index if `indexed` (RECORD_AUTO), the time if `timed` (adaptive). Otherwise row i is
- * step i * every. The present state is shown as a last row when it was not recorded itself.
+ * Row: n state values, then the time if `timed` (adaptive). Row i is step i * every, until the trace is decimated: then
+ * the steps stand in `index`. The present state is shown as a last row when it was not recorded itself.
  */
 
 #define CHUNK_SHIFT 12
@@ -48,12 +48,13 @@ struct stretch stretch_measure(double from, double to, double dt); /* to may be 
 
 struct trace {
     int n;
-    bool indexed, timed;
-    int64_t every, next; /* unless indexed: record each so many steps; the next one to record */
+    bool decimates, timed;
+    int64_t every, next; /* unless it decimates: record each so many steps; the next one to record */
     size_t width;        /* doubles a row */
-    size_t cap;          /* rows: decimated there (indexed) or full */
+    size_t cap;          /* rows: decimated there or full */
     double **chunk;
-    size_t chunks, room, count;
+    int64_t **index; /* [indices] steps of the rows in each chunk, once decimated */
+    size_t chunks, indices, room, count;
 
     int64_t bucket;         /* steps that share at most three rows; 1: not decimated */
     int64_t tail_end;       /* step at which the last bucket ends */
@@ -72,6 +73,13 @@ struct trace *trace_create(int n, bool timed, struct recording_rule rule, size_t
 void trace_destroy(struct trace *trace);
 /* Offers the state after `step`; false: full or no memory, nothing recorded. Steps come in order, each once. */
 bool trace_record(struct trace *trace, int64_t step, double t, const double *y);
+/* The same for the states after `step`, `step` + 1, …, whose times are not recorded; returns how many were taken. */
+int64_t trace_record_many(struct trace *trace, int64_t step, const double *row, int64_t count);
+/* The recorded state after `step`; NULL: not recorded, or the trace is decimated. */
+const double *trace_state_after(const struct trace *trace, int64_t step);
+/* Where the next rows go when every step is kept: room for *rows of them, one after the other. NULL: not so. */
+double *trace_open(struct trace *trace, size_t *rows);
+void trace_close(struct trace *trace, size_t rows); /* so many were written there */
 void trace_present(struct trace *trace, int64_t step, double t, const double *y);
 /* Drops everything after row i, which becomes the present. */
 void trace_truncate(struct trace *trace, size_t i);
@@ -79,7 +87,7 @@ bool trace_reserve_grids(struct trace *trace, size_t more); /* room for so many 
 void trace_regrid(struct trace *trace, struct grid grid);   /* from here on a new grid */
 const struct grid *trace_grid(const struct trace *trace);   /* the present one */
 size_t trace_settled(const struct trace *trace);            /* rows that only a new generation can change */
-size_t trace_row_bytes(int n, bool timed, enum record_rule rule);
+size_t trace_row_bytes(int n, bool timed);
 
 /* ---- runs ---- */
 
@@ -109,14 +117,58 @@ struct run_private {
     struct step step;
     double *work;        /* of the method */
     double *before;      /* [n] state before the step */
+    double *low_before;  /* [n] and what rounding had taken from it; used where step.low is there */
     double *bound;       /* [n] magnitudes that count as diverged */
     struct epoch *epoch; /* at least one */
     size_t epochs, epoch_room;
     int64_t batch;          /* steps between looks at the clock */
+    march_function *kernel; /* NULL: none for this method and system */
+    struct propagator *propagator; /* NULL: not (yet) there, or not of use */
+    double *scratch;        /* [CHUNK_ROWS][n] states that do not go into the trace as they are; NULL: not yet needed */
     double factor;          /* power of two on states before their energies are compared */
     struct balance settled; /* up to rows that do not change while the trace keeps its generation */
     unsigned generation;
 };
+
+/* The state is no longer what the compensated sums know about. */
+static inline void forget_rounding(struct run_private *p, int n)
+{
+    if (p->step.low)
+        memset(p->step.low, 0, (size_t)n * sizeof *p->step.low);
+}
+
+/* Where one call of run_advance goes. */
+struct leg {
+    const struct run_target *target;
+    struct grid grid;
+    int64_t last;  /* fixed step: index where the whole steps end */
+    double rest;   /* [s] partial step after it, 0: none */
+    bool exact;    /* the whole steps end at the target */
+    int64_t limit; /* step index to stop at */
+    bool armed;    /* the condition was false since it was last true */
+};
+
+/* The best instructions that the machine has, chosen when the program starts; the same bits with all of them. */
+#if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && !defined(__clang__)
+#define CLONES __attribute__((target_clones("default", "avx2", "avx512f")))
+#else
+#define CLONES
+#endif
+
+/* propagate.c: the states after steps first + 1, … of a linear scene, without evaluating forces. */
+struct propagator *propagator_create(const struct run *run, double h); /* NULL: no memory, or a step that fails */
+double propagator_step(const struct propagator *propagator);           /* [s] the h it is made for */
+/* The step of the grid where the block of `step` begins, whether its state is known, and that state. */
+int64_t propagator_block(int64_t step);
+bool propagator_knows(const struct propagator *propagator, int64_t step);
+void propagator_anchor(struct propagator *propagator, int64_t step, const double *y);
+/* y [2] in: state after step `first` of the grid; out: the last state. Returns how many rows were written: fewer where
+ * the block that `first` stands in was begun by something else. */
+int64_t propagate(struct propagator *propagator, int64_t first, int64_t count, double *y, double *row);
+
+/* many.c: up to p->batch whole steps at once, where nothing has to be looked at between them. False: step by step. */
+bool advance_many(struct run *run, const struct leg *leg, enum stop *stop);
+enum stop stop_of_step(enum step_status status);
 
 /* The epoch that led to the state at `step`: where one ends, the state still belongs to it. */
 const struct epoch *run_epoch(const struct run *run, int64_t step);

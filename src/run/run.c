@@ -82,15 +82,28 @@ static bool allocate(struct run *run)
     run->trace = trace_create(run->system.n, run->plan.adaptive, run->settings.record, run->settings.memory);
     if (!p || !run->trace)
         return false;
-    p->work = calloc(work + 2 * n, sizeof *p->work);
+    p->work = calloc(work + 4 * n, sizeof *p->work);
     if (!p->work || !push_epoch(run, &run->system, run->y) || !trace_reserve_grids(run->trace, 1))
         return false;
     p->before = p->work + work;
     p->bound = p->before + n;
+    p->low_before = p->bound + n;
     p->batch = 16;
     p->factor = energy_factor(&run->system);
     p->step = (struct step){.system = &run->system, .drag = run->settings.drag, .y = run->y, .work = p->work};
+    if (run->settings.compensated && !run->plan.adaptive)
+        p->step.low = p->low_before + n;
     return trace_record(run->trace, 0, run->t, run->y);
+}
+
+/* The propagator is made when it is needed. */
+static void choose_kernel(struct run *run)
+{
+    struct run_private *p = run->private_state;
+    const bool general = run->settings.kernel == KERNEL_GENERAL;
+    p->kernel = general ? NULL : method_kernel(run->method, &run->system, run->settings.drag);
+    free(p->propagator);
+    p->propagator = NULL;
 }
 
 struct run *run_create(const struct scene *scene, const struct method *method, const struct run_settings *settings,
@@ -122,6 +135,7 @@ struct run *run_create(const struct scene *scene, const struct method *method, c
     trace_present(run->trace, 0, run->t, run->y);
     run->controller = (struct controller){.tol = settings->tol, .h = h};
     set_bounds(run);
+    choose_kernel(run);
     return run;
 }
 
@@ -132,6 +146,8 @@ void run_destroy(struct run *run)
     trace_destroy(run->trace);
     if (run->private_state) {
         free(run->private_state->work);
+        free(run->private_state->scratch);
+        free(run->private_state->propagator);
         free(run->private_state->epoch);
         free(run->private_state);
     }
@@ -142,7 +158,9 @@ static void use_system(struct run *run, const struct system *system)
 {
     run->system = *system;
     run->private_state->step.warm = false;
+    forget_rounding(run->private_state, system->n);
     set_bounds(run);
+    choose_kernel(run);
 }
 
 bool run_back(struct run *run, int64_t rows)
@@ -177,8 +195,9 @@ bool run_rebind(struct run *run, const struct scene *scene, struct error *error)
     enum drag drag = run->settings.drag;
     if (!scene_bind(scene, &system, error))
         return false;
-    if (system.n != run->system.n || system.order != run->system.order)
-        return error_set(error, ERROR_COMMAND, "the number of variables cannot change during a run");
+    if (system.model != run->system.model)
+        return error_set(error, ERROR_COMMAND, "a run of %s cannot go on as %s", run->system.model->row.name,
+                         system.model->row.name);
     if (!method_applies(run->method, &system, &drag, error) ||
         !plan_make(&system, run->method, &run->settings, HUGE_VAL, &plan, error))
         return false;
@@ -200,6 +219,7 @@ bool run_rebind(struct run *run, const struct scene *scene, struct error *error)
     p->step.drag = run->settings.drag = drag;
     run->plan.exact_known = exact;
     run->plan.ledger = true; /* changing a parameter does work */
+    run->plan.propagates = plan.propagates;
     run->plan.growth = plan.growth;
     run->plan.limit = plan.limit;
     use_system(run, &system);

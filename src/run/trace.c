@@ -8,14 +8,9 @@
 
 /* ---- rows ---- */
 
-static size_t row_width(int n, bool timed, bool indexed)
+size_t trace_row_bytes(int n, bool timed)
 {
-    return (size_t)n + indexed + timed;
-}
-
-size_t trace_row_bytes(int n, bool timed, enum record_rule rule)
-{
-    return row_width(n, timed, rule == RECORD_AUTO) * sizeof(double);
+    return ((size_t)n + timed) * sizeof(double);
 }
 
 static double *row_at(const struct trace *trace, size_t i)
@@ -25,7 +20,7 @@ static double *row_at(const struct trace *trace, size_t i)
 
 static int64_t row_step(const struct trace *trace, size_t i)
 {
-    return trace->indexed ? (int64_t)row_at(trace, i)[trace->n] : (int64_t)i * trace->every;
+    return trace->bucket > 1 ? trace->index[i >> CHUNK_SHIFT][i & (CHUNK_ROWS - 1)] : (int64_t)i * trace->every;
 }
 
 struct trace *trace_create(int n, bool timed, struct recording_rule rule, size_t memory)
@@ -35,11 +30,12 @@ struct trace *trace_create(int n, bool timed, struct recording_rule rule, size_t
         return NULL;
     trace->n = n;
     trace->timed = timed;
-    trace->indexed = rule.rule == RECORD_AUTO;
+    trace->decimates = rule.rule == RECORD_AUTO;
     trace->every = rule.rule == RECORD_EVERY ? rule.every : 1;
-    trace->width = row_width(n, timed, trace->indexed);
-    trace->cap = (memory ? memory : MEMORY_DEFAULT) / (trace->width * sizeof(double));
-    if (trace->indexed) {
+    trace->width = (size_t)n + timed;
+    /* Once decimated, a row also has its step. */
+    trace->cap = (memory ? memory : MEMORY_DEFAULT) / ((trace->width + trace->decimates) * sizeof(double));
+    if (trace->decimates) {
         /* Three rows a bucket must always fit into half of the cap, or decimating would not end. */
         trace->cap = trace->cap > LIMIT_SAMPLES ? LIMIT_SAMPLES : trace->cap < 64 ? 64 : trace->cap;
     }
@@ -53,9 +49,25 @@ void trace_destroy(struct trace *trace)
         return;
     for (size_t i = 0; i < trace->chunks; i++)
         free(trace->chunk[i]);
+    for (size_t i = 0; i < trace->indices; i++)
+        free(trace->index[i]);
     free(trace->chunk);
+    free(trace->index);
     free(trace->grid);
     free(trace);
+}
+
+/* A chunk of steps for each chunk of rows: only a decimated trace needs them. */
+static bool grow_index(struct trace *trace)
+{
+    int64_t **index = realloc(trace->index, trace->room * sizeof *index);
+    if (!index)
+        return false;
+    trace->index = index;
+    for (; trace->indices < trace->chunks; trace->indices++)
+        if (!(index[trace->indices] = malloc(CHUNK_ROWS * sizeof **index)))
+            return false;
+    return true;
 }
 
 static bool grow(struct trace *trace)
@@ -75,19 +87,27 @@ static bool grow(struct trace *trace)
     return true;
 }
 
+/* Room for one more row. */
+static bool make_room(struct trace *trace)
+{
+    size_t needed = (trace->count >> CHUNK_SHIFT) + 1;
+    return (needed <= trace->chunks || grow(trace)) &&
+           (trace->bucket == 1 || needed <= trace->indices || grow_index(trace));
+}
+
 static void write_row(struct trace *trace, size_t i, int64_t step, double t, const double *y)
 {
     double *row = row_at(trace, i);
     copy_state(row, y, trace->n);
-    if (trace->indexed)
-        row[trace->n] = (double)step;
+    if (trace->bucket > 1)
+        trace->index[i >> CHUNK_SHIFT][i & (CHUNK_ROWS - 1)] = step;
     if (trace->timed)
-        row[trace->width - 1] = t;
+        row[trace->n] = t;
 }
 
 static bool append(struct trace *trace, int64_t step, double t, const double *y)
 {
-    if (trace->count >> CHUNK_SHIFT == trace->chunks && !grow(trace))
+    if (!make_room(trace))
         return false;
     write_row(trace, trace->count++, step, t, y);
     return true;
@@ -123,7 +143,8 @@ static bool keep(struct trace *trace, int64_t step, double t, const double *y)
             return false;
     } else { /* its row goes; at most the other extreme stands after it */
         if (*other > *extreme) {
-            memcpy(row_at(trace, *extreme), row_at(trace, *other), trace->width * sizeof *y);
+            const double *row = row_at(trace, *other);
+            write_row(trace, *extreme, row_step(trace, *other), row[trace->width - 1], row);
             *other = *extreme;
         }
         write_row(trace, trace->count - 1, step, t, y);
@@ -132,35 +153,65 @@ static bool keep(struct trace *trace, int64_t step, double t, const double *y)
     return true;
 }
 
-static void coarsen(struct trace *trace)
+static bool coarsen(struct trace *trace)
 {
+    if (trace->bucket == 1) { /* from now on rows carry their steps, so far row i is step i */
+        if (!grow_index(trace))
+            return false;
+        for (size_t i = 0; i < trace->count; i++)
+            trace->index[i >> CHUNK_SHIFT][i & (CHUNK_ROWS - 1)] = (int64_t)i;
+    }
     do {
-        double row[LIMIT_VARIABLES + 2];
+        double row[LIMIT_VARIABLES + 1];
         size_t count = trace->count;
         trace->bucket *= 2;
         trace->count = 0;
         trace->tail_end = 0;
         for (size_t i = 0; i < count; i++) { /* writes never overtake reads, and the chunks are there */
             memcpy(row, row_at(trace, i), trace->width * sizeof *row);
-            keep(trace, (int64_t)row[trace->n], row[trace->width - 1], row);
+            keep(trace, row_step(trace, i), row[trace->width - 1], row);
         }
     } while (trace->count > trace->cap / 2);
     trace->generation++;
+    return true;
 }
 
 bool trace_record(struct trace *trace, int64_t step, double t, const double *y)
 {
-    if (!trace->indexed && step != trace->next)
+    if (!trace->decimates && step != trace->next)
         return true;
-    if (trace->count == trace->cap) {
-        if (!trace->indexed)
-            return false;
-        coarsen(trace);
-    }
+    if (trace->count == trace->cap && !(trace->decimates && coarsen(trace)))
+        return false;
     if (!(trace->bucket > 1 ? keep(trace, step, t, y) : append(trace, step, t, y)))
         return false;
     trace->next = step + trace->every;
     return true;
+}
+
+int64_t trace_record_many(struct trace *trace, int64_t step, const double *row, int64_t count)
+{
+    for (int64_t i = 0; i < count; i++) {
+        if (!trace->decimates && step + i < trace->next)
+            i = (trace->next - step < count ? trace->next - step : count) - 1;
+        else if (!trace_record(trace, step + i, 0, row + i * trace->n))
+            return i;
+    }
+    return count;
+}
+
+double *trace_open(struct trace *trace, size_t *rows)
+{
+    if (trace->bucket > 1 || trace->every > 1 || trace->timed || trace->count >= trace->cap || !make_room(trace))
+        return NULL;
+    size_t in_chunk = CHUNK_ROWS - (trace->count & (CHUNK_ROWS - 1)), to_cap = trace->cap - trace->count;
+    *rows = in_chunk < to_cap ? in_chunk : to_cap;
+    return row_at(trace, trace->count);
+}
+
+void trace_close(struct trace *trace, size_t rows)
+{
+    trace->count += rows;
+    trace->next = (int64_t)trace->count;
 }
 
 size_t trace_settled(const struct trace *trace)
@@ -284,6 +335,12 @@ const double *trace_state(const struct trace *trace, size_t i)
     return i < trace->count ? row_at(trace, i) : trace->now;
 }
 
+const double *trace_state_after(const struct trace *trace, int64_t step)
+{
+    const bool recorded = trace->bucket == 1 && step % trace->every == 0 && step / trace->every < (int64_t)trace->count;
+    return recorded ? row_at(trace, (size_t)(step / trace->every)) : NULL;
+}
+
 bool trace_decimated(const struct trace *trace)
 {
     return trace->bucket > 1;
@@ -292,5 +349,6 @@ bool trace_decimated(const struct trace *trace)
 size_t trace_bytes(const struct trace *trace)
 {
     return sizeof *trace + trace->room * sizeof *trace->chunk + trace->grid_room * sizeof *trace->grid +
-           trace->chunks * CHUNK_ROWS * trace->width * sizeof(double);
+           trace->chunks * CHUNK_ROWS * trace->width * sizeof(double) +
+           trace->indices * CHUNK_ROWS * sizeof(int64_t) + (trace->index ? trace->room * sizeof *trace->index : 0);
 }

@@ -1,14 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Quantities that follow from the parameters, with the uncertainty that the parameters give them. */
-#include <float.h>
-#include <math.h>
-
 #include "params.h"
-
-#define TWO_PI 6.283185307179586476925
 
 double scene_reynolds(const struct scene *scene, double speed)
 {
+    if (scene->model != &oscillator_model)
+        return NAN;
     return scene->value[P_rho] * speed * scene->value[P_length] / scene->value[P_eta];
 }
 
@@ -68,8 +65,8 @@ static double T_d(const struct scene *scene)
 
 static double equilibrium(const struct scene *scene)
 {
-    double k = scene->value[P_k];
-    return k != 0 ? -scene->value[P_m] * scene->value[P_g] / k : NAN;
+    double k = scene->value[P_k], weight = scene->value[P_m] * scene->value[P_g];
+    return k != 0 && (weight == 0 || scene->value[P_k3] == 0) ? -weight / k : NAN; /* or the root of a cubic */
 }
 
 /* hypot neither overflows nor underflows on the way. */
@@ -78,13 +75,18 @@ static double amplitude(const struct scene *scene)
     return hypot(scene->value[P_y0] - equilibrium(scene), scene->value[P_v0] / omega0(scene));
 }
 
-static double E0(const struct scene *scene)
+double scene_start_energy(const struct scene *scene)
 {
     struct system system;
     struct error error;
     if (!scene_bind(scene, &system, &error))
         return NAN;
     return system_kinetic(&system, system.start) + system_potential(&system, system.start);
+}
+
+static double E0(const struct scene *scene)
+{
+    return scene_start_energy(scene);
 }
 
 static double Re(const struct scene *scene)
@@ -96,10 +98,10 @@ static double Re(const struct scene *scene)
  * First-order propagation of independent uncertainties (GUM 5.1.2), each sensitivity a central difference over a step
  * small enough for its truncation and large enough for its rounding to be invisible in an uncertainty.
  */
-static struct measured propagate(const struct scene *scene, double (*value)(const struct scene *))
+struct measured scene_propagate(const struct scene *scene, double (*value)(const struct scene *))
 {
     double variance = 0;
-    for (int i = 0; i < P_COUNT; i++) {
+    for (size_t i = 0; i < scene_params(scene)->count; i++) {
         double u = scene->uncertainty[i], x = scene->value[i];
         if (!(u > 0))
             continue;
@@ -162,16 +164,8 @@ static double tau_inverse(const struct scene *scene, double value)
     ROW(E0, "J", ENERGY, "energy at the start", "", NULL, NULL)                                                        \
     ROW(Re, "", NUMBER, "Reynolds number at the largest speed, amplitude * omega0", "Reynolds 1883", NULL, NULL)
 
-#define MEASURED(name, ...)                                                                                            \
-    static struct measured name##_measured(const struct scene *scene)                                                  \
-    {                                                                                                                  \
-        return propagate(scene, name);                                                                                 \
-    }
 DERIVED_ROWS(MEASURED)
-
-#define ROW(name, unit, kind, brief, citation, back, param)                                                            \
-    {{#name, unit, brief, citation, NULL}, QUANTITY_##kind, name##_measured, back, param},
-static const struct derived_row rows[] = {DERIVED_ROWS(ROW)};
+static const struct derived_row rows[] = {DERIVED_ROWS(DERIVED_ROW)};
 
 const struct catalog derived_catalog = CATALOG("derived quantity", rows);
 

@@ -1,18 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The parameter table and the scene that holds its values. */
 #include <assert.h>
-#include <float.h>
-#include <math.h>
 
 #include "params.h"
 
-#define ANY .least = -HUGE_VAL
-#define AT_LEAST(limit) .least = (limit)
-#define ABOVE(limit) .least = (limit), .least_excluded = true
-
 static const struct param_row rows[] = {
-#define PARAM(name, unit, kind, value, range, brief)                                                                   \
-    {.row = {#name, (unit), (brief), "", NULL}, .quantity = QUANTITY_##kind, .initial = (value), range},
+#define PARAM PARAM_ROW
 #include "terms.def"
 };
 

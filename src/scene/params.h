@@ -3,8 +3,7 @@
 #ifndef HOOKE_SCENE_PARAMS_H
 #define HOOKE_SCENE_PARAMS_H
 
-#include <float.h>
-#include <hooke/scene.h>
+#include "model.h"
 
 enum param {
 #define PARAM(name, ...) P_##name,
@@ -13,12 +12,6 @@ enum param {
 };
 
 _Static_assert(P_COUNT <= PARAM_MAX, "scene.value holds every parameter");
-
-/* A natural size that error norms can divide by. */
-static inline double scale_clamp(double scale)
-{
-    return scale > DBL_MAX ? DBL_MAX : scale > 0 ? scale : 1; /* nothing moves: any scale will do */
-}
 
 /* k/m and the mass itself must be usable numbers: refused otherwise, with the values. */
 bool params_coherent(const double *param, struct error *error);

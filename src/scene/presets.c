@@ -1,6 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Scenes by name: what differs from the parameters' defaults. The first row is where a session begins. */
-#include <hooke/scene.h>
+#include "model.h"
+
+#define UNIT_OSCILLATOR                                                                                                \
+    {"m", 1}, {"k", 1},                                                                                                \
+    {                                                                                                                  \
+        "y0", 1                                                                                                        \
+    }
+#define VAN_DER_POL                                                                                                    \
+    {"m", 1}, {"k", 1},                                                                                                \
+    {                                                                                                                  \
+        "y0", 2                                                                                                        \
+    }
 
 static const struct preset rows[] = {
     {.row = {"spring", "", "mass on a spring, no damping: the lab's first session", "", NULL}},
@@ -11,6 +22,77 @@ static const struct preset rows[] = {
      .value = {{"C", 0.585}, {"area", 1.131e-2}, {"length", 0.12}}},
     {.row = {"driven", "", "driven from rest near resonance: beats that settle into the forced motion", "", NULL},
      .value = {{"gamma", 0.3}, {"F0", 0.02}, {"omega", 8.2}, {"y0", 0}}},
+    {.row = {"resonance", "", "driven from rest at resonance, undamped: the amplitude grows as t/2", "", NULL},
+     .value = {{"m", 1}, {"k", 1}, {"F0", 1}, {"omega", 1}, {"y0", 0}}},
+    {.row = {"critical", "", "critical damping: the fastest return without overshoot", "", NULL},
+     .value = {{"k", 20}, {"gamma", 20}}},
+    {.row = {"overdamped", "", "strong damping: a fast and a slow exponential, rates 1 : 131", "", NULL},
+     .value = {{"gamma", 100}}},
+    {.row = {"inverted", "", "k < 0: an unstable equilibrium, left as exp(omega0 t)", "", NULL},
+     .value = {{"k", -15}, {"y0", 1e-6}}},
+
+    {.row = {"duffing", "", "a hardening spring: the wider the swing, the faster", "Duffing 1918", NULL},
+     .value = {UNIT_OSCILLATOR, {"k3", 1}}},
+    {.row = {"duffing-driven", "", "two wells and a drive: chaos", "Moon, Holmes 1979", NULL},
+     .value = {{"m", 1}, {"k", -1}, {"k3", 1}, {"gamma", 0.25}, {"F0", 0.3}, {"omega", 1}, {"y0", 1}}},
+    {.row = {"vanderpol", "", "a limit cycle: every start ends on it", "van der Pol 1926", NULL},
+     .value = {VAN_DER_POL, {"mu", 1}}},
+    {.row = {"pendulum", "", "a pendulum from 90 degrees: 18 % slower than small swings", "Huygens 1673", NULL},
+     .model = &pendulum_model,
+     .value = {{"theta0", 1.5707963267948966}}},
+    {.row = {"pendulum-driven", "", "damped and driven until it turns over at random: chaos", "Baker, Gollub 1990",
+             NULL},
+     .model = &pendulum_model,
+     .value = {{"m", 1}, {"g", 1}, {"gamma", 0.5}, {"F0", 1.15}, {"omega", 0.66666666666666663}, {"theta0", 0.2}}},
+    {.row = {"elastic-pendulum", "", "a bob that swings on a spring, k/m = 1e2: energy wanders between the two", "",
+             NULL},
+     .model = &elastic_pendulum_model},
+    {.row = {"kepler", "", "a planet on an ellipse of eccentricity 0.5", "Kepler 1609", NULL}, .model = &kepler_model},
+    {.row = {"kepler-eccentric", "", "eccentricity 0.9: fast near the sun, slow far out; asks for step control", "",
+             NULL},
+     .model = &kepler_model,
+     .value = {{"e", 0.9}}},
+    {.row = {"henon-heiles", "", "a star in a galaxy at energy 0.08: orderly", "Henon, Heiles 1964", NULL},
+     .model = &henon_heiles_model},
+    {.row = {"henon-heiles-chaos", "", "the same at energy 1/8: much of it is chaos", "Henon, Heiles 1964", NULL},
+     .model = &henon_heiles_model,
+     .value = {{"vx0", 0.48}, {"vy0", 0.14}}},
+
+    /* Stiff: what decides accuracy is slow, what limits an explicit step is fast. */
+    {.row = {"stiff-spring", "", "k/m = 1e12: 159155 swings a second, damped within a few seconds", "", NULL},
+     .value = {{"m", 1}, {"k", 1e12}, {"y0", 1}, {"gamma", 1}}},
+    {.row = {"stiff-damped", "", "gamma = 1e9: rates 1e9 and 1e-9 in one scene", "", NULL},
+     .value = {UNIT_OSCILLATOR, {"gamma", 1e9}}},
+    {.row = {"stiff-vanderpol", "", "mu = 1000: creeps for 807 s, jumps within milliseconds", "van der Pol 1926", NULL},
+     .value = {VAN_DER_POL, {"mu", 1e3}}},
+    {.row = {"stiff-vanderpol-1e6", "", "mu = 1e6: creeps for 9 days, jumps within microseconds", "", NULL},
+     .value = {VAN_DER_POL, {"mu", 1e6}}},
+    {.row = {"stiff-elastic-1e4", "", "the elastic pendulum with k/m = 1e4", "", NULL},
+     .model = &elastic_pendulum_model,
+     .value = {{"k", 1e4}}},
+    {.row = {"stiff-elastic-1e6", "", "the elastic pendulum with k/m = 1e6: nearly a rigid rod", "", NULL},
+     .model = &elastic_pendulum_model,
+     .value = {{"k", 1e6}}},
+    {.row = {"prothero-robinson", "", "stiff, with cos t as its solution: shows the order that a method loses",
+             "Prothero, Robinson 1974", NULL},
+     .model = &prothero_robinson_model},
+    {.row = {"robertson", "", "a stiff reaction that goes on for 1e11 s", "Robertson 1966", NULL},
+     .model = &robertson_model},
+    {.row = {"orego", "", "a stiff chemical clock: spikes of 1e5, then quiet for five minutes", "Field, Noyes 1974",
+             NULL},
+     .model = &orego_model},
+
+    /* Extremes of scale: what overflows, underflows or comes near a singularity. */
+    {.row = {"extreme-small", "", "the lab's spring at 1e-200 m: squares are below the smallest number", "", NULL},
+     .value = {{"y0", 1e-200}}},
+    {.row = {"extreme-large", "", "the lab's spring at 1e145 m: squares are near the largest number", "", NULL},
+     .value = {{"y0", 1e145}}},
+    {.row = {"extreme-wall", "", "a cubic spring alone, k3 = 1e9 N/m^3: free in the middle, 300 m/s^2 at the ends", "",
+             NULL},
+     .value = {{"m", 1}, {"k", 0}, {"k3", 1e9}, {"y0", 0}, {"v0", 1}}},
+    {.row = {"extreme-comet", "", "eccentricity 0.9999: the pull changes by 4e8 on the way round", "", NULL},
+     .model = &kepler_model,
+     .value = {{"e", 0.9999}}},
 };
 
 const struct catalog preset_catalog = CATALOG("scene", rows);

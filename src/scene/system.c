@@ -151,7 +151,9 @@ bool scene_bind(const struct scene *scene, struct system *system, struct error *
     const double *param = scene->value;
     if (model->coherent && !model->coherent(param, error))
         return false;
-    *system = (struct system){.model = model, .n = model->n, .order = model->order, .oscillator.whole = true};
+    *system = (struct system){.model = model, .n = model->n, .order = model->order};
+    system->oscillator.whole = model == &oscillator_model;
+    system->oscillator.drag_whole = system->order == 2;
     unsigned all = ~0u, any = 0;
     for (size_t i = 0; i < model->terms->count; i++) {
         struct bound_term *term = &system->term[system->terms];
@@ -166,6 +168,8 @@ bool scene_bind(const struct scene *scene, struct system *system, struct error *
     system->conservative = system->order == 2 && all & TERM_CONSERVATIVE;
     system->velocity = any & TERM_VELOCITY;
     system->autonomous = !(any & TERM_TIME);
+    if (system->n > 2 && system->oscillator.quadratic != 0) /* |v| is not that of each coordinate */
+        system->oscillator.drag_whole = false;
     model->begin(param, system);
     for (int i = 0; i < system->terms; i++)
         if (!check_term(system, &system->term[i], error))

@@ -1,17 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The functions and the table of the force terms, all from terms.def. */
-#include <math.h>
-
 #include "params.h"
-
-/* Not every term needs all that a row's function is given. */
-#define UNUSED __attribute__((__unused__))
-#define TERM_BIND(name) static bool name##_bind(const double *param, double *c, struct oscillator *oscillator)
-#define TERM_ADD(name) static void name##_add(const double *c, UNUSED double t, UNUSED const double *y, double *a)
-#define TERM_JACOBIAN(name)                                                                                            \
-    static void name##_jacobian(const double *c, UNUSED double t, UNUSED const double *y, double *jac)
-#define TERM_POTENTIAL(name) static double name##_potential(const double *c, const double *y)
-#define TERM_POWER(name) static double name##_power(const double *c, UNUSED double t, const double *y)
 
 #define TERM_BODIES
 #include "terms.def"

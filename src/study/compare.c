@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* compare: the same scene integrated by several methods and step sizes, with error, energy, cost and a verdict in
  * words. */
-#include <hooke/study.h>
+#include "solve.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
-/* What the one-step matrix of the method says of the energy of one undriven linear oscillator. */
+/* What the one-step matrix (or the growth factor) of the method says of the energy of one undriven linear oscillator.
+ */
 struct prediction {
     bool known;
     double growth; /* spectral radius: amplitude factor a step */
@@ -35,16 +37,19 @@ static struct prediction predict(const struct run *run)
     struct prediction prediction = {.growth = run->plan.growth, .factor = NAN, .exact = NAN, .swing = NAN};
     bool oscillates = o->stiffness > 0 && fabs(o->damping) < 2 * sqrt(o->stiffness);
     if (!o->whole || !run->system.linear || !run->system.autonomous || o->gravity != 0 || !oscillates ||
-        run->plan.adaptive || isnan(run->plan.growth)) {
+        run->plan.adaptive) {
         return prediction;
     }
-    double omega = sqrt(o->stiffness);
+    double omega = sqrt(o->stiffness), x = omega * run->settings.dt, zeta = o->damping / (2 * omega);
     double matrix[4];
-    prediction.known = method_amplification(run->method, run->settings.drag, omega * run->settings.dt,
-                                            o->damping / (2 * omega), matrix);
-    prediction.factor = exp(2 * (double)run->steps * log(run->plan.growth));
+    bool one_step = method_amplification(run->method, run->settings.drag, x, zeta, matrix);
+    if (isnan(prediction.growth)) { /* a method of several steps */
+        prediction.growth = method_growth(run->method, run->settings.drag, x, zeta);
+    }
+    prediction.known = !isnan(prediction.growth);
+    prediction.factor = exp(2 * (double)run->steps * log(prediction.growth));
     prediction.exact = exp(-o->damping * (run->t - run->system.t0));
-    prediction.swing = prediction.known ? ellipse_swing(matrix) : NAN;
+    prediction.swing = one_step ? ellipse_swing(matrix) : NAN;
     return prediction;
 }
 
@@ -59,6 +64,49 @@ static const char *span_text(double seconds, char out[48])
 
 /* A predicted factor over the whole run within this of 1 counts as bounded. */
 #define BOUNDED 0.02
+
+/* max |energy-error| over the last quarter of the rows / over the first; NAN: not known. */
+static double energy_trend(const struct run *run)
+{
+    const struct observable *missing =
+        (const struct observable *)(const void *)catalog_find(&observable_catalog, TEXT("energy-error"));
+    const size_t n = trace_count(run->trace);
+    double *value = malloc(n * sizeof *value), most[4] = {0};
+    struct error ignored;
+    const bool known = value && run_column(run, missing, value, &ignored);
+    for (size_t i = 0; known && i < n; i++)
+        most[4 * i / n] = fmax(most[4 * i / n], fabs(value[i]));
+    free(value);
+    return known ? most[3] / most[0] : NAN;
+}
+
+#define ROUNDING 1e-12 /* energy errors below are rounding */
+#define STEADY 1.5     /* a drift makes it four times as large, what is bounded stays */
+
+/* Where nothing predicts the energy: what it was seen to do. */
+static void observe(struct comparison *row, const char *span)
+{
+    const struct ledger *ledger = &row->ledger;
+    char *out = row->verdict;
+    const size_t size = sizeof row->verdict;
+    if (isnan(ledger->error_max))
+        snprintf(out, size, "reached %s", span);
+    else if (ledger->error_max <= ROUNDING)
+        snprintf(out, size, "energy balance kept to rounding in %s", span);
+    else if (!row->run->system.conservative)
+        snprintf(out, size, "energy balance within %.2g of E0 in %s", ledger->error_max, span);
+    else if (energy_trend(row->run) <= STEADY)
+        snprintf(out, size, "energy bounded: within %.2g of E0 in %s", ledger->error_max, span);
+    else if (row->energy_factor < 0.5 && row->energy_factor >= 0)
+        snprintf(out, size, "damped away by the method: energy x %.2g in %s", row->energy_factor, span);
+    else if (row->energy_factor > 2)
+        snprintf(out, size, "driven up by the method: energy x %.4g in %s", row->energy_factor, span);
+    else
+        snprintf(out, size, "energy drifts: by %.2g of E0 in %s", ledger->error, span);
+    const size_t used = strlen(out);
+    if (!isnan(row->errors.max))
+        snprintf(out + used, size - used, ", error %.2g of the amplitude", row->errors.max);
+}
 
 static void judge(struct comparison *row)
 {
@@ -91,22 +139,40 @@ static void judge(struct comparison *row)
                          prediction.exact);
             }
         }
-    } else if (!isnan(row->ledger.error_max)) {
-        snprintf(row->verdict, sizeof row->verdict, "energy balance within %.2g of E0 in %s", row->ledger.error_max,
-                 span);
     } else {
-        snprintf(row->verdict, sizeof row->verdict, "reached %s", span);
+        observe(row, span);
     }
 }
 
+/* Without a closed form: the same solve again on the common grid, against the reference. */
+static void measure(struct comparison *row, const struct reference *reference, const struct cancel *cancel)
+{
+    const struct run *run = row->run;
+    const size_t size = (size_t)STUDY_TIMES * (size_t)run->system.n;
+    double *grid = malloc(size * sizeof *grid);
+    struct solver solver;
+    if (grid && solver_init(&solver, &run->system, run->method, &run->settings, reference->span)) {
+        struct study_errors errors;
+        if (solver_run(&solver, grid, cancel) == STOP_END) {
+            grid_errors(&run->system, reference, grid, &errors);
+            row->errors.end = errors.end;
+            row->errors.max = errors.max;
+        }
+        solver_free(&solver);
+    }
+    free(grid);
+}
+
 static bool compare_one(const struct compare_request *request, const struct contender *contender, double dt, double tol,
-                        struct comparison *row, struct error *error)
+                        const struct reference *reference, struct comparison *row, struct error *error)
 {
     *row = (struct comparison){.order = NAN, .predicted_factor = NAN, .energy_factor = NAN};
     struct run_settings settings = {
         .dt = dt,
         .tol = contender->method->flags & METHOD_ADAPTIVE ? tol : 0,
         .drag = contender->drag,
+        .kernel = KERNEL_SPECIALISED, /* methods are compared, not powers of their matrices: evaluations are counted */
+        .compensated = request->compensated,
         .record = request->record,
     };
     row->run = run_create(request->scene, contender->method, &settings, request->duration, error);
@@ -120,13 +186,19 @@ static bool compare_one(const struct compare_request *request, const struct cont
         return true; /* the caller drops the row: nothing more is computed for it */
     }
     run_errors(row->run, &row->errors);
+    if (reference->y) {
+        memcpy(row->reference, reference->by, sizeof row->reference);
+        row->errors.floor = reference->accuracy;
+        if (row->run->stop == STOP_END)
+            measure(row, reference, request->cancel);
+    }
     run_ledger(row->run, &row->ledger);
     row->energy_factor = row->ledger.final / row->ledger.initial;
     if (row->run->stop == STOP_END) {
         time_solve(&row->run->system, contender->method, &row->run->settings, request->duration, request->timing,
                    request->cancel, &row->time);
     } else {
-        row->time = (struct timing_result){NAN, NAN, NAN, 0};
+        row->time = (struct timing_result){.minimum = NAN, .median = NAN, .spread = NAN};
     }
     judge(row);
     return true;
@@ -169,16 +241,11 @@ bool study_compare_plan(const struct compare_request *request, double *steps, do
     return true;
 }
 
-bool study_compare(const struct compare_request *request, struct comparison *rows, int *count, struct error *error)
+static bool compare_all(const struct compare_request *request, const struct reference *reference,
+                        struct comparison *rows, int *count, struct error *error)
 {
-    *count = 0;
     bool by_tol = request->tols > 0;
     int settings = by_tol ? request->tols : request->dts;
-    /* All refusals before any work: a setting that cannot be run would otherwise waste the ones before it. */
-    double steps, seconds;
-    if (!study_compare_plan(request, &steps, &seconds, error)) {
-        return false;
-    }
     for (int c = 0; c < request->contenders; c++) {
         for (int s = 0; s < settings; s++) {
             bool adaptive = by_tol && (request->contender[c].method->flags & METHOD_ADAPTIVE);
@@ -187,7 +254,7 @@ bool study_compare(const struct compare_request *request, struct comparison *row
             }
             struct comparison *row = &rows[*count];
             if (!compare_one(request, &request->contender[c], request->dt[by_tol ? 0 : s],
-                             adaptive ? request->tol[s] : 0, row, error)) {
+                             adaptive ? request->tol[s] : 0, reference, row, error)) {
                 return false;
             }
             if (cancelled(request->cancel)) {
@@ -202,6 +269,29 @@ bool study_compare(const struct compare_request *request, struct comparison *row
         }
     }
     return true;
+}
+
+bool study_compare(const struct compare_request *request, struct comparison *rows, int *count, struct error *error)
+{
+    *count = 0;
+    /* All refusals before any work: a setting that cannot be run would otherwise waste the ones before it. */
+    double steps, seconds;
+    struct system system;
+    struct error none = {0};
+    struct reference reference = {0};
+    if (!study_compare_plan(request, &steps, &seconds, error) || !scene_bind(request->scene, &system, error)) {
+        return false;
+    }
+    /* Without a reference there are no errors; that is no reason not to compare. */
+    if (!system_has_exact(&system) &&
+        !study_reference(&system, request->duration, request->cancel, &reference, &none) &&
+        none.code != ERROR_NUMERICAL) {
+        *error = none;
+        return false;
+    }
+    bool ok = compare_all(request, &reference, rows, count, error);
+    reference_free(&reference);
+    return ok;
 }
 
 void comparison_free(struct comparison *row)

@@ -74,10 +74,13 @@ static void say_earlier(const struct session *session, int count, struct buffer 
     pan(session, -count * session->front.width / 8.0, line);
 }
 
+/* Beyond the oldest line, where `scroll` may have gone, nothing moves: a page counts from that line on. */
 static void page(const struct session *session, int pages, struct buffer *line)
 {
-    const int rows = screen_log_rows(session, session->front.width, session->front.height);
-    buffer_format(line, "scroll %d", pages * (rows > 1 ? rows - 1 : 1));
+    const int width = session->front.width, height = session->front.height, scroll = session->view.scroll;
+    const int rows = screen_log_rows(session, width, height), most = screen_log_most(session, width, height);
+    const int from = scroll < most ? scroll : most, to = from + pages * (rows > 1 ? rows - 1 : 1);
+    buffer_format(line, "scroll %d", (to < most ? to : most) - scroll);
 }
 
 static void say_page_up(const struct session *session, int count, struct buffer *line)

@@ -339,6 +339,21 @@ void panes_process(struct panes *panes)
 
 /* ---- beginning and end ------------------------------------------------------------------------------------ */
 
+/* What was typed ahead of `plain` is for the prompt. */
+static void hand_over(struct panes *panes)
+{
+    unsigned char byte;
+    struct text paste;
+    enum input_item item;
+    while ((item = input_next(&panes->input, INT64_MAX, &byte, &paste)) != INPUT_NONE) {
+        const struct text typed = item == INPUT_BYTE    ? (struct text){(const char *)&byte, 1}
+                                  : item == INPUT_PASTE ? paste
+                                                        : TEXT("");
+        for (size_t i = 0; i < typed.len && rl_stuff_char(typed.at[i]); i++) {
+        }
+    }
+}
+
 void panes_run(struct program *program)
 {
     struct session *session = program->session;
@@ -368,7 +383,7 @@ void panes_run(struct program *program)
     edit_begin(nowhere);
     keys_choose(session);
     if (!program->reply->quiet && session->log.count == 0) {
-        reply_line(program->reply, "hooke %s: 'help' lists the commands, Tab completes, F1 explains, Ctrl-D leaves",
+        reply_line(program->reply, "hooke %s: 'help' lists commands, Tab completes, F1 explains, Ctrl-D leaves",
                    HOOKE_VERSION);
     }
     while (!panes_over(&panes)) {
@@ -381,6 +396,9 @@ void panes_run(struct program *program)
     panes_active = NULL;
     if (!panes.input.closed) {
         await_answer(&panes);
+    }
+    if (program->next == FRONT_IS_PLAIN) {
+        hand_over(&panes);
     }
     screen_end(&panes.screen);
     signals_watch(0);

@@ -208,7 +208,7 @@ void prompt_run(struct program *program)
     crash_modes();
     crash_arm(TEXT("\033[?2004l\r\n")); /* what readline switches on */
     if (!program->reply->quiet) {
-        reply_line(program->reply, "hooke %s: 'help' lists the commands, Tab completes, Ctrl-D leaves", HOOKE_VERSION);
+        reply_line(program->reply, "hooke %s: 'help' lists commands, Tab completes, Ctrl-D leaves", HOOKE_VERSION);
     }
     while (!session->quit && !signals_ending() && program->next == FRONT_END && streams_flush(program->streams)) {
         front_probe(&session->front, program->options, STDOUT_FILENO);

@@ -39,6 +39,7 @@ struct division {
 struct division screen_division(const struct session *session, int height);
 int screen_places(const struct session *session, struct rectangle area, struct place place[PLACES_MOST]);
 bool pane_is_timed(enum pane pane); /* its horizontal axis is the time */
+bool pane_is_plane(enum pane pane); /* one part of the state against another: phase, orbit */
 
 /* ---- panes.c ---- */
 
@@ -54,6 +55,9 @@ void cursors_table(const struct screen *screen, struct rectangle at);
 
 /* ---- one file each ---- */
 
+/* Run numbers instead of names where those do not fit into the frame of width x height [cell]. */
+void labels_shorten(struct screen *screen, int width, int height, const struct figure_request *request,
+                    struct figure *figure);
 void state_line_draw(const struct screen *screen, int y);
 void numbers_draw(const struct screen *screen, struct text hint, int y);
 void log_draw(const struct screen *screen, struct rectangle at);

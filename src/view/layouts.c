@@ -51,7 +51,12 @@ static const struct arrangement arrangements[] = {
 
 bool pane_is_timed(enum pane pane)
 {
-    return pane != PANE_PHASE && pane != PANE_SPECTRUM;
+    return !pane_is_plane(pane) && pane != PANE_SPECTRUM;
+}
+
+bool pane_is_plane(enum pane pane)
+{
+    return pane == PANE_PHASE || pane == PANE_ORBIT;
 }
 
 static bool offered(const struct session *session, enum pane pane)
@@ -60,13 +65,14 @@ static bool offered(const struct session *session, enum pane pane)
     return !row->offered || row->offered(session);
 }
 
-/* The panes that make sense here. The focused one stands in the first place if the layout does not have it. */
+/* The panes that make sense here. An orbit, where there is one, says more than the phase plot of one coordinate. */
 static int choose_panes(const struct session *session, const enum pane *wanted, int count, enum pane *out)
 {
+    const bool orbit = offered(session, PANE_ORBIT) && session->view.focus != PANE_PHASE;
     int n = 0;
     for (int i = 0; i < count; i++)
         if (offered(session, wanted[i]))
-            out[n++] = wanted[i];
+            out[n++] = wanted[i] == PANE_PHASE && orbit ? PANE_ORBIT : wanted[i];
     return n;
 }
 
@@ -106,7 +112,7 @@ static int stack_column(struct rectangle area, const struct arrangement *a, cons
 static int right_width(const struct arrangement *a, const enum pane *right, int rights, struct rectangle area)
 {
     int most = area.width * 2 / 5, square = 2 * (area.height - SHARED_ROWS - 1) + PHASE_LABELS;
-    if (a->numbered || right[0] != PANE_PHASE || rights > 1)
+    if (a->numbered || !pane_is_plane(right[0]) || rights > 1)
         return most;
     return larger(smaller(square, most), PHASE_LEAST);
 }
@@ -124,6 +130,7 @@ int screen_places(const struct session *session, struct rectangle area, struct p
         rights = choose_panes(session, a->right, a->rights, right);
     if (!lefts && !rights)
         left[lefts++] = PANE_POSITION;
+    /* The focused one stands in the first place if the layout does not have it. */
     if (offered(session, view->focus) && !holds(left, lefts, view->focus) && !holds(right, rights, view->focus))
         *(lefts ? left : right) = view->focus;
     if (!lefts || !rights) {

@@ -14,13 +14,15 @@ static double present(const struct run *run, const char *name)
     return run_observable(run, (const struct observable *)(const void *)row);
 }
 
-/* "1.741 mJ": four digits, in the unit of the start as long as that is near. */
+/* "E=1.741 mJ": four digits, in the unit of the start as long as that is near. */
 static void put_energy(struct buffer *out, const struct run *run, double energy)
 {
     double start = system_kinetic(&run->system, run->system.start) + system_potential(&run->system, run->system.start);
+    const struct row *row = catalog_find(&observable_catalog, TEXT("energy"));
+    enum quantity quantity = observable_quantity((const struct observable *)(const void *)row, &run->system);
     const struct unit *unit = unit_display(
-        QUANTITY_ENERGY, fabs(energy) < 100 * fabs(start) && fabs(start) < 100 * fabs(energy) ? start : energy);
-    buffer_format(out, "E=%#.4g %s", energy / (unit ? unit->factor : 1), unit ? unit->row.name : "J");
+        quantity, fabs(energy) < 100 * fabs(start) && fabs(start) < 100 * fabs(energy) ? start : energy);
+    buffer_format(out, "E=%#.4g%s%s", energy / (unit ? unit->factor : 1), unit ? " " : "", unit ? unit->row.name : "");
 }
 
 /* "dE/E0=-3.1e-6"; where drag or a drive changes the energy, the error of its balance. */
@@ -91,7 +93,8 @@ void numbers_draw(const struct screen *screen, struct text hint, int y)
     int x = put_numbers(screen, LEAD, y);
     if (screen->session->view.scroll > 0) {
         char text[48];
-        snprintf(text, sizeof text, "PgDn: %d newer lines", screen->session->view.scroll);
+        const int most = screen_log_most(screen->session, width, screen->canvas->height);
+        snprintf(text, sizeof text, "PgDn: %d newer lines", smaller(screen->session->view.scroll, most));
         put_field(screen, x, y, text_of(text), 0, STYLE_BOLD);
     } else {
         put_field(screen, x, y, text_of(width < KEYS_LONG ? keys : long_keys), 0, STYLE_DIM);

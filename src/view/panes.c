@@ -22,7 +22,7 @@ static const struct pane_kind kinds[] = {
     [PANE_POSITION] = {PLOT_POSITION, "", NULL, false},        [PANE_ENERGY] = {PLOT_ENERGY, "", "energy", true},
     [PANE_PHASE] = {PLOT_PHASE, "phase", NULL, false},         [PANE_VELOCITY] = {PLOT_VELOCITY, "", NULL, false},
     [PANE_ERROR] = {PLOT_ERROR, "", "error", false},           [PANE_RESIDUAL] = {PLOT_RESIDUAL, "", NULL, false},
-    [PANE_SPECTRUM] = {PLOT_SPECTRUM, "spectrum", NULL, true},
+    [PANE_SPECTRUM] = {PLOT_SPECTRUM, "spectrum", NULL, true}, [PANE_ORBIT] = {PLOT_ORBIT, "orbit", NULL, false},
 };
 
 /* ---- what is asked of the session ---- */
@@ -58,7 +58,9 @@ static int shown_runs(const struct session *session, int place[1 + LIMIT_OVERLAY
     }
     for (int i = 0; count > 0 && i < session->view.overlays; i++) {
         for (int r = 0; r < session->runs; r++) {
-            if (session->run[r]->run->number == session->view.overlay[i] && r != session->current_run) {
+            const struct run *run = session->run[r]->run;
+            if (run->number == session->view.overlay[i] && r != session->current_run &&
+                run->system.model == session_run(session)->system.model) {
                 place[count++] = r;
             }
         }
@@ -101,20 +103,22 @@ static struct figure_request make_request(const struct screen *screen, const str
 static void empty_figure(const struct screen *screen, const struct place *place, struct figure *figure)
 {
     const struct setup *setup = &screen->session->setup;
+    const struct variable *first = &setup->scene.model->variable[0];
     struct system system;
     struct error ignored;
     *figure =
         (struct figure){.x = {.label = "t", .unit = "s", .from = 0, .to = setup->settings.duration, .fixed = true},
-                        .y = {.label = "y", .unit = "m", .factor = 1},
+                        .y = {.label = first->name, .unit = quantity_unit(first->quantity), .factor = 1},
                         .zero_line = true};
     if (place->pane == PANE_POSITION && scene_bind(&setup->scene, &system, &ignored)) {
-        const struct unit *unit = unit_display(QUANTITY_LENGTH, system.scale[0]);
-        figure->y = (struct axis){.label = "y",
-                                  .unit = unit ? unit->row.name : "m",
-                                  .factor = unit ? unit->factor : 1,
-                                  .from = -system.scale[0],
-                                  .to = system.scale[0],
-                                  .fixed = true};
+        const struct unit *unit = unit_display(first->quantity, system.scale[0]);
+        if (unit) {
+            figure->y.unit = unit->row.name;
+            figure->y.factor = unit->factor;
+        }
+        figure->y.from = -system.scale[0];
+        figure->y.to = system.scale[0];
+        figure->y.fixed = true;
     }
 }
 
@@ -190,9 +194,9 @@ static void extend_expected(const struct session *session, const struct figure *
         return;
     }
     bool speed = pane == PANE_VELOCITY || (pane == PANE_PHASE && vertical && !figure->equal);
-    double size = system->scale[speed && system->order == 2 ? system->n / 2 : 0];
+    double size = system->scale[speed ? system->n / 2 : 0];
     extend(extent, size);
-    extend(extent, -size);
+    extend(extent, system->order == 2 ? -size : 0);
 }
 
 static void fix_axis(struct axis *axis, const double range[2])
@@ -219,7 +223,7 @@ static void settle_ranges(const struct screen *screen, const struct place *place
     settle(&figure->y, extent, place->at.height);
     if (figure->x.fixed && pane_is_timed(place->pane) && !has_time_range(view))
         reach_label(&figure->x, place->at.width);
-    if (place->pane != PANE_PHASE)
+    if (!pane_is_plane(place->pane))
         return;
     struct extent across = extent_of(figure, false);
     extend_expected(screen->session, figure, place->pane, false, &across);
@@ -259,6 +263,11 @@ static const char *numbered_title(struct screen *screen, const struct place *pla
     return arena_text(&screen->arena, text_of(text));
 }
 
+static int drawn_height(const struct place *place)
+{
+    return place->at.height + (place->open ? 3 : 0); /* axis, labels and lower frame will not be seen */
+}
+
 static bool make_figure(struct screen *screen, const struct place *place, int width, bool alone, struct figure *figure)
 {
     const struct pane_kind *kind = &kinds[place->pane];
@@ -278,13 +287,13 @@ static bool make_figure(struct screen *screen, const struct place *place, int wi
     figure->title = numbered_title(screen, place);
     if (kind->label)
         figure->y.label = kind->label;
-    figure->has_point = figure->has_point && place->pane == PANE_PHASE;
-    if (place->pane == PANE_PHASE && place->at.width >= CAPTION_WIDTH) {
+    figure->has_point = figure->has_point && pane_is_plane(place->pane);
+    if (pane_is_plane(place->pane) && place->at.width >= CAPTION_WIDTH) {
         figure->caption = figure->note;
         figure->note = NULL;
     }
     /* The curves are those of the first pane, unless that has none of a run. */
-    if (place->pane == PANE_PHASE || (place->joined && place[-1].pane != PANE_RESIDUAL)) {
+    if (pane_is_plane(place->pane) || (place->joined && place[-1].pane != PANE_RESIDUAL)) {
         struct curve *plain = arena_array(&screen->arena, (size_t)figure->curves + 1, sizeof *plain);
         for (int i = 0; plain && i < figure->curves; i++) {
             plain[i] = figure->curve[i];
@@ -293,12 +302,9 @@ static bool make_figure(struct screen *screen, const struct place *place, int wi
         figure->curve = plain;
         figure->curves = plain ? figure->curves : 0;
     }
+    if (figure->title && request.runs > 1)
+        labels_shorten(screen, place->at.width, drawn_height(place), &request, figure);
     return figure->title != NULL;
-}
-
-static int drawn_height(const struct place *place)
-{
-    return place->at.height + (place->open ? 3 : 0); /* axis, labels and lower frame will not be seen */
 }
 
 /* A parameter was changed here while the run went on. */

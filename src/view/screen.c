@@ -55,6 +55,15 @@ int screen_log_rows(const struct session *session, int width, int height)
     return screen_division(session, height).log;
 }
 
+int screen_log_most(const struct session *session, int width, int height)
+{
+    int rows = 0;
+    for (int i = 0; i < session->log.count; i++)
+        rows += log_rows(text_of(log_line(&session->log, i)), width);
+    /* The table of the cursors gives way once the log is scrolled. */
+    return larger(rows - screen_log_rows(session, width, height), session->view.cursors.shown);
+}
+
 static int time_axis(const struct session *session, int width, int height, double span[2])
 {
     struct screen screen = {.session = session, .charset = session_charset(session)};

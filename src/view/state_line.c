@@ -30,7 +30,7 @@ static void put_quantity(struct buffer *out, double value, enum quantity quantit
 
 static void put_parameter(struct buffer *out, const struct scene *scene, int i, const char *gap)
 {
-    const struct param_row *param = (const struct param_row *)(const void *)catalog_row(&param_catalog, (size_t)i);
+    const struct param_row *param = (const struct param_row *)(const void *)catalog_row(scene_params(scene), (size_t)i);
     buffer_format(out, "%s%s=", gap, param->row.name);
     if (scene->value[i] == 0 || param->quantity == QUANTITY_RATE) /* 1/s goes without saying */
         buffer_short(out, scene->value[i], 3);
@@ -38,23 +38,26 @@ static void put_parameter(struct buffer *out, const struct scene *scene, int i, 
         buffer_quantity(out, scene->value[i], param->quantity, 3);
 }
 
-/* Mass and spring, and whatever the user has set, `most` in all; the start only on request. */
+/* Those that matter and are not 0, `most` in all; where it starts only on request. */
 static void put_parameters(struct buffer *out, const struct scene *scene, int most, bool start)
 {
-    static const char *const starts[] = {"y0", "v0", "t0"};
-    for (int i = 0; i < (int)param_catalog.count; i++) {
-        const char *name = catalog_row(&param_catalog, (size_t)i)->name;
-        bool of_start = false;
-        for (size_t j = 0; j < COUNT_OF(starts); j++)
-            of_start |= strcmp(name, starts[j]) == 0;
-        bool always = strcmp(name, "m") == 0 || strcmp(name, "k") == 0;
-        if (of_start || most <= 0 || !(always || (scene->given[i] && scene->value[i] != 0)))
+    const int count = (int)scene_params(scene)->count, t0 = scene_param(scene, "t0");
+    bool is_start[PARAM_MAX];
+    for (int i = 0; i < count; i++) {
+        is_start[i] = scene_param_is_start(scene, i);
+        if (is_start[i] || most <= 0 || !scene_param_matters(scene, i) ||
+            (scene->value[i] == 0 && !scene_param_always(scene, i)))
             continue;
         put_parameter(out, scene, i, "  ");
         most--;
     }
-    for (size_t j = 0; j + 1 < COUNT_OF(starts) && start; j++)
-        put_parameter(out, scene, param_index(starts[j]), j ? " " : "  ");
+    const char *gap = "  ";
+    for (int i = 0; i < count && start; i++) {
+        if (!is_start[i] || i == t0)
+            continue;
+        put_parameter(out, scene, i, gap);
+        gap = " ";
+    }
 }
 
 /* 2 decimals, more where the step is finer. */
@@ -153,7 +156,7 @@ void state_line_draw(const struct screen *screen, int y)
         if (text_width(buffer_text(&text)) <= width)
             break;
         if (forms[i].parameters && !forms[i].steps && parameters > 2) /* the last ones go before all do */
-            parameters = smaller(parameters, (int)param_catalog.count) - 1;
+            parameters = smaller(parameters, (int)scene_params(&screen->session->setup.scene)->count) - 1;
         else
             i++;
     }

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #define CORPUS "fuzz_command"
+#include "../terminal/folder.h"
 #include "replay.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
@@ -36,7 +37,7 @@ static void settle(void)
     if (!done) {
         done = true;
         struct rlimit small = {1 << 20, 1 << 20};
-        if (!mkdtemp(folder) || chdir(folder) != 0) {
+        if (!make_folder(folder) || chdir(folder) != 0) {
             abort();
         }
         setrlimit(RLIMIT_FSIZE, &small);

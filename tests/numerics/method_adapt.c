@@ -49,23 +49,80 @@ static double journey_error(const struct method *method, const struct system *sy
     return largest;
 }
 
+enum { TOLERANCES = 7, STEPS = 100000 }; /* 1e-4 … 1e-10, but not where rounding adds up over more steps than that */
+
+/* log error = slope log tol + constant, up to a factor of scatter; ratio: error/tol midway */
+struct line {
+    double slope, scatter, ratio;
+};
+
+static struct line fit_line(const double *error, const double *tol, int count)
+{
+    double x = 0, y = 0, xx = 0, xy = 0, most = 0;
+    for (int i = 0; i < count; i++) {
+        x += log(tol[i]) / count;
+        y += log(error[i]) / count;
+    }
+    for (int i = 0; i < count; i++) {
+        xx += (log(tol[i]) - x) * (log(tol[i]) - x);
+        xy += (log(tol[i]) - x) * (log(error[i]) - y);
+    }
+    for (int i = 0; i < count; i++)
+        most = fmax(most, fabs(log(error[i]) - y - xy / xx * (log(tol[i]) - x)));
+    return (struct line){xy / xx, exp(most), exp(y - x)};
+}
+
+/*
+ * The error is proportional to the tolerance, with little scatter, and at most ten times it for every method. On this
+ * linear scene some are of an order more than they claim, which lifts the slope by up to a fifth.
+ */
 static void test_error_follows_tolerance(void **state)
+{
+    (void)state;
+    struct system system = SPRING({NULL, 0});
+    int wrong = 0;
+    for (size_t m = 0; m < method_catalog.count; m++) {
+        const struct method *method = method_at(m);
+        if (!(method->flags & METHOD_ADAPTIVE))
+            continue;
+        double tol[TOLERANCES], error[TOLERANCES], most = 0;
+        bool bad = false;
+        int count = 0;
+        for (int i = 0; i < TOLERANCES && (i == 0 || shared.accepted < STEPS); i++, count++) {
+            tol[i] = pow(10, -4 - i);
+            error[i] = journey_error(method, &system, tol[i], 10, 1);
+            most = fmax(most, error[i] / tol[i]);
+            bad = bad || (double)shared.step.cost.rejected > 2 + 0.02 * (double)shared.accepted;
+        }
+        struct line line = fit_line(error, tol, count);
+        bad = bad || count < 4 || most > 10 || line.slope < 0.9 || line.slope > 1.2 || line.scatter > 2;
+        if (bad || getenv("VERBOSE"))
+            print_message("%-18s slope %.3f, scatter %.2f, error/tol %.3g, at most %.3g%s\n", method->row.name,
+                          line.slope, line.scatter, line.ratio, most, bad ? ": wrong" : "");
+        wrong += bad;
+    }
+    assert_int_equal(wrong, 0);
+}
+
+/* The error of a harmonic oscillation is the same in every step: once it is right, h stays as it is, bit for bit. */
+static void test_steps_settle(void **state)
 {
     (void)state;
     struct system system = SPRING({NULL, 0});
     for (size_t m = 0; m < method_catalog.count; m++) {
         const struct method *method = method_at(m);
-        if (!(method->flags & METHOD_ADAPTIVE))
+        if (!(method->flags & METHOD_ADAPTIVE) || !method->tableau)
             continue;
-        double least = HUGE_VAL, most = 0;
-        for (double tol = 1e-4; tol > 1e-11; tol /= 10) {
-            double error = journey_error(method, &system, tol, 10, 1);
-            assert_below("rejected", (double)shared.step.cost.rejected, 2 + 0.02 * (double)shared.accepted);
-            least = fmin(least, error / tol);
-            most = fmax(most, error / tol);
+        double settled = 0;
+        int steps = 0;
+        journey_begin(&shared, &system, 0, 1e-7);
+        for (; steps < 60; steps++) {
+            assert_int_equal(method_adapt(method, &shared.step, &shared.controller, 100), STEP_OK);
+            if (steps == 20)
+                settled = shared.step.h;
+            if (steps > 20)
+                assert_near(method->row.name, shared.step.h, settled, 0);
         }
-        assert_below("error/tol", most, 25);
-        assert_below("scatter of error/tol", most / least, 2);
     }
 }
 
@@ -95,8 +152,8 @@ static void test_costs_are_counted(void **state)
     assert_int_equal(travel(&shared, method_named("dopri5"), 3), STEP_OK);
     struct cost cost = shared.step.cost;
     assert_true(cost.rejected > 0);
-    /* Six for each attempt; one more for the first and after each rejection, when nothing can be reused. */
-    assert_int_equal(cost.evals, 6 * (shared.accepted + cost.rejected) + 1 + cost.rejected);
+    /* Six for each attempt, one more for the first: what was known at the start of a rejected step still holds. */
+    assert_int_equal(cost.evals, 6 * (shared.accepted + cost.rejected) + 1);
 }
 
 static void test_end_is_met_exactly(void **state)
@@ -190,7 +247,7 @@ static void test_no_growth_after_a_rejection(void **state)
     assert_near("step", shared.step.h, 0.2, 0);
     assert_near("proposal", shared.controller.h, 0.2, 0);
     assert_int_equal(method_adapt(method_named("dopri5"), &shared.step, &shared.controller, 0.3), STEP_OK);
-    assert_above("then it grows again", shared.controller.h, 0.5);
+    assert_above("then it grows again", shared.controller.h, 0.22);
 }
 
 static void test_nan_is_a_rejected_step(void **state)
@@ -237,18 +294,50 @@ static void test_stall(void **state)
     assert_true(shared.step.t < 2 && isfinite(shared.y[0]) && isfinite(shared.y[1]));
 }
 
+/* At the edge of the stability interval on the negative real axis (NUMERICS 1.2). */
 static void test_stiffness_is_noticed(void **state)
 {
     (void)state;
-    const struct method *dopri5 = method_named("dopri5");
+    static const struct {
+        const char *name;
+        double limit;
+    } known[] = {{"dopri5", 3.31}, {"tsit5", 3.51}, {"dop853", 6.39}};
     struct system stiff = SPRING({"gamma", 1e4}, {"k", 200}), soft = SPRING({"gamma", 0.3});
-    journey_begin(&shared, &stiff, 0, 1e-6);
-    assert_int_equal(travel(&shared, dopri5, 5), STEP_OK);
-    assert_near("at the stability limit of dopri5", shared.controller.stiffness, 3.3, 0.3);
-    journey_begin(&shared, &soft, 0, 1e-6);
-    assert_int_equal(travel(&shared, dopri5, 5), STEP_OK);
-    assert_below("not stiff", shared.controller.stiffness, 1.5);
-    assert_above("estimate", shared.controller.stiffness, 0.1);
+    for (size_t i = 0; i < COUNT_OF(known); i++) {
+        const struct method *method = method_named(known[i].name);
+        journey_begin(&shared, &stiff, 0, 1e-6);
+        assert_int_equal(travel(&shared, method, 5), STEP_OK);
+        assert_near(known[i].name, shared.controller.stiffness, known[i].limit, 0.15 * known[i].limit);
+        journey_begin(&shared, &soft, 0, 1e-6);
+        assert_int_equal(travel(&shared, method, 5), STEP_OK);
+        assert_below("not stiff", shared.controller.stiffness, known[i].limit / 2);
+        assert_above("estimate", shared.controller.stiffness, 0.1);
+    }
+}
+
+/* A rejected step leaves nothing behind: the same path as with the step size that was accepted, bit for bit. */
+static void test_rejection_leaves_no_trace(void **state)
+{
+    (void)state;
+    struct system system = SPRING({NULL, 0});
+    for (size_t m = 0; m < method_catalog.count; m++) {
+        const struct method *method = method_at(m);
+        if (!(method->flags & METHOD_ADAPTIVE) || !(method->tableau || method->nystrom))
+            continue;
+        double low[2] = {1e-20, -1e-19}, direct_low[2] = {1e-20, -1e-19};
+        journey_begin(&shared, &system, 0, 1e-6);
+        shared.step.low = low;
+        shared.controller.h = 3;
+        assert_int_equal(method_adapt(method, &shared.step, &shared.controller, 100), STEP_OK);
+        assert_true(shared.step.cost.rejected > 0);
+        double h = shared.step.h, y[2] = {shared.y[0], shared.y[1]};
+        journey_begin(&shared, &system, 0, 1e-6);
+        shared.step.low = direct_low;
+        shared.step.h = h;
+        assert_int_equal(method_step(method, &shared.step), STEP_OK);
+        assert_memory_equal(y, shared.y, sizeof y);
+        assert_memory_equal(low, direct_low, sizeof low);
+    }
 }
 
 /* ---- dense output ---- */
@@ -272,18 +361,26 @@ static double dense_error(const struct method *method, const struct system *syst
     return largest;
 }
 
-/* Local order: dopri5's interpolant h^5, Hermite's h^4, and never better than the step itself, h^(p+1). */
+/*
+ * Local order: h^p for own interpolants of methods above order 4 (not collocation, whose three stages give h^4), all
+ * others h^4, never better than the step, h^(p+1).
+ */
 static void test_dense_orders(void **state)
 {
     (void)state;
     const struct system systems[] = {SPRING({"gamma", 2}, {"v0", 0.3}, {"F0", 0.2}, {"omega", 5}),
-                                     SPRING({"v0", 0.3}, {"F0", 0.2}, {"omega", 5})};
+                                     SPRING({"v0", 0.3}, {"F0", 0.2}, {"omega", 5}), SPRING({"v0", 0.3})};
     for (size_t m = 0; m < method_catalog.count; m++) {
         const struct method *method = method_at(m);
-        const struct system system = first_fit(method, systems, 2);
-        int want = method->dense ? method->order : method->order == 0 || method->order > 3 ? 4 : method->order + 1;
-        double slope = log2(dense_error(method, &system, 2e-3) / dense_error(method, &system, 1e-3));
-        assert_near(method->row.name, slope, want, 0.1);
+        const struct system system = first_fit(method, systems, 3);
+        const int p = method->order;
+        if (method->growth)
+            continue; /* it remembers more than the state, so that the first step says nothing of the others */
+        int want = p > 4 && method->dense && !method->implicit ? p : p == 0 || p > 3 ? 4 : p + 1;
+        double h = want > 5 ? 2e-2 : 1e-3; /* an error far above rounding */
+        double coarse = dense_error(method, &system, 4 * h), middle = dense_error(method, &system, 2 * h);
+        double fine = dense_error(method, &system, h);
+        assert_near(method->row.name, 2 * log2(middle / fine) - log2(coarse / middle), want, 0.1);
     }
 }
 
@@ -314,6 +411,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_error_follows_tolerance),
+        cmocka_unit_test(test_steps_settle),
         cmocka_unit_test(test_tolerance_has_no_unit),
         cmocka_unit_test(test_costs_are_counted),
         cmocka_unit_test(test_end_is_met_exactly),
@@ -325,6 +423,7 @@ int main(void)
         cmocka_unit_test(test_nan_is_a_rejected_step),
         cmocka_unit_test(test_stall),
         cmocka_unit_test(test_stiffness_is_noticed),
+        cmocka_unit_test(test_rejection_leaves_no_trace),
         cmocka_unit_test(test_dense_orders),
         cmocka_unit_test(test_dense_meets_both_ends),
     };

@@ -16,6 +16,7 @@
 #include <utmp.h>
 
 #include "emulator.h"
+#include "folder.h"
 
 #define PATIENCE_NS                                                                                                    \
     (getenv("HASTE")                                                                                                   \

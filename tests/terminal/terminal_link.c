@@ -207,7 +207,7 @@ static void test_terminals(void **state)
 
 int main(int argc, char **argv)
 {
-    if (!mkdtemp(state_folder)) {
+    if (!make_folder(state_folder)) {
         return 1;
     }
     const struct CMUnitTest tests[] = {

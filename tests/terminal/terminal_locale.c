@@ -39,11 +39,6 @@ static bool build_comma_locale(void)
     return there;
 }
 
-static int remove_all(void)
-{
-    return run_program((const char *const[]){"rm", "-rf", locales, NULL});
-}
-
 static void read_and_remove(const char *path, struct buffer *content)
 {
     struct error error;
@@ -194,7 +189,7 @@ static void test_invalid_bytes(void **state)
 
 int main(void)
 {
-    if (!mkdtemp(state_folder) || !mkdtemp(locales)) {
+    if (!make_folder(state_folder) || !make_folder(locales)) {
         return 1;
     }
     const struct CMUnitTest tests[] = {
@@ -203,7 +198,5 @@ int main(void)
         cmocka_unit_test(test_missing_locale),
         cmocka_unit_test(test_invalid_bytes),
     };
-    const int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    remove_all();
-    return failed;
+    return cmocka_run_group_tests(tests, NULL, NULL);
 }

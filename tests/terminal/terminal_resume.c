@@ -17,7 +17,7 @@
 static void new_state(void)
 {
     snprintf(state_folder, sizeof state_folder, "%s", "/tmp/hooke-panes-XXXXXX");
-    assert_non_null(mkdtemp(state_folder));
+    assert_non_null(make_folder(state_folder));
 }
 
 static void folder_path(char path[256], const char *name)

@@ -142,7 +142,7 @@ static void test_scripts_from_standard_input(void **state)
 
 int main(void)
 {
-    if (!mkdtemp(state_folder)) {
+    if (!make_folder(state_folder)) {
         return 1;
     }
     const struct CMUnitTest tests[] = {

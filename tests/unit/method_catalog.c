@@ -122,16 +122,52 @@ static void test_refusals(void **state)
             assert_true(applies(method, &first, DRAG_DEFAULT));
     }
 
-    struct method fourth = *method_named("verlet"); /* as a splitting with negative substeps would be */
-    fourth.order = 4;
-    struct system free_of_drag = SPRING({NULL, 0});
-    assert_refused(&fourth, &linear, DRAG_DEFAULT, "backwards");
-    assert_refused(&fourth, &linear, DRAG_EXPLICIT, "backwards");
-    assert_true(applies(&fourth, &free_of_drag, DRAG_DEFAULT));
-
     struct method only_exact = *method_named("verlet");
     only_exact.drags = 1u << DRAG_EXACT;
     assert_refused(&only_exact, &linear, DRAG_EXPLICIT, "drag=explicit");
+}
+
+/* Splittings of an order above 2 step back and forth: of drag they take the linear one, exactly, and not too much. */
+static void test_splittings_of_higher_order(void **state)
+{
+    (void)state;
+    const double gamma = 0.25;
+    const struct system free_of_drag = SPRING({NULL, 0}), linear = SPRING({"gamma", gamma}),
+                        grows = SPRING({"gamma", -gamma}), quadratic = SPRING({"C", 1});
+    struct error error = {0};
+    int rows = 0;
+    for (size_t i = 0; i < method_catalog.count; i++) {
+        const struct method *method = method_at(i);
+        if (!method->splitting || method->order <= 2)
+            continue;
+        rows++;
+        assert_true(applies(method, &free_of_drag, DRAG_DEFAULT));
+        if (method->flags & METHOD_NO_VELOCITY) {
+            assert_refused(method, &linear, DRAG_DEFAULT, "depend on velocity");
+            continue;
+        }
+        assert_int_equal(resolved(method->row.name, &linear, DRAG_DEFAULT), DRAG_EXACT);
+        assert_refused(method, &quadratic, DRAG_DEFAULT, "pole");
+        assert_refused(method, &linear, DRAG_EXPLICIT, "drag=explicit");
+        assert_refused(method, &linear, DRAG_IMPLICIT, "drag=implicit");
+
+        double back = 0;
+        for (int k = !method->splitting->kick_first; k < method->splitting->count; k += 2)
+            back = fmax(back, -splitting_weight(method->splitting, k));
+        assert_in_range((uint64_t)(100 * back), 3, 100);
+        const double longest = 1 / (gamma * back);
+        assert_true(method_fits(method, &linear, DRAG_EXACT, 0.99 * longest, &error));
+        assert_true(method_fits(method, &linear, DRAG_EXACT, -0.99 * longest, &error));
+        assert_true(method_fits(method, &free_of_drag, DRAG_EXACT, 100 * longest, &error));
+        assert_false(method_fits(method, &grows, DRAG_EXACT, -1.01 * longest, &error));
+        assert_false(method_fits(method, &linear, DRAG_EXACT, 1.01 * longest, &error));
+        assert_non_null(strstr(error.text, method->row.name));
+        assert_non_null(strstr(error.text, "backwards"));
+        assert_non_null(strstr(error.hint, "dt <= "));
+    }
+    assert_true(rows >= 15);
+    assert_true(method_fits(method_named("verlet"), &linear, DRAG_EXACT, 1e9, &error));
+    assert_true(method_fits(method_named("rk4"), &linear, DRAG_DEFAULT, 1e9, &error));
 }
 
 int main(void)
@@ -139,7 +175,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_names_and_aliases), cmocka_unit_test(test_rows_are_complete),
         cmocka_unit_test(test_drag_names),        cmocka_unit_test(test_default_drag),
-        cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_refusals),          cmocka_unit_test(test_splittings_of_higher_order),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

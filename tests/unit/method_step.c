@@ -69,7 +69,8 @@ static int start_counting(void **state)
 static struct system rich_system(const struct method *method)
 {
     const struct system systems[] = {SPRING({"gamma", 0.4}, {"C", 2}, {"area", 0.1}, {"F0", 0.1}, {"g", 0.3}),
-                                     SPRING({"gamma", 0.4}, {"F0", 0.1}, {"g", 0.3}), SPRING({"F0", 0.1}, {"g", 0.3})};
+                                     SPRING({"gamma", 0.4}, {"F0", 0.1}, {"g", 0.3}), SPRING({"F0", 0.1}, {"g", 0.3}),
+                                     SPRING({"g", 0.3})};
     return first_fit(method, systems, COUNT_OF(systems));
 }
 
@@ -112,16 +113,23 @@ static void test_costs(void **state)
     static double work[WORK_ROOM];
     for (size_t m = 0; m < method_catalog.count; m++) {
         const struct method *method = method_at(m);
-        struct system system = rich_system(method);
+        /* Implicit methods need one solve where the scene is linear. */
+        struct system system =
+            method->flags & METHOD_IMPLICIT ? SPRING({"gamma", 0.4}, {"g", 0.3}) : rich_system(method);
         enum drag drag = DRAG_DEFAULT;
         struct error error;
         assert_true(method_applies(method, &system, &drag, &error));
         double y[2] = {0.05, 0};
-        struct step step = step_begin(&system, drag, 2, 0.25, y, work);
+        double h = method->flags & METHOD_MULTISTEP ? 1. / 64 : 0.25; /* the others are stable there */
+        struct step step = step_begin(&system, drag, 2, h, y, work);
         assert_int_equal(method_step(method, &step), STEP_OK);
-        assert_true(step.warm && step.t == 2.25);
+        assert_true(step.warm && step.t == 2 + h);
         struct cost cold = step.cost;
-        assert_in_range(cold.evals, method->evals, method->evals + 1);
+        if (method->flags & METHOD_MULTISTEP) /* starts by another method */
+            for (int i = 0; i < 8; i++, cold = step.cost)
+                assert_int_equal(method_step(method, &step), STEP_OK);
+        else
+            assert_in_range(cold.evals, method->evals, method->evals + 1);
         assert_int_equal(method_step(method, &step), STEP_OK);
         assert_int_equal(step.cost.evals - cold.evals, method->evals);
         assert_int_equal(step.cost.solves > 0, !!(method->flags & (METHOD_IMPLICIT | METHOD_EXACT)));
@@ -138,9 +146,9 @@ static void test_costs_of_newton(void **state)
     double y[2] = {1, 0};
     struct step step = step_begin(&system, DRAG_DEFAULT, 0, 0.1, y, work);
     assert_int_equal(method_step(method_named("backward-euler"), &step), STEP_OK);
-    assert_in_range(step.cost.jacobians, 3, 10);
-    assert_int_equal(step.cost.solves, step.cost.jacobians);
-    assert_in_range(step.cost.evals, step.cost.jacobians, step.cost.jacobians + 1);
+    assert_in_range(step.cost.jacobians, 1, 10);
+    assert_in_range(step.cost.solves, 3, 20);
+    assert_in_range(step.cost.evals, step.cost.solves, step.cost.solves + 2);
 }
 
 /* Work memory: nothing beyond method_work_size() is touched, and what a cold step finds there does not matter. */
@@ -176,7 +184,20 @@ static void test_work_memory(void **state)
     }
 }
 
-/* What a warm step reuses is what a cold one computes: the same bits (a clock that runs can differ by its rounding). */
+/* A step may depend on more than the state it begins with. */
+static bool remembers(const struct method *method)
+{
+    static const char *const rows[] = {"hht", "generalised-alpha", "wilson-theta"};
+    bool found = method->flags & METHOD_MULTISTEP;
+    for (size_t i = 0; i < COUNT_OF(rows); i++)
+        found |= strcmp(method->row.name, rows[i]) == 0;
+    return found;
+}
+
+/*
+ * What a warm step reuses is what a cold one computes: the same bits (a clock that runs can differ by its rounding), or,
+ * where the last stage's slope comes out of an equation that was solved, the same within rounding.
+ */
 static void test_warm_equals_cold(void **state)
 {
     (void)state;
@@ -189,7 +210,7 @@ static void test_warm_equals_cold(void **state)
             const struct system system = first_fit(method, systems, COUNT_OF(systems));
             enum drag drag = (enum drag)variant;
             struct error error;
-            if (!method_applies(method, &system, &drag, &error))
+            if (remembers(method) || !method_applies(method, &system, &drag, &error))
                 continue;
             double warm[2] = {0.05, 0.3}, cold[2] = {0.05, 0.3};
             struct step a = step_begin(&system, drag, 0, 0.03125, warm, work[0]);
@@ -199,7 +220,12 @@ static void test_warm_equals_cold(void **state)
                 b.warm = false;
                 assert_int_equal(method_step(method, &b), STEP_OK);
             }
-            assert_memory_equal(warm, cold, sizeof warm);
+            if (method->flags & METHOD_IMPLICIT) {
+                assert_near(method->row.name, warm[0], cold[0], 1e-15);
+                assert_near(method->row.name, warm[1], cold[1], 1e-14);
+            } else {
+                assert_memory_equal(warm, cold, sizeof warm);
+            }
         }
 }
 
@@ -312,9 +338,11 @@ static void test_symmetries(void **state)
         assert_true(mirrored[0] == -y[0] && mirrored[1] == -y[1]);
         assert_int_equal(advance_as(method, DRAG_DEFAULT, &odd, 777, 0.03, 100, later), STEP_OK);
         assert_memory_equal(later, y, sizeof y);
-        assert_int_equal(advance(method, &odd, 0.03, 37, parts), STEP_OK);
-        assert_int_equal(advance(method, &odd, 0.03, 63, parts), STEP_OK);
-        assert_memory_equal(parts, y, sizeof y);
+        if (!remembers(method)) {
+            assert_int_equal(advance(method, &odd, 0.03, 37, parts), STEP_OK);
+            assert_int_equal(advance(method, &odd, 0.03, 63, parts), STEP_OK);
+            assert_memory_equal(parts, y, sizeof y);
+        }
 
         double plain[2] = {0.05, 0.3}, scaled[2] = {ldexp(0.05, 30), ldexp(0.3, 30)};
         assert_int_equal(advance(method, &linear, 0.03, 100, plain), STEP_OK);
@@ -337,7 +365,7 @@ static void test_error_estimate(void **state)
         assert_true(method_applies(method, &system, &drag, &error));
         for (int i = 0; i < 2; i++) {
             double y[2] = {0.05, 0}, e[2] = {-7, -7};
-            struct step step = step_begin(&system, drag, 0, i ? 0.01 : 0.02, y, work);
+            struct step step = step_begin(&system, drag, 0, (method->embedded > 8 ? 0.1 : 0.01) * (2 - i), y, work);
             step.error = e;
             assert_int_equal(method_step(method, &step), STEP_OK);
             size[i] = hypot(e[0] / system.scale[0], e[1] / system.scale[1]);

@@ -275,7 +275,7 @@ static void test_budget(void **state)
 {
     (void)state;
     struct scene scene = spring();
-    struct run *run = start(&scene, "rk4", (struct run_settings){.dt = 1e-3}, HUGE_VAL);
+    struct run *run = start(&scene, "rk4", (struct run_settings){.dt = 1e-3, .kernel = KERNEL_GENERAL}, HUGE_VAL);
     go_steps(run, 100000); /* fast: the clock is read seldom now */
     struct term_row slow = *run->system.term[0].row;
     slow.add = slow_add;

@@ -240,7 +240,8 @@ static void test_what_is_left_out_is_not_computed(void **state)
 {
     (void)state;
     struct scene scene = spring();
-    struct run *run = start(&scene, "rk4", (struct run_settings){.dt = 0.01}, 10);
+    const struct run_settings settings = {.dt = 0.01, .kernel = KERNEL_GENERAL};
+    struct run *run = start(&scene, "rk4", settings, 10);
     assert_int_equal(run->system.terms, 1);
     struct term_row counting = *run->system.term[0].row;
     counting.add = counting_add;
@@ -254,7 +255,7 @@ static void test_what_is_left_out_is_not_computed(void **state)
     run_destroy(run);
 
     set(&scene, "gamma", 0.1);
-    run = start(&scene, "rk4", (struct run_settings){.dt = 0.01}, 10);
+    run = start(&scene, "rk4", settings, 10);
     assert_int_equal(run->system.terms, 2);
     struct term_row damping = *run->system.term[1].row;
     damping.power = counting_power;

@@ -112,9 +112,11 @@ static void test_decimated_run(void **state)
 {
     (void)state;
     struct scene scene = spring();
-    struct run_settings settings = {.dt = 1e-2, .memory = 200 * 24};
+    /* Specialised: of a decimated trace a propagator cannot find the beginning of its block again. */
+    struct run_settings settings = {.dt = 1e-2, .memory = 200 * 24, .kernel = KERNEL_SPECIALISED};
     struct run *whole = start(&scene, "verlet", settings, 100), *sliced = start(&scene, "verlet", settings, 100);
-    struct run *all = start(&scene, "verlet", (struct run_settings){.dt = 1e-2, .record = {RECORD_ALL, 0}}, 100);
+    struct run *all = start(&scene, "verlet", (struct run_settings){.dt = 1e-2, .kernel = KERNEL_SPECIALISED, .record = {RECORD_ALL, 0}},
+                            100);
     go_to(whole, 100);
     go_to(all, 100);
     go_to(sliced, 31.41);

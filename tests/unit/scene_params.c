@@ -44,6 +44,7 @@ static void test_tables(void **state)
         {"length", "m", 0.04}, {"eta", "Pa*s", 1.82e-5}, {"g", "m/s^2", 0},
         {"F0", "N", 0},        {"omega", "rad/s", 8},    {"phase", "rad", 0},
         {"y0", "m", 0.05},     {"v0", "m/s", 0},         {"t0", "s", 0},
+        {"k3", "N/m^3", 0},    {"mu", "1/s", 0},         {"width", "m", 1},
     };
     for (size_t i = 0; i < COUNT_OF(wanted); i++) {
         const struct param_row *row =
@@ -119,16 +120,23 @@ static void test_set_and_unset(void **state)
 static void test_presets(void **state)
 {
     (void)state;
-    static const char *const names[] = {"spring", "damped", "drag", "driven"};
+    static const char *const names[] = {"spring",  "damped",    "drag",         "driven",          "pendulum",
+                                        "duffing", "vanderpol", "stiff-spring", "stiff-vanderpol", "kepler"};
     for (size_t i = 0; i < COUNT_OF(names); i++)
         assert_non_null(catalog_find(&preset_catalog, text_of(names[i])));
     for (size_t i = 0; i < preset_catalog.count; i++) {
         const struct preset *preset = (const struct preset *)catalog_row(&preset_catalog, i);
-        struct scene scene, again;
+        struct scene scene;
+        struct error error = {0};
         scene_init(&scene, preset);
-        scene_init(&again, NULL);
-        for (size_t p = 0; p < param_catalog.count; p++) /* every value of a preset could have been typed */
-            set(&again, catalog_row(&param_catalog, p)->name, scene.value[p], 0);
+        for (size_t p = 0; p < scene_params(&scene)->count; p++) /* every value of a preset could have been typed */
+            if (!scene_set(&scene, (int)p, (struct measured){scene.value[p], 0}, &error))
+                fail_msg("%s: %s", preset->row.name, error.text);
+        for (size_t p = 0; p < COUNT_OF(preset->value) && preset->value[p].param; p++) {
+            int place = scene_param(&scene, preset->value[p].param);
+            if (place < 0 || scene.value[place] != preset->value[p].value) /* unknown, or there twice */
+                fail_msg("%s: %s", preset->row.name, preset->value[p].param);
+        }
     }
 }
 
@@ -163,6 +171,9 @@ static void test_derived(void **state)
     set(&scene, "k", 0, 0);
     assert_true(isnan(derive(&scene, "equilibrium").value));
     set(&scene, "k", 15, 0);
+    set(&scene, "k3", 15, 0);
+    assert_true(isnan(derive(&scene, "equilibrium").value)); /* with gravity the root of a cubic */
+    set(&scene, "k3", 0, 0);
     set(&scene, "gamma", 0, 0);
     assert_true(isnan(derive(&scene, "Q").value) && isnan(derive(&scene, "tau").value));
     set(&scene, "gamma", 20, 0);
@@ -244,6 +255,8 @@ static void test_reynolds(void **state)
     struct scene scene;
     scene_init(&scene, NULL);
     expect_near(scene_reynolds(&scene, 0.5), 1.204 * 0.5 * 0.04 / 1.82e-5, 1e-15);
+    scene_init(&scene, (const struct preset *)catalog_find(&preset_catalog, TEXT("kepler")));
+    assert_true(isnan(scene_reynolds(&scene, 0.5)));
     assert_string_equal(reynolds_regime(2299), "laminar");
     assert_string_equal(reynolds_regime(2300), "transitional");
     assert_string_equal(reynolds_regime(4000), "transitional");

@@ -28,6 +28,14 @@ static void test_only_what_is_needed(void **state)
     assert_int_equal(driven.terms, 1);
     assert_true(driven.linear && !driven.autonomous && !driven.velocity && !driven.conservative);
 
+    struct system duffing = BOUND({"k3", 2});
+    assert_true(!duffing.linear && duffing.conservative && !duffing.velocity && !duffing.oscillator.whole &&
+                duffing.oscillator.drag_whole);
+    struct system vanderpol = BOUND({"mu", 2});
+    assert_true(!vanderpol.conservative && vanderpol.velocity && !vanderpol.oscillator.whole &&
+                !vanderpol.oscillator.drag_whole);
+    assert_true(drag.oscillator.whole && drag.oscillator.drag_whole);
+
     struct system free = BOUND({"k", 0});
     assert_int_equal(free.terms, 0);
     assert_true(free.linear && free.conservative && free.autonomous);
@@ -54,7 +62,8 @@ static void test_spring_is_one_multiplication(void **state)
 static void test_parts_add_up(void **state)
 {
     (void)state;
-    struct system all = BOUND({"gamma", 0.3}, {"C", 20}, {"g", 9.81}, {"F0", 2}, {"phase", 0.5});
+    struct system all =
+        BOUND({"gamma", 0.3}, {"C", 20}, {"g", 9.81}, {"F0", 2}, {"phase", 0.5}, {"k3", 40}, {"mu", 0.2});
     assert_int_equal(all.terms, term_catalog.count);
     uint64_t seed = 5;
     for (int i = 0; i < 100; i++) {
@@ -94,7 +103,7 @@ static void test_parts_add_up(void **state)
         assert_true(fabs(slope - power) < 1e-7 * (1 + fabs(power)));
         double drive = 2 * cos(8 * t + 0.5) * y[1];
         assert_true(fabs(system_dissipation(&all, t, y) - (power - drive)) < 1e-14 * (1 + fabs(power)));
-        assert_true(system_dissipation(&all, t, y) < 0);
+        assert_true(system_dissipation(&all, t, y) < 0 && fabs(y[0]) < 1); /* 0.3 1/s damp more than 0.2 drive */
     }
 }
 
@@ -161,14 +170,12 @@ static void test_scale(void **state)
     expect_scale(BOUND({"y0", 0}, {"F0", 0.02}, {"omega", 0}), 0.1 / 75, 0.1 / omega);
     expect_scale(BOUND({"y0", 0}, {"F0", 0.02}, {"omega", 100}), 0.1 / (1e4 - 75), 10 / (1e4 - 75));
     expect_scale(BOUND({"y0", 0}, {"F0", 0.02}, {"omega", omega}), 0.1 / 7.5, 0.1 / 7.5 * omega);
-    for (size_t i = 0; i < preset_catalog.count; i++) {
-        struct scene scene;
-        struct system system;
-        struct error error;
-        scene_init(&scene, (const struct preset *)catalog_row(&preset_catalog, i));
-        assert_true(scene_bind(&scene, &system, &error));
-        assert_true(system.scale[0] > 1e-3 && system.scale[0] < 1 && system.scale[1] > 1e-2 && system.scale[1] < 10);
-    }
+    expect_scale(BOUND({"k", -20}, {"k3", 80}, {"y0", 0.01}), 0.5, 5); /* a well */
+    expect_scale(BOUND({"k", 0}, {"k3", 0.4}, {"y0", 0.2}), 0.2, 0.04 * sqrt(2));
+    expect_scale(BOUND({"k", 0}, {"k3", 0.4}, {"y0", 0}, {"v0", 1}), 1, sqrt(2)); /* 2 y^4/4 = v^2/2 */
+    expect_scale(BOUND({"mu", 0.1}, {"width", 0.5}), 1, omega);                   /* the limit cycle */
+    expect_scale(BOUND({"mu", 750}, {"width", 0.5}), 1, 0.1);                     /* creeps as k y/(m mu) */
+    expect_scale(BOUND({"mu", -2}), 0.05, 0.05 * omega);
 }
 
 static void expect_refused(const char *sentence, const struct setting *settings, size_t count)
@@ -199,6 +206,7 @@ static void test_overflow_is_refused(void **state)
     REFUSED("a coefficient of the drag term overflows", {"C", 1e300}, {"m", 1e-20}, {"k", 0});
     REFUSED("a coefficient of the drive term overflows", {"F0", 1e300}, {"m", 1e-10}, {"k", 0});
     REFUSED("the drag force overflows", {"C", 0.5}, {"v0", 1e160});
+    REFUSED("the cubic force overflows at y = 1e110 m", {"k3", 1}, {"y0", 1e110});
     (void)BOUND({"k", 1e300});
     (void)BOUND({"y0", 1e300});
 }

@@ -74,12 +74,16 @@ static bool check_flags(const struct sample *s)
 /* What the term adds to the oscillator is the same force. */
 static bool check_oscillator(const struct sample *s)
 {
-    struct oscillator o = {.whole = true};
+    struct oscillator o = {.whole = true, .drag_whole = true};
     double c[TERM_COEFFICIENTS];
     s->row->bind(s->param, c, &o);
-    if (!o.whole)
-        return true;
     double y = s->y[0], v = s->y[1];
+    if (o.whole && !o.drag_whole)
+        return false;
+    if (!o.whole) { /* then at least the drag is all there, or it says that it is not */
+        double still = acceleration(s, s->t, y, 0), drag = acceleration(s, s->t, y, v) - still;
+        return !o.drag_whole || close_to(drag, -o.damping * v - o.quadratic * fabs(v) * v, fabs(still) + fabs(drag));
+    }
     double a = -o.stiffness * y - o.damping * v - o.quadratic * fabs(v) * v - o.gravity +
                o.drive * cos(o.omega * s->t + o.phase);
     double wanted = acceleration(s, s->t, y, v);
@@ -92,6 +96,7 @@ static bool check_absent(const struct sample *s)
     double param[PARAM_MAX] = {0}, c[TERM_COEFFICIENTS] = {0};
     struct oscillator o = {.whole = true};
     param[param_index("m")] = s->mass;
+    param[param_index("width")] = 1; /* cannot be 0 either */
     struct sample none = *s;
     if (s->row->bind(param, c, &o))
         return false;
@@ -175,6 +180,13 @@ static bool wrong_bind(const double *param, double *c, struct oscillator *o)
     return there;
 }
 
+static bool drag_forgotten(const double *param, double *c, struct oscillator *o)
+{
+    bool there = term_named("vanderpol")->bind(param, c, o);
+    o->drag_whole = true;
+    return there;
+}
+
 static bool always_there(const double *param, double *c, struct oscillator *o)
 {
     (void)term_named("gravity")->bind(param, c, o);
@@ -205,6 +217,9 @@ static void test_wrong_rows_are_caught(void **state)
         }
     row = *term_named("spring");
     row.bind = wrong_bind;
+    assert_false(check_row(&row, 4));
+    row = *term_named("vanderpol");
+    row.bind = drag_forgotten;
     assert_false(check_row(&row, 4));
     row = *term_named("gravity");
     row.bind = always_there;

@@ -62,6 +62,7 @@ static void test_the_labs_comparison(void **state)
     assert_true(isnan(row[0].time.minimum));     /* TIMING_OFF: nothing is timed */
     for (int i = 0; i < count; i++) {
         assert_int_equal(row[i].run->steps, 1000);
+        assert_int_equal(row[i].run->cost.evals, 1000);
         comparison_free(&row[i]);
     }
 }
@@ -90,6 +91,71 @@ static void test_observed_orders(void **state)
         }
     }
     for (int i = 0; i < 9; i++) {
+        comparison_free(&row[i]);
+    }
+}
+
+/* Without a closed form errors are measured against a reference, and the verdict says what the energy did. */
+static void test_without_a_closed_form(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"verlet", "rk4"};
+    static const double dt[] = {0.008, 0.004};
+    struct scene scene;
+    struct contender contender[2];
+    struct compare_request request = request_for(&scene, contender, names, 2);
+    const struct row *drag = catalog_find(&preset_catalog, TEXT("drag"));
+    assert_non_null(drag);
+    scene_init(&scene, (const struct preset *)(const void *)drag);
+    request.dt = dt;
+    request.dts = 2;
+    request.duration = 9.984; /* whole numbers of steps, and grid times between them */
+    struct comparison row[4];
+    int count;
+    struct error error = {0};
+    assert_true(study_compare(&request, row, &count, &error));
+    assert_int_equal(count, 4);
+    close_to(row[1].order, 2, 0.02);
+    close_to(row[3].order, 4, 0.02);
+    for (int i = 0; i < count; i++) {
+        assert_non_null(row[i].reference[0]);
+        assert_ptr_not_equal(row[i].reference[0], row[i].reference[1]);
+        assert_true(row[i].errors.floor > 0 && row[i].errors.floor < 1e-8);
+        assert_non_null(strstr(row[i].verdict, "energy balance within"));
+        assert_non_null(strstr(row[i].verdict, "of the amplitude"));
+        comparison_free(&row[i]);
+    }
+}
+
+/* Nothing predicts the energy of a pendulum or a hardening spring: Verlet keeps it, Heun and Euler do not. */
+static void test_words_for_nonlinear_scenes(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"verlet", "heun", "euler", "backward-euler"};
+    static const char *const said[] = {"energy bounded", "energy drifts", "driven up by the method",
+                                       "damped away by the method"};
+    const struct row *duffing = catalog_find(&preset_catalog, TEXT("duffing"));
+    if (!duffing) {
+        print_message("no nonlinear conservative scene\n");
+        skip();
+    }
+    struct scene scene;
+    struct contender contender[4];
+    struct compare_request request = request_for(&scene, contender, names, 4);
+    scene_init(&scene, (const struct preset *)(const void *)duffing);
+    static const double dt[] = {0.02};
+    request.dt = dt;
+    request.duration = 20;
+    struct comparison row[4];
+    int count;
+    struct error error = {0};
+    assert_true(study_compare(&request, row, &count, &error));
+    assert_int_equal(count, 4);
+    for (int i = 0; i < count; i++) {
+        if (!strstr(row[i].verdict, said[i])) {
+            print_error("%s: %s\n", names[i], row[i].verdict);
+            fail();
+        }
         comparison_free(&row[i]);
     }
 }
@@ -183,6 +249,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_the_labs_comparison),
         cmocka_unit_test(test_observed_orders),
+        cmocka_unit_test(test_without_a_closed_form),
+        cmocka_unit_test(test_words_for_nonlinear_scenes),
         cmocka_unit_test(test_divergence_is_a_result),
         cmocka_unit_test(test_refusals_come_first),
         cmocka_unit_test(test_cancelled),

@@ -1,0 +1,140 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What a scene has: parameters, derived quantities and variables by name. Which there are depends on its model. */
+#include "internal.h"
+
+#include <string.h>
+
+const struct param_row *param_at(const struct scene *scene, int place)
+{
+    return (const struct param_row *)(const void *)catalog_row(scene_params(scene), (size_t)place);
+}
+
+double param_value(const struct scene *scene, const char *name)
+{
+    const int place = scene_param(scene, name);
+    return place >= 0 ? scene->value[place] : NAN;
+}
+
+bool param_given(const struct scene *scene, const char *name)
+{
+    const int place = scene_param(scene, name);
+    return place >= 0 && scene->given[place];
+}
+
+bool param_is_start(const struct scene *scene, int place)
+{
+    struct scene other = *scene;
+    struct system a, b;
+    struct error ignored;
+    const double value = scene->value[place];
+    other.value[place] = value == 0 ? 0.125 : 1.0625 * value;
+    if (!scene_bind(scene, &a, &ignored) || !scene_bind(&other, &b, &ignored) || a.terms != b.terms || a.mass != b.mass)
+        return false;
+    for (int i = 0; i < a.terms; i++)
+        if (a.term[i].row != b.term[i].row || memcmp(a.term[i].c, b.term[i].c, sizeof a.term[i].c) != 0)
+            return false;
+    return a.t0 != b.t0 || memcmp(a.start, b.start, (size_t)a.n * sizeof *a.start) != 0;
+}
+
+bool param_matters(const struct scene *scene, int place)
+{
+    const struct text name = text_of(param_at(scene, place)->row.name);
+    if (scene->model == &oscillator_model) /* it has many */
+        return scene->given[place] || text_is(name, "m") || text_is(name, "k");
+    return scene->given[place] || (scene->value[place] != 0 && !text_is(name, "t0"));
+}
+
+int model_variable(const struct model *model, struct text name)
+{
+    for (int i = 0; i < model->n; i++)
+        if (text_is(name, model->variable[i].name))
+            return i;
+    return -1;
+}
+
+static bool model_has(const struct model *model, struct text name)
+{
+    return catalog_find(model->params, name) || catalog_find(model->derived, name) || model_variable(model, name) >= 0;
+}
+
+const struct model *model_with(struct text name)
+{
+    for (const struct model *const *model = scene_models; *model; model++)
+        if (model_has(*model, name))
+            return *model;
+    return NULL;
+}
+
+const char *model_scene(const struct model *model)
+{
+    for (size_t i = 0; i < preset_catalog.count; i++) {
+        const struct preset *preset = (const struct preset *)(const void *)catalog_row(&preset_catalog, i);
+        if ((preset->model ? preset->model : &oscillator_model) == model)
+            return preset->row.name;
+    }
+    return model->row.name;
+}
+
+enum quantity model_quantity(const struct model *model, const struct observable *observable)
+{
+    const struct system system = {.model = model, .n = model->n, .order = model->order};
+    return observable_quantity(observable, &system);
+}
+
+bool model_offers(const struct model *model, const struct observable *observable)
+{
+    return model->order == 2 || !(observable->needs & NEED_MECHANICS);
+}
+
+static void put_params(const struct scene *scene, struct buffer *text)
+{
+    for (size_t i = 0; i < scene_params(scene)->count; i++)
+        buffer_format(text, " %s", param_at(scene, (int)i)->row.name);
+}
+
+bool hint_other_model(const struct session *session, struct text name, struct error *error)
+{
+    const struct scene *scene = &session->setup.scene;
+    const struct model *other = model_has(scene->model, name) ? NULL : model_with(name);
+    if (other)
+        error_hint(error, "'%.*s' belongs to another scene: scene %s", (int)name.len, name.at, model_scene(other));
+    return other != NULL;
+}
+
+bool unknown_parameter(const struct session *session, struct text name, struct error *error)
+{
+    const struct scene *scene = &session->setup.scene;
+    const struct catalog *const catalogs[] = {scene_params(scene), scene_derived(scene), &setting_catalog};
+    const int shown = (int)(name.len < 80 ? name.len : 80);
+    struct suggestion near = {.wanted = name};
+    if (catalog_find(&command_catalog, name)) {
+        error_at(error, name, "'%.*s' is a command, not a parameter", shown, name.at);
+        return error_hint(error, "type it without '=': %.*s ...", shown, name.at);
+    }
+    if (model_variable(scene->model, name) >= 0) {
+        error_at(error, name, "'%.*s' is what moves, not a parameter", shown, name.at);
+        return error_hint(error, "'show scene' lists the parameters, also those of the start");
+    }
+    for (size_t c = 0; c < COUNT_OF(catalogs); c++)
+        for (size_t i = 0; i < catalogs[c]->count; i++)
+            suggestion_offer(&near, catalog_row(catalogs[c], i)->name);
+    for (int i = 0; i < session->setup.lets; i++)
+        suggestion_offer(&near, session->setup.let[i].name);
+    const bool elsewhere = model_with(name) != NULL;
+    if (scene->model != &oscillator_model) { /* it has few */
+        struct buffer text = {0};
+        put_params(scene, &text);
+        error_at(error, name, "%s has no parameter '%.*s'; it has%s", scene->preset->row.name, shown, name.at,
+                 buffer_view(&text));
+        buffer_free(&text);
+    } else if (elsewhere) {
+        error_at(error, name, "%s has no parameter '%.*s'", scene->preset->row.name, shown, name.at);
+    } else {
+        error_at(error, name, "unknown parameter '%.*s'", shown, name.at);
+    }
+    if (hint_other_model(session, name, error))
+        return false;
+    suggestion_hint(&near, error);
+    return error_hint(error, near.count ? "('show all' lists the parameters)"
+                                        : "'show all' lists the parameters; 'let NAME = value' makes a variable");
+}

@@ -1,0 +1,186 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A precision study for programs and for the eye: records, a table to export, the log-log figure. */
+#include "precision_text.h"
+
+#include <math.h>
+
+/* ---- records ---- */
+
+static const char *status_of(const struct precision_point *point)
+{
+    return point->refused ? "refused" : point->stop == STOP_FULL ? "too-long" : stop_name(point->stop);
+}
+
+static void reply_point(const struct precision *precision, const struct precision_point *point, struct reply *reply)
+{
+    const struct precision_curve *curve = &precision->curve[point->curve];
+    const struct study_errors *errors = &point->errors;
+    reply_begin(reply, "precision");
+    reply_string(reply, "method", curve->by.method->row.name);
+    reply_real(reply, "dt", point->tol > 0 ? NAN : point->dt);
+    reply_real(reply, "tol", point->tol > 0 ? point->tol : NAN);
+    reply_int(reply, "steps", point->steps);
+    reply_int(reply, "evals", point->cost.evals);
+    reply_int(reply, "jacobians", point->cost.jacobians);
+    reply_int(reply, "solves", point->cost.solves);
+    reply_int(reply, "rejected", point->cost.rejected);
+    reply_real(reply, "error", errors->max);
+    reply_real(reply, "error_end", errors->end);
+    reply_real(reply, "energy_error", errors->energy);
+    reply_real(reply, "phase_error", errors->phase);
+    reply_real(reply, "amplitude_error", errors->amplitude);
+    reply_real(reply, "order", point->order);
+    reply_real(reply, "time_min", point->time.minimum);
+    reply_real(reply, "time_median", point->time.median);
+    reply_real(reply, "time_spread", point->time.spread);
+    reply_int(reply, "samples", point->time.samples);
+    reply_real(reply, "time_recording", point->recording);
+    reply_string(reply, "status", status_of(point));
+    reply_bool(reply, "below_reference", point->below);
+    reply_bool(reply, "asymptotic", point->asymptotic);
+    reply_real(reply, "reference_accuracy", precision->reference.accuracy);
+    reply_real(reply, "slope", curve->slope);
+    reply_real(reply, "slope_expected", curve->expected);
+    reply_bool(reply, "slope_differs", curve->differs);
+    reply_real(reply, "evals_predicted",
+               point->tol == 0 && precision_meaningful(point) ? precision_predict(precision, point->curve, errors->max)
+                                                              : NAN);
+    reply_end(reply);
+}
+
+void reply_precision(const struct precision *precision, struct reply *reply)
+{
+    for (int i = 0; i < precision->points && reply->format != FORMAT_TEXT; i++)
+        reply_point(precision, &precision->point[i], reply);
+}
+
+/* ---- table ---- */
+
+static double count_value(int64_t count)
+{
+    return (double)count;
+}
+
+bool precision_table(const struct precision *precision, struct export *export, struct error *error)
+{
+    enum {
+        DT,
+        TOL,
+        STEPS,
+        EVALS,
+        JACOBIANS,
+        SOLVES,
+        REJECTED,
+        ERROR,
+        END,
+        ENERGY,
+        PHASE,
+        AMPLITUDE,
+        ORDER,
+        MINIMUM,
+        MEDIAN,
+        COLUMNS
+    };
+    static const char *const names[COLUMNS] = {
+        "dt",        "tol",          "steps",       "evals",           "jacobians", "solves",   "rejected",   "error",
+        "error_end", "energy_error", "phase_error", "amplitude_error", "order",     "time_min", "time_median"};
+    static const char *const units[COLUMNS] = {[DT] = "s", [PHASE] = "rad", [MINIMUM] = "s", [MEDIAN] = "s"};
+    const size_t n = (size_t)precision->points;
+    struct arena *arena = export->arena;
+    const char **method = arena_array(arena, n, sizeof *method), **status = arena_array(arena, n, sizeof *status);
+    struct table_column *out = arena_array(arena, COLUMNS + 2, sizeof *out);
+    double *value[COLUMNS];
+    bool ok = method && status && out;
+    for (int c = 0; c < COLUMNS; c++)
+        ok = (value[c] = arena_array(arena, n, sizeof *value[c])) && ok;
+    if (!ok)
+        return error_memory(error);
+    for (size_t i = 0; i < n; i++) {
+        const struct precision_point *p = &precision->point[i];
+        const double row[COLUMNS] = {p->tol > 0 ? NAN : p->dt,
+                                     p->tol > 0 ? p->tol : NAN,
+                                     count_value(p->steps),
+                                     count_value(p->cost.evals),
+                                     count_value(p->cost.jacobians),
+                                     count_value(p->cost.solves),
+                                     count_value(p->cost.rejected),
+                                     p->errors.max,
+                                     p->errors.end,
+                                     p->errors.energy,
+                                     p->errors.phase,
+                                     p->errors.amplitude,
+                                     p->order,
+                                     p->time.minimum,
+                                     p->time.median};
+        for (int c = 0; c < COLUMNS; c++)
+            value[c][i] = row[c];
+        method[i] = precision->curve[p->curve].by.method->row.name;
+        status[i] = status_of(p);
+    }
+    out[0] = (struct table_column){.name = "method", .unit = "", .text = method};
+    for (int c = 0; c < COLUMNS; c++)
+        out[c + 1] = (struct table_column){.name = names[c], .unit = units[c] ? units[c] : "", .value = value[c]};
+    out[COLUMNS + 1] = (struct table_column){.name = "status", .unit = "", .text = status};
+    export->table = (struct table){.column = out, .columns = COLUMNS + 2, .rows = n};
+    return true;
+}
+
+/* ---- figure ---- */
+
+#define LEAST_ERROR 1.1102230246251565e-16 /* where an error of 0 is drawn: half an ulp of 1 */
+
+/* Where failed runs stand: above everything else. */
+static double top_of(const struct precision *precision)
+{
+    double top = 0;
+    for (int i = 0; i < precision->points; i++)
+        if (precision_meaningful(&precision->point[i]))
+            top = fmax(top, precision->point[i].errors.max);
+    return top > 0 ? pow(10, ceil(log10(top)) + (top > 0.1 ? 1 : 0)) : 1;
+}
+
+bool precision_figure(const struct precision *precision, struct arena *arena, struct figure *figure,
+                      struct error *error)
+{
+    const size_t n = (size_t)precision->points, curves = (size_t)precision->curves + 1;
+    struct curve *curve = arena_array(arena, curves, sizeof *curve);
+    double *x = arena_array(arena, 2 * n + 1, sizeof *x), *y = arena_array(arena, 2 * n + 1, sizeof *y);
+    if (!curve || !x || !y)
+        return error_memory(error);
+    const double top = top_of(precision);
+    bool timed = false;
+    for (size_t i = 0; i < n; i++)
+        timed |= isfinite(precision->point[i].time.minimum);
+    struct curve *failed = &curve[0];
+    *failed = (struct curve){.x = x + n, .y = y + n, .points = true, .mark = 'X', .label = "failed"};
+    for (int c = 0; c < precision->curves; c++) {
+        const struct precision_curve *from = &precision->curve[c];
+        struct curve *to = &curve[c + 1];
+        *to = (struct curve){.x = x + from->first,
+                             .y = y + from->first,
+                             .n = (size_t)from->count,
+                             .points = true,
+                             .mark = precision_letter(c)};
+        for (int i = from->first; i < from->first + from->count; i++) {
+            const struct precision_point *point = &precision->point[i];
+            const bool good = precision_meaningful(point);
+            const double cost = timed ? good ? point->time.minimum : point->seconds : (double)point->cost.evals;
+            x[i] = good && cost > 0 ? cost : NAN;
+            y[i] = fmax(point->errors.max, LEAST_ERROR);
+            if (!good && cost > 0) {
+                x[n + failed->n] = cost;
+                y[n + failed->n++] = top;
+            }
+        }
+    }
+    if (failed->n == 0)
+        failed->label = NULL;
+    *figure = (struct figure){
+        .title = "precision",
+        .curve = curve,
+        .curves = (int)curves,
+        .x = {.label = timed ? "time of a solve" : "evaluations", .unit = timed ? "s" : "", .log = true},
+        .y = {.label = "error", .log = true},
+        .note = precision->reference.exact ? "against the closed form" : "against two methods"};
+    return true;
+}

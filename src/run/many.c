@@ -1,0 +1,114 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Whole steps of a fixed size in bulk: a kernel writes the states, where possible straight into the trace. */
+#include "private.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static uint64_t magnitude(double x)
+{
+    uint64_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    return bits & INT64_MAX;
+}
+
+/*
+ * How many of the rows are within bounds, counted from the first. Magnitudes of doubles are ordered like their bits, NaN
+ * above all: where one is too large, the difference to the bound is negative, and that survives in a sum of bits.
+ */
+CLONES static int64_t rows_within(const double *row, int64_t count, int n, const double *bound)
+{
+    uint64_t beyond = n == 2 ? 0 : UINT64_MAX;
+    if (n == 2) {
+        const uint64_t first = magnitude(bound[0]), second = magnitude(bound[1]);
+        for (int64_t i = 0; i < count; i++)
+            beyond |= (first - magnitude(row[2 * i])) | (second - magnitude(row[2 * i + 1]));
+    }
+    if ((int64_t)beyond >= 0)
+        return count;
+    for (int64_t i = 0; i < count; i++)
+        for (int k = 0; k < n; k++)
+            if (!(fabs(row[i * n + k]) <= bound[k]))
+                return i;
+    return count;
+}
+
+static int64_t least(int64_t a, int64_t b)
+{
+    return a < b ? a : b;
+}
+
+/* The propagator for this step, made when it is first needed. */
+static struct propagator *propagator_for(struct run *run, double h)
+{
+    struct run_private *p = run->private_state;
+    if (p->propagator && propagator_step(p->propagator) != h) {
+        free(p->propagator);
+        p->propagator = NULL;
+    }
+    if (!p->propagator && run->plan.propagates)
+        p->propagator = propagator_create(run, h);
+    return p->propagator;
+}
+
+/* After going back in the middle of a block: where it began was recorded, and belongs to the same scene. */
+static void find_block(struct run *run, const struct leg *leg, int64_t step)
+{
+    struct propagator *propagator = run->private_state->propagator;
+    const int64_t begin = leg->grid.first + propagator_block(step);
+    const double *state = trace_state_after(run->trace, begin);
+    if (!propagator_knows(propagator, step) && state &&
+        run->private_state->epoch[run->private_state->epochs - 1].first <= begin)
+        propagator_anchor(propagator, propagator_block(step), state);
+}
+
+bool advance_many(struct run *run, const struct leg *leg, enum stop *stop)
+{
+    struct run_private *p = run->private_state;
+    const int n = run->system.n;
+    const int64_t left = least(leg->limit, leg->last) - run->steps;
+    if (run->plan.adaptive || leg->target->condition || p->step.low || left <= 0)
+        return false;
+
+    size_t room = CHUNK_ROWS;
+    double *in_trace = trace_open(run->trace, &room), *row = in_trace;
+    if (!row) {
+        if (!p->scratch && !(p->scratch = malloc(CHUNK_ROWS * (size_t)n * sizeof *p->scratch)))
+            return false;
+        row = p->scratch;
+    }
+    copy_state(p->before, run->y, n);
+    p->step.h = leg->grid.h;
+    const struct march march = {.step = &p->step,
+                                .origin = leg->grid.origin,
+                                .first = run->steps - leg->grid.first,
+                                .count = least(least(left, p->batch), (int64_t)room),
+                                .row = row};
+    enum step_status status = STEP_OK;
+    struct propagator *propagator = propagator_for(run, leg->grid.h);
+    if (propagator)
+        find_block(run, leg, march.first);
+    int64_t taken = propagator ? propagate(propagator, march.first, march.count, run->y, row) : 0;
+    if (taken > 0)
+        p->step.warm = false;
+    else
+        taken = method_march(run->method, p->kernel, &march, &status);
+    int64_t good = rows_within(row, taken, n, p->bound);
+    *stop = good < taken ? STOP_DIVERGED : stop_of_step(status);
+    if (in_trace) {
+        trace_close(run->trace, (size_t)good);
+    } else {
+        int64_t recorded = trace_record_many(run->trace, run->steps + 1, row, good);
+        if (recorded < good)
+            *stop = STOP_FULL;
+        good = recorded;
+    }
+    if (good < march.count && *stop != STOP_NONE) { /* back to the last good state */
+        copy_state(run->y, good > 0 ? row + (good - 1) * n : p->before, n);
+        p->step.warm = false;
+    }
+    run->steps += good;
+    if (good > 0)
+        run->t = leg->exact && run->steps == leg->last ? leg->target->t : grid_time(&leg->grid, run->steps);
+    return true;
+}

@@ -1,0 +1,273 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * The solution that errors are measured against: the closed form, or two integrations by methods of different kinds
+ * that agree. What they agree to is all that can be claimed.
+ */
+#include "solve.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Methods of one kind err alike: agreement counts between kinds only. */
+enum kind { KIND_EXPLICIT, KIND_SPLITTING, KIND_IMPLICIT, KIND_ROSENBROCK, KIND_COUNT };
+
+/*
+ * In the order tried, looked up by name: a method that is not there or does not apply is passed over. tol: of an
+ * adaptive method, the next try takes ten times as much; 0: fixed steps, halved until the result does not move.
+ */
+static const struct candidate {
+    const char *name;
+    enum kind kind;
+    double tol;
+} candidates[] = {
+    {"dop853", KIND_EXPLICIT, 1e-14},    {"odex", KIND_EXPLICIT, 1e-14},          {"kahan-li8", KIND_SPLITTING, 0},
+    {"radau5", KIND_IMPLICIT, 1e-13},    {"rodas5p", KIND_ROSENBROCK, 1e-13},     {"gauss6", KIND_IMPLICIT, 0},
+    {"blanes-moan6", KIND_SPLITTING, 0}, {"tsit5", KIND_EXPLICIT, 1e-14},         {"dopri5", KIND_EXPLICIT, 1e-14},
+    {"gauss4", KIND_IMPLICIT, 0},        {"implicit-midpoint", KIND_IMPLICIT, 0},
+};
+
+#define ENOUGH 1e-12   /* agreement with which the search ends */
+#define STILL 1e-13    /* change on halving that is taken for rounding */
+#define MEANING 1e-3   /* where two references differ by more, neither means anything */
+#define COST_MOST 40e6 /* evaluations, Jacobians and solves of one solution, over n */
+#define TRIES 3
+
+struct search {
+    const struct system *system;
+    struct reference *reference;
+    const struct cancel *cancel;
+    double *grid;                        /* [KIND_COUNT] solutions, and one to work with */
+    const struct method *by[KIND_COUNT]; /* NULL: none of this kind yet */
+    size_t size;                         /* [double] of one solution */
+    bool failed;                         /* no memory */
+    bool stiff;                          /* an explicit method became too dear: the others will, too */
+};
+
+static double *solution(const struct search *search, enum kind kind)
+{
+    return search->grid + (size_t)kind * search->size;
+}
+
+/* max |y_i| over the grid; next to nothing counts as a thousandth of a natural size's rounding. */
+static void set_amplitudes(struct reference *reference, const struct system *system, const double *grid)
+{
+    for (int i = 0; i < system->n; i++) {
+        double most = 0;
+        for (int k = 0; k < STUDY_TIMES; k++)
+            most = fmax(most, fabs(grid[k * system->n + i]));
+        reference->amplitude[i] = most > 1e-18 * system->scale[i] ? most : system->scale[i];
+    }
+}
+
+static double largest_distance(const struct search *search, const double *a, const double *b)
+{
+    const int n = search->system->n;
+    double most = 0;
+    for (int k = 0; k < STUDY_TIMES; k++) {
+        const double distance = grid_distance(search->reference, a + k * n, b + k * n);
+        if (!(distance <= most))
+            most = distance;
+    }
+    return most;
+}
+
+/*
+ * Every grid time is hit. Where the laws do not depend on time the clock starts anew at each of them, so that rounding
+ * of the time does not add up. steps: in an interval, 0: adaptive.
+ */
+static enum stop walk(struct solver *s, int64_t steps, double *grid, const struct cancel *cancel)
+{
+    const int n = s->system->n;
+    const double interval = s->span / (STUDY_TIMES - 1);
+    struct controller controller = {.tol = s->tol};
+    enum step_status status = STEP_OK;
+    solver_start(s);
+    s->step.y = s->y;
+    s->step.low = s->low;
+    memcpy(grid, s->y, (size_t)n * sizeof *grid);
+    for (int k = 1; k < STUDY_TIMES; k++) {
+        const bool anew = s->system->autonomous;
+        const double from = anew ? 0 : s->system->t0 + s->span * (k - 1) / (STUDY_TIMES - 1);
+        const double to = anew ? interval : s->system->t0 + s->span * k / (STUDY_TIMES - 1);
+        s->step.t = from;
+        s->step.warm = s->step.again = false;
+        for (int64_t i = 0; steps > 0 ? i < steps : s->step.t != to; i++) {
+            if (steps > 0) {
+                s->step.t = from + interval / (double)steps * (double)i;
+                s->step.h = interval / (double)steps;
+                status = method_step(s->method, &s->step);
+            } else {
+                status = method_adapt(s->method, &s->step, &controller, to);
+            }
+            if (status != STEP_OK)
+                return solver_stop(status);
+            if (solver_cost(s) > s->most)
+                return STOP_FULL;
+            if ((i & 63) == 63 && cancelled(cancel))
+                return STOP_CANCELLED;
+        }
+        if (cancelled(cancel))
+            return STOP_CANCELLED;
+        memcpy(grid + k * n, s->y, (size_t)n * sizeof *grid);
+    }
+    return STOP_END;
+}
+
+static bool solve_adaptive(struct search *search, struct solver *s, bool explicit, double *grid)
+{
+    for (int try = 0; try < TRIES; try++, s->tol *= 10) {
+        const enum stop stop = walk(s, 0, grid, search->cancel);
+        search->stiff |= stop == STOP_FULL && explicit;
+        if (stop == STOP_END || stop == STOP_CANCELLED || stop == STOP_FULL)
+            return stop == STOP_END;
+    }
+    return false;
+}
+
+/* Halves the step until the result stands still, moves more than before (rounding), or becomes too dear. */
+static bool solve_fixed(struct search *search, struct solver *s, double *grid)
+{
+    double *finer = solution(search, KIND_COUNT), moved = HUGE_VAL;
+    bool have = false;
+    for (int64_t steps = 1; steps <= 1 << 20; steps *= 2) {
+        if (walk(s, steps, finer, search->cancel) != STOP_END) {
+            if (have || solver_cost(s) > s->most || cancelled(search->cancel))
+                break;
+            continue;
+        }
+        set_amplitudes(search->reference, search->system, finer);
+        const double change = have ? largest_distance(search, finer, grid) : HUGE_VAL;
+        if (change < 1e-8 && change > moved)
+            break;
+        memcpy(grid, finer, search->size * sizeof *grid);
+        have = true;
+        moved = change;
+        if (change < STILL || solver_cost(s) > s->most / 2)
+            break;
+    }
+    return have && moved < MEANING;
+}
+
+static bool try_candidate(struct search *search, const struct candidate *candidate)
+{
+    const struct method *method =
+        (const struct method *)(const void *)catalog_find(&method_catalog, text_of(candidate->name));
+    struct error ignored;
+    struct run_settings settings = {.dt = fabs(search->reference->span), .tol = candidate->tol};
+    if (search->by[candidate->kind] || (search->stiff && candidate->kind == KIND_EXPLICIT) || !method ||
+        !method_applies(method, search->system, &settings.drag, &ignored))
+        return false;
+    struct solver s;
+    if (!solver_init(&s, search->system, method, &settings, search->reference->span)) {
+        search->failed = true;
+        return false;
+    }
+    s.most = (int64_t)(COST_MOST / search->system->n);
+    double *grid = solution(search, candidate->kind);
+    const bool ok =
+        s.tol > 0 ? solve_adaptive(search, &s, candidate->kind == KIND_EXPLICIT, grid) : solve_fixed(search, &s, grid);
+    solver_free(&s);
+    if (ok)
+        search->by[candidate->kind] = method;
+    return ok;
+}
+
+/* The new solution against those there are: the best agreement so far stays. */
+static void confront(struct search *search, enum kind kind)
+{
+    struct reference *reference = search->reference;
+    const double *grid = solution(search, kind);
+    for (enum kind other = 0; other < KIND_COUNT; other++) {
+        if (other == kind || !search->by[other])
+            continue;
+        const double *with = solution(search, other);
+        set_amplitudes(reference, search->system, with);
+        const double agreement = largest_distance(search, grid, with);
+        if (reference->by[1] && !(agreement < reference->accuracy))
+            continue;
+        reference->accuracy = agreement;
+        reference->by[0] = search->by[other];
+        reference->by[1] = search->by[kind];
+        memcpy(reference->y, with, search->size * sizeof *with);
+        reference->meaning = reference->span;
+        for (int k = STUDY_TIMES - 1; k > 0; k--)
+            if (!(grid_distance(reference, grid + k * search->system->n, with + k * search->system->n) < MEANING))
+                reference->meaning = reference->span * (k - 1) / (STUDY_TIMES - 1);
+    }
+}
+
+static void take_closed_form(const struct system *system, struct reference *reference)
+{
+    const int n = system->n;
+    double floor[LIMIT_VARIABLES], most[LIMIT_VARIABLES] = {0};
+    reference->exact = true;
+    for (int k = 0; k < STUDY_TIMES; k++) {
+        const double t = system->t0 + reference->span * k / (STUDY_TIMES - 1);
+        system_exact(system, system->t0, system->start, t, reference->y + k * n, floor);
+        for (int i = 0; i < reference->scored; i++)
+            most[i] = fmax(most[i], floor[i]);
+    }
+    set_amplitudes(reference, system, reference->y);
+    for (int i = 0; i < reference->scored; i++)
+        reference->accuracy = fmax(reference->accuracy, most[i] / reference->amplitude[i]);
+}
+
+bool study_reference(const struct system *system, double span, const struct cancel *cancel, struct reference *reference,
+                     struct error *error)
+{
+    const size_t size = (size_t)STUDY_TIMES * (size_t)system->n;
+    *reference = (struct reference){.span = span, .meaning = span, .n = system->n};
+    reference->scored = system->order == 2 ? system->n / 2 : system->n;
+    reference->y = calloc(size, sizeof *reference->y);
+    if (!reference->y)
+        return error_memory(error);
+    if (system_has_exact(system)) {
+        take_closed_form(system, reference);
+        return true;
+    }
+    struct search search = {.system = system, .reference = reference, .cancel = cancel, .size = size};
+    search.grid = calloc((KIND_COUNT + 1) * size, sizeof *search.grid);
+    if (!search.grid) {
+        reference_free(reference);
+        return error_memory(error);
+    }
+    for (size_t i = 0; i < COUNT_OF(candidates) && !cancelled(cancel) && !search.failed; i++) {
+        if (try_candidate(&search, &candidates[i]))
+            confront(&search, candidates[i].kind);
+        if (reference->by[1] && reference->accuracy <= ENOUGH)
+            break;
+    }
+    free(search.grid);
+    if (cancelled(cancel) || search.failed || !reference->by[1]) {
+        reference_free(reference);
+        return search.failed ? error_memory(error)
+               : cancelled(cancel)
+                   ? error_set(error, ERROR_CANCELLED, "stopped while the reference solution was computed")
+                   : error_set(error, ERROR_NUMERICAL,
+                               "no two methods of different kinds reach the end of this scene: there is nothing to "
+                               "measure errors against");
+    }
+    return true;
+}
+
+void reference_free(struct reference *reference)
+{
+    free(reference->y);
+    reference->y = NULL;
+}
+
+void reference_describe(const struct reference *reference, struct buffer *text)
+{
+    if (reference->exact) {
+        buffer_put(text, TEXT("the closed form, good to "));
+        buffer_short(text, reference->accuracy, 2);
+        return;
+    }
+    buffer_format(text, "%s and %s, which agree to ", reference->by[0]->row.name, reference->by[1]->row.name);
+    buffer_short(text, reference->accuracy, 2);
+    if (reference->meaning != reference->span) {
+        buffer_put(text, TEXT(" only: they part at "));
+        buffer_quantity(text, fabs(reference->meaning), QUANTITY_TIME, 3);
+        buffer_put(text, TEXT(", beyond it no number means anything (rounding grows: chaos)"));
+    }
+}

@@ -1,0 +1,265 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A solve without recording, and its errors on the common grid. */
+#include "solve.h"
+
+#include <float.h>
+#include <stdlib.h>
+#include <string.h>
+
+bool solver_init(struct solver *solver, const struct system *system, const struct method *method,
+                 const struct run_settings *settings, double span)
+{
+    const size_t size = method_work_size(method, system->n) + 1;
+    *solver = (struct solver){.system = system,
+                              .method = method,
+                              .dt = settings->dt,
+                              .tol = method->flags & METHOD_ADAPTIVE ? settings->tol : 0,
+                              .span = span,
+                              .compensated = settings->compensated};
+    double *work = malloc(2 * size * sizeof *work);
+    if (!work)
+        return false;
+    if (settings->kernel != KERNEL_GENERAL && solver->tol == 0 && !solver->compensated)
+        solver->kernel = method_kernel(method, system, settings->drag);
+    solver->side = work + size;
+    solver->step = (struct step){.system = system, .drag = settings->drag, .work = work};
+    solver_start(solver);
+    return true;
+}
+
+void solver_free(struct solver *solver)
+{
+    free(solver->step.work);
+    solver->step.work = solver->side = NULL;
+}
+
+void solver_start(struct solver *solver)
+{
+    const size_t size = (size_t)solver->system->n * sizeof(double);
+    memcpy(solver->y, solver->system->start, size);
+    memset(solver->low, 0, size);
+    solver->steps = 0;
+    solver->step.cost = (struct cost){0};
+}
+
+int64_t solver_cost(const struct solver *solver)
+{
+    const struct cost *cost = &solver->step.cost;
+    return cost->evals + cost->jacobians + cost->solves;
+}
+
+enum stop solver_stop(enum step_status status)
+{
+    return status == STEP_OK            ? STOP_END
+           : status == STEP_NONFINITE   ? STOP_DIVERGED
+           : status == STEP_NO_SOLUTION ? STOP_NO_SOLUTION
+                                        : STOP_STALLED;
+}
+
+/* ---- the common grid ---- */
+
+struct sampler {
+    struct solver *solver;
+    double *grid; /* NULL: nobody asks */
+    int next;     /* the grid time to come */
+};
+
+static double grid_time(const struct solver *solver, int k)
+{
+    return solver->system->t0 + solver->span * k / (STUDY_TIMES - 1);
+}
+
+/* A multistep method without an output of its own leaves the grid time out: an interpolation would be the error. */
+static void sample_inside(const struct solver *s, const double *before, double from, double h, double t, double *y)
+{
+    const int n = s->system->n;
+    if (s->method->dense) {
+        method_dense(s->method, &s->step, before, (t - from) / h, y);
+        return;
+    }
+    if (s->method->flags & METHOD_MULTISTEP)
+        return;
+    struct step step = s->step;
+    step.t = from;
+    step.h = t - from;
+    step.y = y;
+    step.work = s->side;
+    step.error = step.low = NULL;
+    step.warm = step.again = false;
+    memcpy(y, before, (size_t)n * sizeof *y);
+    if (method_step(s->method, &step) != STEP_OK)
+        for (int i = 0; i < n; i++)
+            y[i] = NAN;
+}
+
+/* After a step of h from `from`, where the state was `before`. */
+static void sample(struct sampler *sampler, const double *before, double from, double h)
+{
+    struct solver *s = sampler->solver;
+    const int n = s->system->n;
+    const double to = s->step.t, near = 1e-9 * fabs(h);
+    for (; sampler->next < STUDY_TIMES; sampler->next++) {
+        const double t = grid_time(s, sampler->next);
+        double *y = sampler->grid + sampler->next * n;
+        if ((t - to) * copysign(1, h) > near)
+            return;
+        if (fabs(t - to) <= near)
+            memcpy(y, s->y, (size_t)n * sizeof *y);
+        else
+            sample_inside(s, before, from, h, t, y);
+    }
+}
+
+static bool spent(const struct solver *s)
+{
+    return s->most > 0 && solver_cost(s) > s->most;
+}
+
+/* One step more; with a grid, sampled. */
+static enum step_status advance(struct solver *s, struct controller *controller, double end, struct sampler *sampler)
+{
+    double before[LIMIT_VARIABLES];
+    const double from = s->step.t;
+    if (sampler->grid)
+        memcpy(before, s->y, (size_t)s->system->n * sizeof *before);
+    const enum step_status status =
+        controller ? method_adapt(s->method, &s->step, controller, end) : method_step(s->method, &s->step);
+    s->steps += status == STEP_OK;
+    if (status == STEP_OK && sampler->grid)
+        sample(sampler, before, from, s->step.h);
+    return status;
+}
+
+static enum stop run_adaptive(struct solver *s, struct sampler *sampler, const struct cancel *cancel)
+{
+    struct controller controller = {.tol = s->tol, .h = copysign(s->dt, s->span)};
+    const double end = s->system->t0 + s->span;
+    while (s->step.t != end) {
+        const enum step_status status = advance(s, &controller, end, sampler);
+        if (status != STEP_OK)
+            return solver_stop(status);
+        if ((s->steps & 63) == 0 && (spent(s) || cancelled(cancel)))
+            return cancelled(cancel) ? STOP_CANCELLED : STOP_FULL;
+    }
+    return STOP_END;
+}
+
+#define ROOM 1024 /* [double] of states that a kernel leaves behind */
+
+static enum stop run_kernel(struct solver *s, double h, int64_t steps, const struct cancel *cancel)
+{
+    const int n = s->system->n;
+    const int64_t most = ROOM / n;
+    double row[ROOM];
+    s->step.h = h;
+    for (int64_t i = 0; i < steps;) {
+        const struct march march = {&s->step, s->system->t0, i, steps - i < most ? steps - i : most, row};
+        s->kernel(&march);
+        for (int k = 0; k < n; k++)
+            if (!isfinite(s->y[k]))
+                return STOP_DIVERGED;
+        i += march.count;
+        if (cancelled(cancel))
+            return STOP_CANCELLED;
+    }
+    s->steps += steps;
+    return STOP_END;
+}
+
+static enum stop run_fixed(struct solver *s, struct sampler *sampler, const struct cancel *cancel)
+{
+    const double ratio = fabs(s->span) / s->dt, t0 = s->system->t0, h = copysign(s->dt, s->span);
+    const bool whole = fabs(ratio - nearbyint(ratio)) <= 4 * DBL_EPSILON * ratio;
+    const int64_t steps = (int64_t)(whole ? nearbyint(ratio) : floor(ratio));
+    const bool bulk = s->kernel && !sampler->grid;
+    const enum stop stop = bulk ? run_kernel(s, h, steps, cancel) : STOP_END;
+    s->step.h = h;
+    for (int64_t i = 0; i < steps && !bulk; i++) {
+        s->step.t = t0 + (double)i * h;
+        const enum step_status status = advance(s, NULL, 0, sampler);
+        if (status != STEP_OK)
+            return solver_stop(status);
+        if ((i & 255) == 255 && (spent(s) || cancelled(cancel)))
+            return cancelled(cancel) ? STOP_CANCELLED : STOP_FULL;
+    }
+    if (whole || stop != STOP_END)
+        return stop;
+    s->step.t = t0 + (double)steps * h;
+    s->step.h = t0 + s->span - s->step.t;
+    s->step.warm = false;
+    return solver_stop(advance(s, NULL, 0, sampler));
+}
+
+enum stop solver_run(struct solver *solver, double *grid, const struct cancel *cancel)
+{
+    const int n = solver->system->n;
+    struct sampler sampler = {solver, grid, 1};
+    for (int i = 0; grid && i < STUDY_TIMES * n; i++)
+        grid[i] = i < n ? solver->y[i] : NAN;
+    solver->step.t = solver->system->t0;
+    solver->step.warm = solver->step.again = false;
+    solver->step.tol = 0;
+    solver->step.y = solver->y; /* set here: the solver may have moved since */
+    solver->step.low = solver->compensated && solver->tol == 0 ? solver->low : NULL;
+    return (solver->tol > 0 ? run_adaptive : run_fixed)(solver, &sampler, cancel);
+}
+
+/* ---- errors ---- */
+
+double grid_distance(const struct reference *reference, const double *a, const double *b)
+{
+    double most = 0;
+    for (int i = 0; i < reference->scored; i++) {
+        const double distance = fabs(a[i] - b[i]) / reference->amplitude[i];
+        if (!(distance <= most)) /* NAN too */
+            most = distance;
+    }
+    return most;
+}
+
+/* Amplitude and phase, as a turn of the plane (q - centre, v/omega) that grows with time. */
+struct turn {
+    double size, angle;
+};
+
+static struct turn turn_of(const struct oscillator *o, const double *y)
+{
+    const double q = y[0] + o->gravity / o->stiffness, p = y[1] / sqrt(o->stiffness);
+    return (struct turn){hypot(q, p), atan2(-p, q)};
+}
+
+static double energy(const struct system *system, const double *y)
+{
+    return system_kinetic(system, y) + system_potential(system, y);
+}
+
+void grid_errors(const struct system *system, const struct reference *reference, const double *grid,
+                 struct study_errors *errors)
+{
+    const int n = system->n, last = STUDY_TIMES - 1;
+    const struct oscillator *o = &system->oscillator;
+    const bool turns = system->order == 2 && n == 2 && o->whole && o->stiffness > 0, mechanics = system->order == 2;
+    const double start = mechanics ? energy(system, system->start) : NAN;
+    double most = 0, missing = 0, scale = 0, phase = 0, amplitude = NAN;
+    for (int k = 0; k <= last; k++) {
+        const double *y = grid + k * n, *exact = reference->y + k * n;
+        if (isnan(y[0]))
+            continue;
+        most = fmax(most, grid_distance(reference, y, exact));
+        if (mechanics) {
+            const double wanted = system->conservative ? start : energy(system, exact);
+            missing = fmax(missing, fabs(energy(system, y) - wanted));
+            scale = fmax(scale, fabs(wanted));
+        }
+        if (turns) {
+            const struct turn a = turn_of(o, y), b = turn_of(o, exact);
+            phase += remainder(a.angle - b.angle - phase, 2 * 3.14159265358979323846);
+            amplitude = b.size > 0 ? a.size / b.size - 1 : NAN;
+        }
+    }
+    *errors = (struct study_errors){.max = most,
+                                    .end = grid_distance(reference, grid + last * n, reference->y + last * n),
+                                    .energy = mechanics && scale > 0 ? missing / scale : NAN,
+                                    .phase = turns ? phase : NAN,
+                                    .amplitude = amplitude};
+}

@@ -1,0 +1,397 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* precision: sweeps, slopes and what flags them, failures, reading off costs, ties, predictions, cancellation. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <string.h>
+
+#include <hooke/study.h>
+
+static const struct method *method_named(const char *name)
+{
+    const struct row *row = catalog_find(&method_catalog, text_of(name));
+    assert_non_null(row);
+    return (const struct method *)(const void *)row;
+}
+
+static struct precision_request request_for(struct scene *scene, const struct contender *contender, int count)
+{
+    return (struct precision_request){.scene = scene,
+                                      .contender = contender,
+                                      .contenders = count,
+                                      .dt = {NAN, NAN},
+                                      .tol = {NAN, NAN},
+                                      .duration = 2};
+}
+
+static void run_study(const struct precision_request *request, struct precision *precision)
+{
+    struct error error = {0};
+    if (!study_precision(request, precision, &error)) {
+        print_error("%s\n", error.text);
+        fail();
+    }
+}
+
+static void near(double value, double wanted, double relative)
+{
+    if (!(fabs(value - wanted) <= relative * fabs(wanted))) {
+        print_error("%.17g is not %.17g within %g\n", value, wanted, relative);
+        fail();
+    }
+}
+
+static void test_slopes_and_a_wrong_claim(void **state)
+{
+    (void)state;
+    struct scene scene;
+    struct precision precision;
+    struct method liar = *method_named("rk4");
+    liar.order = 5; /* the negative control */
+    const struct contender contender[] = {{method_named("symplectic-euler"), DRAG_DEFAULT},
+                                          {method_named("verlet"), DRAG_DEFAULT},
+                                          {method_named("rk4"), DRAG_DEFAULT},
+                                          {&liar, DRAG_DEFAULT},
+                                          {method_named("dopri5"), DRAG_DEFAULT}};
+    scene_init(&scene, NULL);
+    const struct precision_request request = request_for(&scene, contender, 5);
+    run_study(&request, &precision);
+    assert_int_equal(precision.curves, 5);
+    static const double order[] = {1, 2, 4, 4};
+    for (int c = 0; c < 4; c++) {
+        const struct precision_curve *curve = &precision.curve[c];
+        assert_true(curve->fitted >= 3 && curve->r2 > 0.999);
+        assert_true(fabs(curve->slope - order[c]) < 0.1);
+        assert_int_equal(curve->differs, c == 3);
+    }
+    const struct precision_curve *adaptive = &precision.curve[4];
+    assert_true(adaptive->adaptive && adaptive->fitted >= 5);
+    assert_true(fabs(adaptive->slope - 1) < 0.2 && !adaptive->differs);
+    /* The three regimes of rk4: nothing said, slope, floor. */
+    const struct precision_point *point = &precision.point[precision.curve[2].first];
+    const int last = precision.curve[2].count - 1;
+    assert_false(precision_meaningful(&point[0]));
+    assert_true(precision_meaningful(&point[1]));
+    assert_true(point[last].errors.max < 1e-12);
+    assert_false(point[last].asymptotic);
+    for (int i = 0; i <= last; i++) {
+        assert_true(point[i].errors.end <= point[i].errors.max || !isfinite(point[i].errors.max));
+        assert_true(isnan(point[i].time.minimum)); /* TIMING_OFF */
+        assert_int_equal(point[i].cost.evals, 4 * point[i].steps);
+    }
+    precision_free(&precision);
+}
+
+static void test_ranges_meet_the_grid(void **state)
+{
+    (void)state;
+    struct scene scene;
+    struct precision precision;
+    const struct contender contender[] = {{method_named("dopri5"), DRAG_DEFAULT}};
+    scene_init(&scene, NULL);
+    struct precision_request request = request_for(&scene, contender, 1);
+    request.dt[0] = 1e-3;
+    request.dt[1] = 20e-3;
+    run_study(&request, &precision);
+    assert_int_equal(precision.points, 4); /* 2 s / 128, 256, 512, 1024: with dt given the method takes fixed steps */
+    assert_true(precision.point[0].dt == 2.0 / 128 && precision.point[3].dt == 2.0 / 1024);
+    assert_int_equal(precision.point[3].steps, 1024);
+    precision_free(&precision);
+
+    request.dt[0] = request.dt[1] = 5e-3;
+    run_study(&request, &precision);
+    assert_int_equal(precision.points, 1);
+    assert_true(precision.point[0].dt == 2.0 / 512);
+    precision_free(&precision);
+
+    request.dt[0] = request.dt[1] = NAN;
+    request.tol[0] = 1e-8;
+    request.tol[1] = 1e-5;
+    run_study(&request, &precision);
+    assert_int_equal(precision.points, 4);
+    near(precision.point[0].tol, 1e-5, 1e-12);
+    near(precision.point[3].tol, 1e-8, 1e-12);
+    precision_free(&precision);
+
+    struct error error = {0};
+    request.tol[0] = -1;
+    assert_false(study_precision(&request, &precision, &error));
+    assert_int_equal(error.code, ERROR_COMMAND);
+    precision_free(&precision);
+}
+
+/* Errors, phase and amplitude of symplectic Euler and Verlet are known in closed form. */
+static void test_known_errors(void **state)
+{
+    (void)state;
+    struct scene scene;
+    struct precision precision;
+    const struct contender contender[] = {{method_named("verlet"), DRAG_DEFAULT}, {method_named("heun"), DRAG_DEFAULT}};
+    scene_init(&scene, NULL);
+    struct precision_request request = request_for(&scene, contender, 2);
+    request.dt[0] = request.dt[1] = 2.0 / 256;
+    run_study(&request, &precision);
+    const double omega = sqrt(75), x = omega * 2 / 256;
+    const struct study_errors *verlet = &precision.point[0].errors, *heun = &precision.point[1].errors;
+    const double turn = 256 * (2 * asin(x / 2) - x); /* y = cos(n theta): numerical minus exact phase */
+    double most = 0;
+    for (int n = 0; n <= 256; n++)
+        most = fmax(most, fabs(cos(2 * n * asin(x / 2)) - cos(n * x)));
+    /* Scaled by the largest |y| on the grid, which is the start. */
+    near(verlet->max, most, 1e-9);
+    near(verlet->energy, 0.25 * x * x, 0.05); /* v^2 + omega^2 q^2 (1 - x^2/4) is what it keeps */
+    assert_true(fabs(verlet->phase - turn) < x * x / 8);
+    near(heun->amplitude, pow(1 + x * x * x * x / 4, 128) - 1, 1e-6);
+    near(heun->phase, 256 * (atan2(x, 1 - x * x / 2) - x), 1e-6);
+    precision_free(&precision);
+}
+
+static void test_failures_are_results(void **state)
+{
+    (void)state;
+    struct scene scene;
+    struct precision precision;
+    struct error error = {0};
+    const struct contender contender[] = {{method_named("euler"), DRAG_DEFAULT}, {method_named("rk4"), DRAG_DEFAULT}};
+    scene_init(&scene, NULL);
+    assert_true(scene_set(&scene, scene_param(&scene, "k"), (struct measured){1.5e7, 0}, &error)); /* omega = 8660 */
+    struct precision_request request = request_for(&scene, contender, 2);
+    request.dt[0] = request.dt[1] = 2.0 / 256;
+    run_study(&request, &precision);
+    assert_int_equal(precision.points, 2);
+    for (int i = 0; i < 2; i++) {
+        struct precision_cost cost;
+        assert_int_equal(precision.point[i].stop, STOP_DIVERGED);
+        assert_false(precision_meaningful(&precision.point[i]));
+        assert_true(isnan(precision.curve[i].slope));
+        assert_false(precision_cost_at(&precision, i, 0.1, &cost));
+    }
+    struct precision_cost costs[2];
+    assert_int_equal(precision_fastest(&precision, 0.1, costs), 0);
+    precision_free(&precision);
+
+    /* Of the steps too coarse to say anything a sweep keeps the last. */
+    assert_true(scene_set(&scene, scene_param(&scene, "k"), (struct measured){15, 0}, &error));
+    request = request_for(&scene, contender, 2);
+    run_study(&request, &precision);
+    for (int c = 0; c < precision.curves; c++) {
+        assert_false(precision_meaningful(&precision.point[precision.curve[c].first]));
+        assert_true(precision_meaningful(&precision.point[precision.curve[c].first + 1]));
+    }
+    precision_free(&precision);
+}
+
+/* Made-up points: costs are read between them, ties are overlapping intervals, what is below the reference does not
+ * count. */
+static void test_reading_costs(void **state)
+{
+    (void)state;
+    struct precision_point point[6] = {{0}};
+    struct precision_curve curve[3] = {{{method_named("rk4"), DRAG_DEFAULT}, .first = 0, .count = 2},
+                                       {{method_named("heun"), DRAG_DEFAULT}, .first = 2, .count = 2},
+                                       {{method_named("euler"), DRAG_DEFAULT}, .first = 4, .count = 2}};
+    static const double error[] = {1e-2, 1e-4, 1e-2, 1e-4, 1e-2, 1e-4}, minimum[] = {1, 100, 1.1, 110, 3, 300},
+                        median[] = {1.3, 130, 1.2, 120, 4, 400};
+    for (int i = 0; i < 6; i++) {
+        point[i].curve = i / 2;
+        point[i].stop = STOP_END;
+        point[i].errors.max = error[i];
+        point[i].cost.evals = i % 2 ? 1000 : 10;
+        point[i].time = (struct timing_result){.minimum = minimum[i], .median = median[i], .samples = 15};
+    }
+    const struct precision precision = {
+        .reference = {.accuracy = 1e-9}, .point = point, .points = 6, .curve = curve, .curves = 3};
+    struct precision_cost cost[3];
+    assert_int_equal(precision_fastest(&precision, 1e-3, cost), 3);
+    assert_int_equal(cost[0].curve, 0);
+    near(cost[0].minimum, 10, 1e-12); /* half way in logarithms */
+    near(cost[0].evals, 100, 1e-12);
+    assert_int_equal(cost[1].curve, 1);
+    assert_true(cost[1].tied);
+    assert_int_equal(cost[2].curve, 2);
+    assert_false(cost[2].tied);
+    assert_int_equal(precision_fastest(&precision, 1e-5, cost), 0);
+    struct precision coarse = precision;
+    coarse.reference.accuracy = 1e-3;
+    assert_int_equal(precision_fastest(&coarse, 1e-4, cost), 0);
+    point[1].stop = STOP_DIVERGED;
+    assert_int_equal(precision_fastest(&precision, 1e-3, cost), 2);
+}
+
+/* On the undamped oscillator the prediction is the measurement, to a few percent, over the whole catalogue. */
+static void test_predictions(void **state)
+{
+    (void)state;
+    struct scene scene;
+    struct error error = {0};
+    int compared = 0;
+    scene_init(&scene, NULL);
+    for (size_t i = 0; i < method_catalog.count; i++) {
+        struct precision precision;
+        const struct contender contender = {(const struct method *)(const void *)catalog_row(&method_catalog, i),
+                                            DRAG_DEFAULT};
+        struct precision_request request = request_for(&scene, &contender, 1);
+        request.duration = 10;
+        request.dt[0] = 10.0 / 1024;
+        request.dt[1] = 10.0 / 64;
+        if (!study_precision(&request, &precision, &error)) {
+            precision_free(&precision);
+            continue;
+        }
+        for (int p = 0; p < precision.points; p++) {
+            const struct precision_point *point = &precision.point[p];
+            const double predicted = precision_predict(&precision, 0, point->errors.max);
+            if (!precision_meaningful(point) || point->errors.max > 0.03 || point->errors.max < 1e-11 ||
+                !isfinite(predicted) || point->cost.evals == 0)
+                continue;
+            const double steps = predicted / contender.method->evals;
+            if (!(fabs(steps / (double)point->steps - 1) < 0.06)) {
+                print_error("%s at dt = %g: error %g, %g steps predicted, %lld taken\n", contender.method->row.name,
+                            point->dt, point->errors.max, steps, (long long)point->steps);
+                fail();
+            }
+            compared++;
+        }
+        precision_free(&precision);
+    }
+    assert_true(compared >= 10);
+}
+
+static void test_cancelled_keeps_what_is_finished(void **state)
+{
+    (void)state;
+    struct scene scene;
+    struct precision precision;
+    struct error error = {0};
+    struct cancel cancel = {0};
+    const struct contender contender[] = {{method_named("rk4"), DRAG_DEFAULT}, {method_named("heun"), DRAG_DEFAULT}};
+    scene_init(&scene, NULL);
+    struct precision_request request = request_for(&scene, contender, 2);
+    request.cancel = &cancel;
+    atomic_store(&cancel.requested, 1);
+    assert_false(study_precision(&request, &precision, &error));
+    assert_int_equal(error.code, ERROR_CANCELLED);
+    assert_int_equal(precision.curves, 0);
+    assert_int_equal(precision.points, 0);
+    precision_free(&precision);
+}
+
+static struct cancel quitting;
+
+static enum step_status quitting_step(const struct method *method, struct step *step)
+{
+    atomic_store(&quitting.requested, 1);
+    return method_named("rk4")->step(method, step);
+}
+
+static void test_cancelled_in_the_second(void **state)
+{
+    (void)state;
+    struct scene scene;
+    struct precision precision;
+    struct error error = {0};
+    struct method quitter = *method_named("rk4");
+    quitter.step = quitting_step;
+    const struct contender contender[] = {{method_named("rk4"), DRAG_DEFAULT}, {&quitter, DRAG_DEFAULT}};
+    scene_init(&scene, NULL);
+    struct precision_request request = request_for(&scene, contender, 2);
+    request.cancel = &quitting;
+    atomic_store(&quitting.requested, 0);
+    assert_false(study_precision(&request, &precision, &error));
+    assert_int_equal(error.code, ERROR_CANCELLED);
+    assert_non_null(strstr(error.text, "1 of 2"));
+    assert_int_equal(precision.curves, 1);
+    assert_int_equal(precision.points, precision.curve[0].count);
+    assert_true(fabs(precision.curve[0].slope - 4) < 0.1);
+    precision_free(&precision);
+}
+
+static void test_refused_before_anything_runs(void **state)
+{
+    (void)state;
+    struct scene scene;
+    struct precision precision;
+    struct error error = {0};
+    const struct contender contender[] = {{method_named("rk4"), DRAG_DEFAULT}, {method_named("exact"), DRAG_DEFAULT}};
+    const struct row *drag = catalog_find(&preset_catalog, TEXT("drag"));
+    assert_non_null(drag);
+    scene_init(&scene, (const struct preset *)(const void *)drag);
+    const struct precision_request request = request_for(&scene, contender, 2);
+    assert_false(study_precision(&request, &precision, &error));
+    assert_int_equal(error.code, ERROR_COMMAND);
+    assert_non_null(strstr(error.text, "exact"));
+    assert_int_equal(precision.curves, 0);
+    precision_free(&precision);
+}
+
+static void count_absent(void *context, const char *method, const char *reason)
+{
+    assert_non_null(method);
+    assert_true(reason[0] != '\0');
+    (*(int *)context)++;
+}
+
+/* Every preset gets methods that apply, each once. */
+static void test_defaults(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < preset_catalog.count; i++) {
+        struct scene scene;
+        struct system system;
+        struct error error = {0};
+        struct contender contender[PRECISION_DEFAULTS];
+        int absent = 0;
+        scene_init(&scene, (const struct preset *)(const void *)catalog_row(&preset_catalog, i));
+        if (!scene_bind(&scene, &system, &error))
+            continue;
+        const int count = precision_defaults(&system, 10, contender, count_absent, &absent);
+        assert_true(count >= 3 && count <= PRECISION_DEFAULTS);
+        for (int c = 0; c < count; c++) {
+            enum drag drag = contender[c].drag;
+            assert_true(method_applies(contender[c].method, &system, &drag, &error));
+            for (int other = 0; other < c; other++)
+                assert_ptr_not_equal(contender[c].method, contender[other].method);
+        }
+    }
+}
+
+/* That times are taken, not how long they are. */
+static void test_times(void **state)
+{
+    (void)state;
+    struct scene scene;
+    struct precision precision;
+    const struct contender contender[] = {{method_named("rk4"), DRAG_DEFAULT}};
+    scene_init(&scene, NULL);
+    struct precision_request request = request_for(&scene, contender, 1);
+    request.dt[0] = request.dt[1] = 2.0 / 64;
+    request.timing = TIMING_FULL;
+    request.recording = true;
+    run_study(&request, &precision);
+    const struct precision_point *point = &precision.point[0];
+    assert_true(point->time.minimum > 0 && point->time.minimum <= point->time.median);
+    assert_true(point->time.samples == TIMING_SAMPLES && !point->time.few);
+    assert_true(point->time.spread >= 0 && point->recording > 0);
+    precision_free(&precision);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_slopes_and_a_wrong_claim),
+        cmocka_unit_test(test_ranges_meet_the_grid),
+        cmocka_unit_test(test_known_errors),
+        cmocka_unit_test(test_failures_are_results),
+        cmocka_unit_test(test_reading_costs),
+        cmocka_unit_test(test_predictions),
+        cmocka_unit_test(test_cancelled_keeps_what_is_finished),
+        cmocka_unit_test(test_cancelled_in_the_second),
+        cmocka_unit_test(test_refused_before_anything_runs),
+        cmocka_unit_test(test_defaults),
+        cmocka_unit_test(test_times),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
