@@ -42,12 +42,14 @@ GSL_CFLAGS  := $(shell $(PKG) --cflags gsl 2>/dev/null)
 GSL_LIBS    := $(shell $(PKG) --libs gsl 2>/dev/null || echo -lgsl -lgslcblas -lm)
 LINE_CFLAGS := $(shell $(PKG) --cflags readline ncursesw 2>/dev/null)
 LINE_LIBS   := $(shell $(PKG) --libs readline ncursesw 2>/dev/null || echo -lreadline -lncursesw -ltinfo)
+# Never linked: loaded when a picture is drawn.
+CAIRO_CFLAGS := $(shell $(PKG) --exists cairo-svg cairo-pdf cairo-png 2>/dev/null && echo -DHAVE_CAIRO $$($(PKG) --cflags cairo))
 TEST_LIBS   := $(shell $(PKG) --libs cmocka 2>/dev/null || echo -lcmocka)
 
 CPPFLAGS += -D_GNU_SOURCE -DHOOKE_VERSION='"$(VERSION)"' -Iinclude -Ibuild
 CFLAGS   := -std=c11 $(OPT_$(CONFIG)) $(WARNINGS) $(NUMBERS) $(HARDEN) -fPIE $(CFLAGS_EXTRA)
 LDFLAGS  := $(filter -fsanitize% --coverage,$(OPT_$(CONFIG))) $(LDHARDEN) $(LDFLAGS_EXTRA)
-LIBS     := $(GSL_LIBS) -lm
+LIBS     := $(GSL_LIBS) -lm -ldl
 
 # ---- what there is ----------------------------------------------------------------------------------------------------
 
@@ -96,7 +98,7 @@ $(B)/run/many.o $(B)/run/propagate.o $(patsubst src/%.c,$(B)/%.o,$(wildcard src/
 $(B)/%.o: src/%.c Makefile
 	$(call say,CC,$<)
 	@mkdir -p $(@D)
-	$(Q)$(CC) $(CPPFLAGS) $(if $(filter terminal,$(notdir $(@D))),$(LINE_CFLAGS)) $(GSL_CFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
+	$(Q)$(CC) $(CPPFLAGS) $(if $(filter terminal,$(notdir $(@D))),$(LINE_CFLAGS)) $(if $(filter figure,$(notdir $(@D))),$(CAIRO_CFLAGS)) $(GSL_CFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
 
 # ---- tests ------------------------------------------------------------------------------------------------------------
 # tests/<kind>/<layer>_<subject>.c is linked with the layers up to <layer> only.
@@ -104,7 +106,7 @@ $(B)/%.o: src/%.c Makefile
 $(B)/tests/%.o: tests/%.c Makefile
 	$(call say,CC,$<)
 	@mkdir -p $(@D)
-	$(Q)$(CC) $(CPPFLAGS) -Itests $(GSL_CFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
+	$(Q)$(CC) $(CPPFLAGS) -Itests $(if $(filter figure,$(call layer_of,$*)),$(CAIRO_CFLAGS)) $(GSL_CFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
 
 layer_of = $(if $(findstring fuzz/,$(1)),command,$(firstword $(subst _, ,$(notdir $(1)))))
 

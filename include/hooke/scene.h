@@ -43,6 +43,12 @@ const struct expr *expr_compile(struct text text, const struct expr_scope *scope
                                 struct error *error);
 double expr_value(const struct expr *expr, const struct expr_scope *scope); /* NaN and infinities pass through */
 bool expr_constant(const struct expr *expr, double *value);                 /* no names inside */
+/* The value and its exact partial derivatives [count] with respect to the names in these slots: dual numbers, not
+ * differences. A step (sign, floor …) has derivative 0, a corner (abs, min, if) that of the branch taken. */
+double expr_gradient(const struct expr *expr, const struct expr_scope *scope, const int *slot, int count,
+                     double *gradient);
+/* Is it, as it is written, linear in these names together: a0 + a1 x1 + a2 x2 with other names only in the a? */
+bool expr_linear(const struct expr *expr, const int *slot, int count);
 
 /* A comparison `expr < expr` (also <= > >=), as in `run until y < 0`. The sides may carry units: y < 1 cm. */
 struct condition {
@@ -169,6 +175,7 @@ enum term_flag {
     TERM_VELOCITY = 2,     /* depends on velocity */
     TERM_TIME = 4,         /* depends on time */
     TERM_CONSERVATIVE = 8, /* has a potential; otherwise it has a power */
+    TERM_KINK = 16,        /* in a scene of one coordinate: not smooth where its velocity is 0 */
 };
 
 /*
@@ -219,6 +226,7 @@ struct system {
     bool autonomous;   /* no TERM_TIME */
     bool velocity;     /* some force depends on velocity */
     bool conservative; /* every term has a potential: energy is constant */
+    bool kinks;        /* n = 2, and some force is not smooth at v = 0 */
     double mass;       /* [kg] or what takes its place: kinetic energy = mass v^2 / 2 */
     struct oscillator oscillator;
     double start[LIMIT_VARIABLES]; /* state at t0 */
@@ -234,8 +242,23 @@ void system_derivative(const struct system *system, double t, const double *y, d
 void system_force(const struct system *system, double t, const double *y, double *a);
 /* Only the terms that do depend on velocity. */
 void system_drag(const struct system *system, double t, const double *y, double *a);
-/* Exact flow of v' = -gamma v - c |v| v over h (NUMERICS 2.5): sign-preserving, exact at v = 0; where drag_whole. */
-double oscillator_drag_flow(const struct oscillator *oscillator, double v, double h);
+/*
+ * Exact flow of v' = -gamma v - c |v| v over h (Hairer, Lubich, Wanner 2006, II.5), prepared once for many v: v keep / (least + pull |v|).
+ * Sign-preserving, exact at v = 0. Backwards in time quadratic drag has a pole: infinite beyond it.
+ */
+struct drag_flow {
+    double keep, least, pull;
+};
+
+struct drag_flow oscillator_drag_flow(const struct oscillator *oscillator, double h);
+
+static inline double drag_flow_apply(const struct drag_flow *flow, double v)
+{
+    double below = flow->pull == 0 ? flow->least : flow->least + flow->pull * fabs(v);
+    if (!(below > 0))
+        return copysign(HUGE_VAL, v);
+    return flow->least == 1 && flow->pull == 0 ? v * flow->keep : v * flow->keep / below;
+}
 void system_jacobian(const struct system *system, double t, const double *y,
                      double *jac); /* d y'/d y, [n][n] row-major */
 

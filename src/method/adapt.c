@@ -134,6 +134,7 @@ enum step_status method_adapt(const struct method *method, struct step *step, st
 {
     const double tol = fmax(controller->tol, 10 * DBL_EPSILON), t = step->t, span = t_end - t;
     const double most = largest_estimate(method, tol);
+    const bool turns = method_turns(method, step->system);
     const size_t size = (size_t)step->system->n * sizeof *step->y;
     double before[LIMIT_VARIABLES], low[LIMIT_VARIABLES], own_error[LIMIT_VARIABLES], *asked = step->error;
     assert(method->flags & METHOD_ADAPTIVE);
@@ -153,15 +154,19 @@ enum step_status method_adapt(const struct method *method, struct step *step, st
         step->again = attempt > 0;
         step->tol = most;
         enum step_status status = method_step(method, step);
+        bool turned = false;
+        if (turns && status == STEP_OK)
+            status = turn_step(method, step, t, before, low, &turned);
+        last = last && !turned;
         double error = status == STEP_OK ? norm(step->system, step->tol, step->error, before, step->y) : NAN;
         step->error = asked;
         step->tol = 0;
 
         if (error <= 1) {
-            /* A last step that was cut short says nothing against the longer one that was planned. */
+            /* A step that was cut short says nothing against the longer one that was planned. */
             struct controller planned = *controller;
             plan_next(method, step, &planned, error);
-            if (!last || fabs(planned.h) > fabs(controller->h))
+            if (!(last || turned) || fabs(planned.h) > fabs(controller->h))
                 *controller = planned;
             if (last)
                 step->t = t_end;

@@ -1,17 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The table of methods, and what is the same for all of them. */
-#include "step.h"
+#include "rows.h"
 
 /* clang-format off */
-#define REALS(...) (const double[]){__VA_ARGS__}
-#define TABLEAU(...) .tableau = &(const struct tableau){__VA_ARGS__}
-#define WEIGHTS(...) .splitting = &(const struct splitting){__VA_ARGS__}
-#define NYSTROM_TABLEAU(...) .nystrom = &(const struct nystrom){__VA_ARGS__}
-#define IMPLICIT_TABLEAU(...) .implicit = &(const struct implicit_tableau){__VA_ARGS__}
-#define LINEARLY_IMPLICIT(...) .rosenbrock = &(const struct rosenbrock){__VA_ARGS__}
-#define STEPS(...) .multistep = &(const struct multistep){__VA_ARGS__}
-#define DRAG_VARIANTS (1u << DRAG_EXACT | 1u << DRAG_IMPLICIT | 1u << DRAG_EXPLICIT)
-
 static const struct method methods[] = {
 #define RUNGE_KUTTA(...) {.step = rk_step, .work = rk_work, __VA_ARGS__},
 #include "rk.def"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* One step of any explicit Runge-Kutta tableau. Source: Hairer, Norsett, Wanner 1993, Solving ODEs I, II.1-6, II.10. */
-#include "step.h"
+#include "rk_body.h"
 
 /* work: k [stages + extra][n], one state, whether the extra stages are those of the last step */
 size_t rk_work(const struct method *method, int n)
@@ -13,20 +13,9 @@ static double *interpolant_ready(const struct tableau *tableau, const struct ste
     return step->work + (tableau->stages + tableau->extra + 1) * step->system->n;
 }
 
-static void derivative(struct step *step, double t, const double *y, double *k)
+static void slope(const void *system, double t, const double *y, double *dydt)
 {
-    system_derivative(step->system, t, y, k);
-    step->cost.evals++;
-}
-
-/* z = y + h sum_j w_j k_j; low: as in struct step, or NULL */
-static void advance(const struct step *step, const double *w, int count, double *z, double *low)
-{
-    int n = step->system->n;
-    for (int i = 0; i < n; i++) {
-        z[i] = step->y[i];
-        step_add(&z[i], low ? &low[i] : NULL, step->h * weighted_sum(w, count, step->work, n, i));
-    }
+    system_derivative(system, t, y, dydt);
 }
 
 /* The difference from the companion; with a rough one too, that of DOP853 (II.10, eq. 10.17). */
@@ -54,16 +43,11 @@ enum step_status rk_step(const struct method *method, struct step *step)
     double *low = step->low ? memcpy(rest, step->low, (size_t)n * sizeof *rest) : NULL;
 
     *interpolant_ready(tableau, step) = false;
+    bool known = (tableau->fsal && step->warm) || step->again;
     if (tableau->fsal && step->warm)
         memcpy(k, k + (stages - 1) * n, (size_t)n * sizeof *k);
-    else if (!step->again)
-        derivative(step, step->t, step->y, k);
-    for (int s = 1; s < stages; s++) {
-        advance(step, tableau_row(tableau, s), s, z, tableau->fsal && s == stages - 1 ? low : NULL);
-        derivative(step, step->t + tableau->c[s] * step->h, z, k + s * n);
-    }
-    if (!tableau->fsal) /* else z is already there: the last row of a equals b */
-        advance(step, tableau->b, stages, z, low);
+    rk_stages(tableau, n, slope, step->system, step->t, step->h, step->y, k, z, low, known);
+    step->cost.evals += stages - known;
     if (step->error && tableau->companion)
         estimate_error(tableau, step, z);
     enum step_status status = step_finish(step, z);

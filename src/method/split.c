@@ -18,7 +18,7 @@
  *
  * Source: Hairer, Lubich, Wanner 2006, Geometric Numerical Integration, II.5.
  */
-#include "step.h"
+#include "split_body.h"
 
 /* work: one state, the force of the last kick [n/2], one state of low parts */
 size_t split_work(const struct method *method, int n)
@@ -80,127 +80,31 @@ bool split_applies(const struct method *method, const struct system *system, enu
     return !system->velocity || applies_with_drag(method, system, drag, error);
 }
 
-static void add(double *z, double *low, int i, double increment)
+static void force(const void *system, double t, const double *y, double *a)
 {
-    step_add(&z[i], low ? &low[i] : NULL, increment);
+    system_force(system, t, y, a);
 }
 
-/* v' = v + w F, and the ways in which drag can enter: z' has the new velocity, everything else stands still. */
-typedef void kick_function(const struct system *system, double t, double w, const double *force, double *z,
-                           double *low);
-
-static void kick_without(const struct system *system, double t, double w, const double *force, double *z, double *low)
+static void drag(const void *system, double t, const double *y, double *a)
 {
-    (void)t;
-    int d = system->n / 2;
-    for (int i = 0; i < d; i++)
-        add(z, low, d + i, w * force[i]);
-}
-
-/* v' = v + w (F + drag at v) */
-static void kick_from_start(const struct system *system, double t, double w, const double *force, double *z,
-                            double *low)
-{
-    int d = system->n / 2;
-    double drag[LIMIT_VARIABLES];
-    system_drag(system, t, z, drag);
-    for (int i = 0; i < d; i++)
-        add(z, low, d + i, w * (force[i] + drag[i]));
-}
-
-/* v' = v + w (F + drag at v') */
-static void kick_from_end(const struct system *system, double t, double w, const double *force, double *z, double *low)
-{
-    (void)t, (void)low;
-    const struct oscillator *o = &system->oscillator;
-    int d = system->n / 2;
-    for (int i = 0; i < d; i++)
-        z[d + i] = drag_root(1 + o->damping * w, o->quadratic * w, z[d + i] + w * force[i]);
-}
-
-/* v' = v + w (F + drag at (v + v')/2): half a kick from the end, then half a kick from there */
-static void kick_from_middle(const struct system *system, double t, double w, const double *force, double *z,
-                             double *low)
-{
-    int d = system->n / 2;
-    double v[LIMIT_VARIABLES];
-    memcpy(v, z + d, (size_t)d * sizeof *v);
-    kick_from_end(system, t, w / 2, force, z, low);
-    for (int i = 0; i < d; i++)
-        z[d + i] = 2 * z[d + i] - v[i];
-}
-
-/* v' = E v + F (1 - E)/gamma, E = exp(-gamma w) */
-static void kick_frozen(const struct system *system, double t, double w, const double *force, double *z, double *low)
-{
-    (void)t;
-    int d = system->n / 2;
-    double gamma = system->oscillator.damping, lost = -expm1(-gamma * w); /* 1 - E */
-    double pull = gamma != 0 ? lost / gamma : w;
-    for (int i = 0; i < d; i++)
-        add(z, low, d + i, force[i] * pull - z[d + i] * lost);
-}
-
-/*
- * side: of the step's middle, < 0 before, 0 in it, > 0 after; a step without symmetry is all "after".
- * around: the drag's own flow stands at the step's ends.
- */
-static kick_function *kick_for(enum drag drag, bool around, int side)
-{
-    switch (drag) {
-    case DRAG_EXPLICIT:
-        return kick_from_start;
-    case DRAG_IMPLICIT:
-        return side < 0 ? kick_from_start : side == 0 ? kick_from_middle : kick_from_end;
-    case DRAG_EXACT:
-        return around ? kick_without : kick_frozen;
-    default:
-        return kick_without;
-    }
-}
-
-static void drag_flow(const struct system *system, double h, double *z)
-{
-    int d = system->n / 2;
-    for (int i = d; i < system->n; i++)
-        z[i] = oscillator_drag_flow(&system->oscillator, z[i], h);
+    system_drag(system, t, y, a);
 }
 
 enum step_status split_step(const struct method *method, struct step *step)
 {
     const struct system *system = step->system;
-    const struct splitting *splitting = method->splitting;
-    int n = system->n, d = n / 2, count = splitting->count;
-    double t = step->t, *z = step->work, *force = z + n, *low = step->low ? force + d : NULL;
-    bool symmetric = method->flags & METHOD_SYMMETRIC;
-    enum drag drag = system->velocity ? step->drag : DRAG_DEFAULT; /* DRAG_DEFAULT: there is none */
-    bool around = drag == DRAG_EXACT && symmetric && method->order <= 2;
-    /* A step that begins and ends with a kick begins where the last one left the force. */
-    bool known = step->warm && splitting->kick_first && count % 2 == 1;
-
+    const int n = system->n, d = n / 2;
+    double *z = step->work, *pull = z + n, *low = step->low ? pull + d : NULL;
+    const struct split_forces forces = {force, drag, system, &system->oscillator};
+    struct split_way way;
+    split_choose(&way, method, system->velocity ? step->drag : DRAG_DEFAULT);
     memcpy(z, step->y, (size_t)n * sizeof *z);
     if (low)
         memcpy(low, step->low, (size_t)n * sizeof *low);
-    if (around)
-        drag_flow(system, step->h / 2, z);
-    for (int i = 0; i < count; i++) {
-        double w = splitting_weight(splitting, i) * step->h;
-        bool kick = (i % 2 == 0) == splitting->kick_first;
-        if (kick && !known) {
-            system_force(system, t, z, force);
-            step->cost.evals++;
-        }
-        known = kick;
-        if (kick) {
-            kick_for(drag, around, symmetric ? 2 * i + 1 - count : 1)(system, t, w, force, z, low);
-        } else {
-            for (int j = 0; j < d; j++)
-                add(z, low, j, w * z[d + j]);
-            t += w;
-        }
-    }
-    if (around)
-        drag_flow(system, step->h / 2, z);
+    const struct drag_flow half =
+        way.around ? oscillator_drag_flow(&system->oscillator, step->h / 2) : (struct drag_flow){0};
+    split_stages(&way, n, &forces, &half, NULL, step->t, step->h, z, pull, low, split_known(&way, step));
+    step->cost.evals += way.kicks - split_known(&way, step);
     enum step_status status = step_finish(step, z);
     if (low && status == STEP_OK)
         memcpy(step->low, low, (size_t)n * sizeof *low);

@@ -162,6 +162,13 @@ struct multistep {
     const double *values;  /* [steps + 1] of y_n+1, y_n, … (backward differentiation), NULL: none */
 };
 
+/*
+ * After a step from `before` at t, where the method turns: one across a turning point is taken again, up to there; then
+ * step->h is less. low: where there is step->low, what it was before.
+ */
+enum step_status turn_step(const struct method *method, struct step *step, double t, const double *before,
+                           const double *low, bool *turned);
+
 enum step_status rk_step(const struct method *method, struct step *step);
 size_t rk_work(const struct method *method, int n);
 void rk_dense(const struct method *method, const struct step *step, double theta, double *y);

@@ -13,8 +13,8 @@ static uint64_t magnitude(double x)
 }
 
 /*
- * How many of the rows are within bounds, counted from the first. Magnitudes of doubles are ordered like their bits, NaN
- * above all: where one is too large, the difference to the bound is negative, and that survives in a sum of bits.
+ * How many of the rows are within bounds, counted from the first. Magnitudes of doubles are ordered like their bits,
+ * NaN above all: where one is too large, the difference to the bound is negative, and that survives in a sum of bits.
  */
 CLONES static int64_t rows_within(const double *row, int64_t count, int n, const double *bound)
 {
@@ -67,7 +67,7 @@ bool advance_many(struct run *run, const struct leg *leg, enum stop *stop)
     struct run_private *p = run->private_state;
     const int n = run->system.n;
     const int64_t left = least(leg->limit, leg->last) - run->steps;
-    if (run->plan.adaptive || leg->target->condition || p->step.low || left <= 0)
+    if (run->plan.adaptive || run_cuts(run) || leg->target->condition || p->step.low || left <= 0)
         return false;
 
     size_t room = CHUNK_ROWS;

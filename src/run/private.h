@@ -166,6 +166,12 @@ void propagator_anchor(struct propagator *propagator, int64_t step, const double
  * the block that `first` stands in was begun by something else. */
 int64_t propagate(struct propagator *propagator, int64_t first, int64_t count, double *y, double *row);
 
+/* Steps of fixed size are taken in pieces: each needs a look of its own. */
+static inline bool run_cuts(const struct run *run)
+{
+    return !run->plan.adaptive && method_turns(run->method, &run->system);
+}
+
 /* many.c: up to p->batch whole steps at once, where nothing has to be looked at between them. False: step by step. */
 bool advance_many(struct run *run, const struct leg *leg, enum stop *stop);
 enum stop stop_of_step(enum step_status status);

@@ -349,6 +349,6 @@ bool trace_decimated(const struct trace *trace)
 size_t trace_bytes(const struct trace *trace)
 {
     return sizeof *trace + trace->room * sizeof *trace->chunk + trace->grid_room * sizeof *trace->grid +
-           trace->chunks * CHUNK_ROWS * trace->width * sizeof(double) +
-           trace->indices * CHUNK_ROWS * sizeof(int64_t) + (trace->index ? trace->room * sizeof *trace->index : 0);
+           trace->chunks * CHUNK_ROWS * trace->width * sizeof(double) + trace->indices * CHUNK_ROWS * sizeof(int64_t) +
+           (trace->index ? trace->room * sizeof *trace->index : 0);
 }

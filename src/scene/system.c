@@ -93,18 +93,14 @@ double system_dissipation(const struct system *system, double t, const double *y
 }
 
 /*
- * v' = -gamma v - c |v| v has the solution v E / (1 + c |v| phi), E = exp(-gamma h), phi = (1 - E) / gamma. Where E
- * would grow (gamma h < 0) numerator and denominator are divided by it. Backwards in time quadratic drag has a pole.
+ * The solution is v E / (1 + c |v| phi), E = exp(-gamma h), phi = (1 - E) / gamma. Where E would grow (gamma h < 0)
+ * numerator and denominator are divided by it.
  */
-double oscillator_drag_flow(const struct oscillator *oscillator, double v, double h)
+struct drag_flow oscillator_drag_flow(const struct oscillator *oscillator, double h)
 {
-    double gamma = oscillator->damping, c = oscillator->quadratic, x = gamma * h;
-    double decay = exp(-fabs(x));
+    double gamma = oscillator->damping, x = gamma * h, decay = exp(-fabs(x));
     double phi = x != 0 ? -expm1(-fabs(x)) / fabs(gamma) : fabs(h);
-    double below = (x < 0 ? decay : 1) + c * fabs(v) * copysign(phi, h);
-    if (below <= 0)
-        return copysign(HUGE_VAL, v);
-    return (x < 0 ? v : v * decay) / below;
+    return (struct drag_flow){x < 0 ? 1 : decay, x < 0 ? decay : 1, oscillator->quadratic * copysign(phi, h)};
 }
 
 struct variable system_variable(const struct system *system, int i)
@@ -168,6 +164,7 @@ bool scene_bind(const struct scene *scene, struct system *system, struct error *
     system->conservative = system->order == 2 && all & TERM_CONSERVATIVE;
     system->velocity = any & TERM_VELOCITY;
     system->autonomous = !(any & TERM_TIME);
+    system->kinks = system->order == 2 && system->n == 2 && any & TERM_KINK;
     if (system->n > 2 && system->oscillator.quadratic != 0) /* |v| is not that of each coordinate */
         system->oscillator.drag_whole = false;
     model->begin(param, system);

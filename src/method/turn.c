@@ -1,0 +1,108 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Turning points: a force like |v| v is only C^1 at v = 0, and a step across loses its order. It is taken again, up to
+ * the turning point only, which is found by steps of the method.
+ */
+#include "step.h"
+
+/* Shares of a step: a kink so close to its end is as good as there, because it acts as the square. */
+#define NEAR 1e-8          /* below rounding */
+#define NEAR_TOLERATED 0.1 /* times the root of the tolerance */
+#define TRIES 12           /* two or three are enough where the acceleration is not 0 */
+#define PIECES 8           /* of a fixed step at most */
+
+bool method_turns(const struct method *method, const struct system *system)
+{
+    return system->kinks && method->order > 2 && !method->splitting && !method->growth &&
+           !(method->flags & METHOD_MULTISTEP);
+}
+
+/* A time since the start of the step, velocity and acceleration there. */
+struct moment {
+    double x, v, a;
+};
+
+static struct moment moment(struct step *step, double t, double x, const double *y)
+{
+    double a[1];
+    system_acceleration(step->system, t, y, a);
+    step->cost.evals++;
+    return (struct moment){x, y[1], a[0]};
+}
+
+/* Where v = 0 between two moments: cubic Hermite interpolation of the time as a function of the velocity. */
+static double turning_time(const struct moment *p, const struct moment *q)
+{
+    const double rise = q->v - p->v, u = -p->v / rise, r = 1 - u;
+    const double x = p->x + (q->x - p->x) * (u * u * (3 - 2 * u)) + rise * u * r * (r / p->a - u / q->a);
+    return (x - p->x) * (q->x - x) > 0 ? x : p->x + (q->x - p->x) / 2;
+}
+
+enum step_status turn_step(const struct method *method, struct step *step, double t, const double *before,
+                           const double *low, bool *turned)
+{
+    *turned = false;
+    if (!((before[1] < 0 && step->y[1] > 0) || (before[1] > 0 && step->y[1] < 0)))
+        return STEP_OK;
+    const size_t size = (size_t)step->system->n * sizeof *before;
+    const double near = fmax(NEAR, NEAR_TOLERATED * sqrt(step->tol)) * fabs(step->h);
+    struct moment first = moment(step, t, 0, before), last = moment(step, t + step->h, step->h, step->y);
+    double x = turning_time(&first, &last);
+    if (fabs(x) <= near || fabs(step->h - x) <= near)
+        return STEP_OK;
+    *turned = true;
+    for (int i = 0; i < TRIES; i++) {
+        memcpy(step->y, before, size);
+        if (step->low)
+            memcpy(step->low, low, size);
+        step->t = t;
+        step->h = x;
+        step->warm = false;
+        step->again = true;
+        enum step_status status = method_step(method, step);
+        if (status != STEP_OK)
+            return status;
+        const struct moment here = moment(step, t + x, x, step->y);
+        if (fabs(here.v) <= near * fabs(here.a))
+            break;
+        *((here.v < 0) == (first.v < 0) ? &first : &last) = here;
+        x = turning_time(&first, &last);
+    }
+    return STEP_OK;
+}
+
+enum step_status method_turning_step(const struct method *method, struct step *step)
+{
+    if (!method_turns(method, step->system))
+        return method_step(method, step);
+    const size_t size = (size_t)step->system->n * sizeof *step->y;
+    const double t = step->t, h = step->h;
+    double start[2], start_low[2], before[2], low[2], rest = h;
+    memcpy(start, step->y, size);
+    if (step->low)
+        memcpy(start_low, step->low, size);
+    for (int pieces = 1;; pieces++) {
+        bool turned = false;
+        const double from = step->t;
+        memcpy(before, step->y, size);
+        if (step->low)
+            memcpy(low, step->low, size);
+        step->h = rest;
+        enum step_status status = method_step(method, step);
+        if (status == STEP_OK && pieces < PIECES)
+            status = turn_step(method, step, from, before, low, &turned);
+        rest -= step->h;
+        step->h = h;
+        if (status != STEP_OK) {
+            memcpy(step->y, start, size);
+            if (step->low)
+                memcpy(step->low, start_low, size);
+            step->t = t;
+            return status;
+        }
+        if (!turned)
+            break;
+    }
+    step->t = t + h;
+    return STEP_OK;
+}
