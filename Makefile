@@ -44,12 +44,18 @@ LINE_CFLAGS := $(shell $(PKG) --cflags readline ncursesw 2>/dev/null)
 LINE_LIBS   := $(shell $(PKG) --libs readline ncursesw 2>/dev/null || echo -lreadline -lncursesw -ltinfo)
 # Never linked: loaded when a picture is drawn.
 CAIRO_CFLAGS := $(shell $(PKG) --exists cairo-svg cairo-pdf cairo-png 2>/dev/null && echo -DHAVE_CAIRO $$($(PKG) --cflags cairo))
+# A yardstick, where it is installed (SUNDIALS=no: left out). Its archives, so that the program does not start more slowly.
+SUNDIALS ?= yes
+SUNDIALS_LIBS := $(foreach l,cvode sunlinsoldense sunnonlinsolfixedpoint sunmatrixdense nvecserial,-l:libsundials_$(l).a)
+SUNDIALS_LIBS := $(if $(filter no,$(SUNDIALS)),,$(shell \
+  echo '_Static_assert(SUNDIALS_VERSION_MAJOR == 6, ""); int main(void) { return !CVodeCreate(CV_BDF, 0); }' | \
+  $(CC) -include cvode/cvode.h -x c -o /dev/null - $(SUNDIALS_LIBS) -lm >/dev/null 2>&1 && echo '$(SUNDIALS_LIBS)'))
 TEST_LIBS   := $(shell $(PKG) --libs cmocka 2>/dev/null || echo -lcmocka)
 
 CPPFLAGS += -D_GNU_SOURCE -DHOOKE_VERSION='"$(VERSION)"' -Iinclude -Ibuild
 CFLAGS   := -std=c11 $(OPT_$(CONFIG)) $(WARNINGS) $(NUMBERS) $(HARDEN) -fPIE $(CFLAGS_EXTRA)
 LDFLAGS  := $(filter -fsanitize% --coverage,$(OPT_$(CONFIG))) $(LDHARDEN) $(LDFLAGS_EXTRA)
-LIBS     := $(GSL_LIBS) -lm -ldl
+LIBS     := $(SUNDIALS_LIBS) $(GSL_LIBS) -lm -ldl
 
 # ---- what there is ----------------------------------------------------------------------------------------------------
 
@@ -100,6 +106,13 @@ $(B)/%.o: src/%.c Makefile
 	@mkdir -p $(@D)
 	$(Q)$(CC) $(CPPFLAGS) $(if $(filter terminal,$(notdir $(@D))),$(LINE_CFLAGS)) $(if $(filter figure,$(notdir $(@D))),$(CAIRO_CFLAGS)) $(GSL_CFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
 
+# What is known of SUNDIALS: changes here build again what depends on it.
+WITH_SUNDIALS := $(B)/with-sundials-$(if $(SUNDIALS_LIBS),yes,no)
+$(WITH_SUNDIALS):
+	@mkdir -p $(@D) && rm -f $(B)/with-sundials-* && touch $@
+$(B)/method/catalog.o $(B)/method/cvode.o: $(WITH_SUNDIALS)
+$(B)/method/catalog.o $(B)/method/cvode.o: CPPFLAGS += $(if $(SUNDIALS_LIBS),-DHOOKE_SUNDIALS)
+
 # ---- tests ------------------------------------------------------------------------------------------------------------
 # tests/<kind>/<layer>_<subject>.c is linked with the layers up to <layer> only.
 
@@ -137,8 +150,8 @@ coverage: ## line coverage of the quick tests
 	$(Q)$(MAKE) --no-print-directory check CONFIG=coverage
 	$(Q)scripts/coverage build/coverage
 
-bench: all ## speed as ratios, measured in one run (never a test)
-	$(Q)scripts/bench
+bench: all ## speed as ratios, measured in one run (never a test); BENCH=adaptive: that topic only
+	$(Q)CC='$(CC)' FLAGS='$(CFLAGS)' LIBS='$(LIBS)' BUILD='$(TOP)' BENCH='$(BENCH)' scripts/bench
 
 fuzz: ## run each fuzz target for FUZZ_SECONDS (default 60)
 	$(Q)scripts/fuzz $(or $(FUZZ_SECONDS),60) $(FUZZERS)

@@ -117,17 +117,21 @@ struct catalog {
     const char *kind; /* "parameter", "method", …: used in messages */
     const void *rows;
     size_t count, stride;
+    const struct row *absent; /* names that this build was made without; the brief says why and what to do */
+    size_t absences;
 };
 
 #define CATALOG(kind_name, array)                                                                                      \
     {                                                                                                                  \
-        (kind_name), (array), COUNT_OF(array), sizeof((array)[0])                                                      \
+        (kind_name), (array), COUNT_OF(array), sizeof((array)[0]), NULL, 0                                             \
     }
 
 const struct row *catalog_row(const struct catalog *catalog, size_t i);
 const struct row *catalog_find(const struct catalog *catalog, struct text name); /* exact name or alias; NULL: none */
 /* Exact, else the only row whose name starts with `name` (at least `least` letters). NULL: none or ambiguous. */
 const struct row *catalog_prefix(const struct catalog *catalog, struct text name, size_t least);
+/* Of a name that this build was made without: says so; returns whether it did. */
+bool catalog_absent(const struct catalog *catalog, struct text name, struct error *error);
 /* "unknown KIND 'name'" with up to three suggestions ("did you mean …?") in the hint; always returns false. */
 bool catalog_unknown(const struct catalog *catalog, struct text name, struct error *error);
 

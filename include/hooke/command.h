@@ -220,7 +220,7 @@ struct cursor_reading {
     struct measured period;    /* [s] */
     struct measured frequency; /* [Hz] */
     double theory;             /* [s] period of the scene, with its linear damping */
-    bool damped;               /* it has some: then theory is not T0 */
+    const char *theory_name;   /* T0, T_d; period in other scenes than those of an oscillator */
     double deviation;          /* (period - theory)/theory */
     double decrement, quality; /* logarithmic decrement from the amplitudes at A and B, Q = pi/decrement */
 };
@@ -371,6 +371,11 @@ void session_save(const struct session *session, struct buffer *text);
  * are only mentioned in a comment. Measurements are not kept.
  */
 void session_autosave(const struct session *session, struct buffer *text);
+/* The parameter says where a run starts, and nothing else. */
+bool param_is_start(const struct scene *scene, int place);
+/* A short description of the scene holds it: m and k of an oscillator, of its many others those that the user or the
+ * scene has set; of other models all that act; none that is 0. */
+bool param_matters(const struct scene *scene, int place);
 /* Short state for a prompt or a state line: "spring m=200 g k=15 N/m | euler dt=10 ms | t=9.6 s". */
 void session_state_line(const struct session *session, struct buffer *text);
 

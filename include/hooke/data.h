@@ -24,9 +24,15 @@ struct column {
     enum quantity quantity;    /* QUANTITY_OTHER: unit unknown, values taken as they are */
     double factor;             /* SI value = number in the file * factor */
     double *value;             /* [rows] numbers as in the file; NAN: missing */
+    int run;                   /* of recording.run, where runs stand side by side; -1: of all */
 };
 
 enum time_source { TIME_COLUMN, TIME_INDEX /* an index column and rate= */, TIME_RATE /* no column at all */ };
+
+/* One of several recordings in a file, side by side (columns) or below each other (blocks). */
+struct recording_run {
+    char name[LIMIT_NAME + 1]; /* as users see it: "Run #2", "Latest", "segment 3" */
+};
 
 struct recording {
     char name[LIMIT_NAME + 1]; /* what users call it */
@@ -36,6 +42,8 @@ struct recording {
     size_t dropped;  /* rows in the file that could not be used */
     struct column *column;
     int columns;
+    struct recording_run *run;
+    int runs, taken; /* runs 0: the file knows of none; taken: the one that was read */
     int time, value; /* chosen columns; time -1: TIME_RATE */
     enum time_source source;
     double rate; /* [1/s] 1/dt */
@@ -51,7 +59,7 @@ struct recording {
     double *t;          /* [rows] time [s], rising; NAN never */
     double *y;          /* [rows] chosen value in SI, zero not yet subtracted; NAN: missing */
     uint32_t *line;     /* [rows] line of the file, counted from 1 */
-    struct arena arena; /* owns all of it */
+    struct arena arena; /* owns all but the arrays of rows: column[].value, t, y, line */
 };
 
 struct load_options {
@@ -60,6 +68,7 @@ struct load_options {
     double rate;                         /* [Hz] 0: not given */
     char decimal, separator;             /* 0: find out */
     struct text name;                    /* as=NAME; empty: from the file name */
+    struct text run;                     /* run=NAME or number; empty: the first with data in it */
 };
 
 /* One format = one file in src/data ending in its row. */

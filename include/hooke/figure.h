@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * figure: a plot as data, then as cells: ranges, ticks, axes, polylines, legends, ASCII and braille raster.
+ * figure: a plot as data, then as cells or as a picture file: ranges, ticks, axes, polylines, legends, ASCII and
+ * braille raster, SVG, PDF and PNG.
  *
  * Screen panes and the `plot` command draw through the same functions; a cell canvas is all that a terminal needs to
  * know.
@@ -127,5 +128,25 @@ bool figure_draw(const struct figure *figure, struct canvas *canvas, int x, int 
 /* The whole figure as text lines. */
 bool figure_print(const struct figure *figure, int width, int height, enum charset charset, bool color,
                   struct buffer *out);
+
+/* ---- pictures ---- */
+
+enum picture { PICTURE_SVG, PICTURE_PDF, PICTURE_PNG };
+
+extern const struct catalog picture_catalog; /* struct row at the enum's place; the names are what files end in */
+
+#define PICTURE_WIDTH 640 /* [pt] 1/72 inch: with the height below about A5 */
+#define PICTURE_HEIGHT 400
+#define PICTURE_COLUMNS 250 /* [cell] of a text figure that shows as much: for callers that choose what is drawn */
+
+/*
+ * Appends the figure as a picture file of width x height points (0: the sizes above; PNG: 2 pixels a point), with the
+ * ranges, ticks, units and legend that figure_draw would choose for that room. Curves are told apart by dashes and
+ * marks as well as by colour. Of long curves only what can be seen is kept (a quarter of a point, or one where they
+ * fill the plot). The same figure gives the same picture. Draws through cairo, which is loaded for it; ERROR_COMMAND
+ * where it is not there. After false `out` is not to be used.
+ */
+bool figure_picture(const struct figure *figure, enum picture kind, double width, double height, struct buffer *out,
+                    struct error *error);
 
 #endif

@@ -10,12 +10,17 @@
 
 #include <hooke/scene.h>
 
+struct method;
+struct step;
+
 enum step_status {
     STEP_OK,
     STEP_NONFINITE,   /* the new state is not finite; y is unchanged */
     STEP_NO_SOLUTION, /* the implicit equation was not solved; y is unchanged */
     STEP_STALLED      /* the tolerance asks for a step below the rounding of t; y is unchanged (method_adapt only) */
 };
+
+typedef enum step_status step_function(const struct method *method, struct step *step);
 
 /* How drag (forces that depend on velocity) enters a step; which of them a method knows, its row says. */
 enum drag { DRAG_DEFAULT, DRAG_EXACT, DRAG_IMPLICIT, DRAG_EXPLICIT, DRAG_COUNT };
@@ -46,6 +51,8 @@ struct step {
     double *y, *error, *work;
     double *low; /* [n] optional: what rounding took from y so far (compensated sums, Kahan 1965); NULL: plain sums */
     bool warm;
+    void *library; /* of a yardstick: what method_begin() made */
+    step_function *kernel; /* the method's step made for this system, by method_step_kernel(); NULL: the general one */
     /* By method_adapt(): */
     bool again; /* the last step was taken back: what was evaluated at t and y before it still holds */
     double tol; /* accepts an error with an RMS of tol max(scale_i, |y_i|): a measure for iterations. 0: a fixed step */
@@ -65,7 +72,7 @@ enum method_flag {
     METHOD_NO_VELOCITY = 512,  /* only for q'' = a(t, q): no force may depend on velocity */
     METHOD_POTENTIAL = 1024,   /* every force but drag needs a potential */
     METHOD_MULTISTEP = 2048,   /* remembers steps before: starts by a one-step method, wants a constant step */
-    METHOD_YARDSTICK = 4096,   /* somebody else's library, for comparison */
+    METHOD_YARDSTICK = 4096,   /* somebody else's library, for comparison: adaptive only, last in the catalogue */
 };
 
 /* Coefficients, private to the layer: each family of methods has one kind. */
@@ -75,6 +82,7 @@ struct nystrom;          /* Runge-Kutta-Nystrom */
 struct implicit_tableau; /* implicit Runge-Kutta */
 struct rosenbrock;       /* linearly implicit Runge-Kutta */
 struct multistep;        /* Adams, backward differentiation */
+struct controller;
 
 struct method {
     struct row row;      /* name, "", brief, citation, aliases */
@@ -92,6 +100,11 @@ struct method {
     void (*dense)(const struct method *method, const struct step *step, double theta, double *y);
     /* Growth a step (spectral radius) on q'' + 2 zeta q' + q = 0 at x = dt; NULL: that of the one-step matrix. */
     double (*growth)(const struct method *method, double x, double zeta);
+    /* Yardsticks only: the memory that their library owns (NULL: there is none left), and a step of its own control. */
+    void *(*begin)(const struct method *method, const struct step *step);
+    void (*end)(void *library);
+    enum step_status (*adapt)(const struct method *method, struct step *step, struct controller *controller,
+                              double t_end);
     /* The one that is there makes the family. */
     const struct tableau *tableau;
     const struct splitting *splitting;
@@ -110,8 +123,21 @@ bool method_applies(const struct method *method, const struct system *system, en
 bool method_fits(const struct method *method, const struct system *system, enum drag drag, double h,
                  struct error *error);
 size_t method_work_size(const struct method *method, int n);
+/*
+ * Whoever owns the work memory calls these, too, with the system known to the step. Our own methods need nothing more;
+ * a yardstick's library allocates here, for this system's n, and may again in its first step. False: no memory.
+ */
+bool method_begin(const struct method *method, struct step *step);
+void method_end(const struct method *method, struct step *step);
+/*
+ * Where some force has a kink at v = 0 a step across loses its order. Methods above order 2 that may change their step
+ * end one at each turning point then: method_adapt() by itself, steps of fixed size in pieces by method_turning_step().
+ */
+bool method_turns(const struct method *method, const struct system *system);
 /* One step: STEP_OK, and t has advanced by h; else y and t are as they were, bit for bit. Never allocates. */
 enum step_status method_step(const struct method *method, struct step *step);
+/* The same, where method_turns() in pieces that meet at the turning points; a dense output is that of the last one. */
+enum step_status method_turning_step(const struct method *method, struct step *step);
 /* State inside the last step: [t - h, t]. before [n]: state at its start. */
 void method_dense(const struct method *method, const struct step *step, const double *before, double theta, double *y);
 
@@ -134,6 +160,11 @@ struct march {
 typedef void march_function(const struct march *march);
 
 march_function *method_kernel(const struct method *method, const struct system *system, enum drag drag); /* or NULL */
+/* The same for single steps with an error estimate, whatever the drag variant. */
+step_function *method_step_kernel(const struct method *method, const struct system *system); /* or NULL */
+/* As method_march(), by method_turning_step() where the method turns; a kernel takes the steps between. */
+int64_t method_turning_march(const struct method *method, march_function *kernel, const struct march *march,
+                             enum step_status *status);
 /* Steps taken; fewer than count: *status says why, and the step is where it was before the one that failed. */
 int64_t method_march(const struct method *method, march_function *kernel, const struct march *march,
                      enum step_status *status);
@@ -146,15 +177,16 @@ int64_t method_march(const struct method *method, march_function *kernel, const 
  * periods of an oscillation the error that has added up is at most ten times tol.
  *
  * Steps towards t_end (either side of t), never past it; a step that reaches it sets t = t_end exactly and leaves the
- * proposal as it was. step->h is then the step taken. A state that is not finite is retried with h/4, up to 20 times.
+ * proposal as it was, and so does one to a turning point. step->h is then the step taken. A state that is not finite is retried with h/4, up to 20 times.
  * Anything but STEP_OK leaves y and t as they were.
  */
 struct controller {
     double tol;       /* at least 10 eps */
     double h;         /* [s] proposal for the next step, 0: choose a first one */
     double last;      /* [s] the last accepted step */
-    double previous;  /* its error in units of the largest that is accepted, 0: there is no history */
+    double previous;  /* its error in units of what is aimed at, 0: there is no history */
     double stiffness; /* |h| * the Jacobian's norm, estimated and smoothed: near the stability limit means stiff */
+    unsigned since;   /* accepted steps */
     bool rejected;
 };
 

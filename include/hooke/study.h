@@ -257,7 +257,7 @@ bool study_order(const struct order_request *request, struct order *order, struc
 
 /* ---- stability: predicted from the method, verified by running it ----
  *
- * Each eigenvalue lambda of the scene's Jacobian is an oscillator of its own, omega = |lambda|, zeta = -Re lambda/omega.
+ * Each eigenvalue lambda of the scene's Jacobian is an oscillator of its own: omega = |lambda|, zeta = -Re lambda/omega.
  * On a linear scene that is the whole truth; else it is taken at the start and along the run, and is an estimate.
  */
 

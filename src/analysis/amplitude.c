@@ -29,7 +29,7 @@ bool series_amplitudes(const struct series *series, struct arena *arena, const d
                        struct reading *out, struct error *error)
 {
     struct motion m;
-    if (!motion_require(&m, series, arena, error)) {
+    if (!motion_require(&m, series, arena, NULL, error)) {
         return false;
     }
     const struct samples *x = &m.samples;

@@ -240,7 +240,7 @@ static bool fit_period(const struct crossing *up, size_t count, double guess, do
 bool series_period(const struct series *series, struct arena *arena, struct period *period, struct error *error)
 {
     struct motion m;
-    if (!motion_require(&m, series, arena, error)) {
+    if (!motion_require(&m, series, arena, NULL, error)) {
         return false;
     }
     const struct overview *o = &m.overview;

@@ -125,7 +125,7 @@ bool series_decay(const struct series *series, struct arena *arena, bool energy,
         }
         decay->readings = read_energy(&m.samples, count, decay->reading);
     } else {
-        if (!motion_require(&m, series, arena, error)) {
+        if (!motion_require(&m, series, arena, NULL, error)) {
             return false;
         }
         if (readings <= 0) { /* no more windows than the record holds */

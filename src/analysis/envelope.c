@@ -25,11 +25,9 @@ struct envelope {
     bool gamma, quadratic;  /* which terms the law has */
 };
 
-/* x = ln A0, then the rates the law has [1/span]. value and its derivatives d[3] with respect to ln A0, gamma, q. */
-static double law_value(const struct envelope *e, const gsl_vector *x, double s, double d[3])
+double envelope_value(const struct envelope_rates *rates, double s, double by[3])
 {
-    double gamma = e->gamma ? gsl_vector_get(x, 1) : 0, q = e->quadratic ? gsl_vector_get(x, e->gamma ? 2 : 1) : 0;
-    double h = 0.5 * gamma, hs = h * s, phi, slope; /* phi = (1 - exp(-hs))/h, slope = dphi/dh */
+    double h = 0.5 * rates->gamma, hs = h * s, phi, slope; /* phi = (1 - exp(-hs))/h, slope = dphi/dh */
     if (fabs(hs) < 1e-3) {
         phi = s * (1 - hs / 2 * (1 - hs / 3));
         slope = s * s * (-0.5 + hs / 3);
@@ -37,10 +35,23 @@ static double law_value(const struct envelope *e, const gsl_vector *x, double s,
         phi = -expm1(-hs) / h;
         slope = (s * exp(-hs) - phi) / h;
     }
-    double under = 1 + q * phi, value = exp(gsl_vector_get(x, 0) - hs) / under;
+    double under = 1 + rates->q * phi, value = exp(-hs) / under, left = value - rates->f * s;
+    bool moves = left > 0; /* dry friction ends the motion */
+    by[0] = moves ? 0.5 * value * (-s - rates->q * slope / under) : 0;
+    by[1] = moves ? -value * phi / under : 0;
+    by[2] = moves ? -s : 0;
+    return moves ? left : 0;
+}
+
+/* x = ln A0, then the rates the law has [1/span]. value and its derivatives d[3] with respect to ln A0, gamma, q. */
+static double law_value(const struct envelope *e, const gsl_vector *x, double s, double d[3])
+{
+    struct envelope_rates rates = {.gamma = e->gamma ? gsl_vector_get(x, 1) : 0,
+                                   .q = e->quadratic ? gsl_vector_get(x, e->gamma ? 2 : 1) : 0};
+    double by[3], a0 = exp(gsl_vector_get(x, 0)), value = a0 * envelope_value(&rates, s, by);
     d[0] = value;
-    d[1] = 0.5 * value * (-s - q * slope / under);
-    d[2] = -value * phi / under;
+    d[1] = a0 * by[0];
+    d[2] = a0 * by[1];
     return value;
 }
 
@@ -143,7 +154,7 @@ static void read_envelope(const struct motion *m, struct envelope *e)
     e->noise = e->count ? noise / (double)e->count / (largest * largest) : 0;
 }
 
-bool envelope_laws(const struct motion *m, struct fit *fit, double *sway)
+bool envelope_laws(const struct motion *m, struct fit *fit, double *sway, struct envelope_rates rates[3])
 {
     static const struct {
         bool gamma, quadratic;
@@ -167,6 +178,7 @@ bool envelope_laws(const struct motion *m, struct fit *fit, double *sway)
         if (!law[i].found) {
             return true;
         }
+        rates[i] = (struct envelope_rates){.gamma = law[i].gamma / span, .q = law[i].q / span};
     }
     /* One count of independent readings for all three: that of the largest model. */
     double n = (double)e->count, independent = n / autocorrelation_factor(law[2].autocorrelation);

@@ -22,38 +22,44 @@ static double variance(const struct harmonic *h, const double g[HARMONIC_PARAMET
 /*
  * From the parameters at the origin to those of y = c + A exp(-gamma t/2) cos(omega t + phi), t from t0, A >= 0, phi in
  * (-pi, pi]. Uncertainties: covariance of the least-squares problem times the variance of the residuals, widened for
- * their lag-1 autocorrelation by (1 + rho)/(1 - rho). To that the caller adds what two halves tell. Not included: other
- * ways in which the model itself may miss (see the warnings).
+ * what the residuals have in common with each parameter (sway, drift). To that the caller adds what two halves tell. Not
+ * included: other ways in which the model itself may miss (see the warnings).
  */
-static void report(const struct harmonic *h, int unknowns, double rho, double t0, struct fit *fit)
+static void report(const struct samples *x, const double *residual, const struct harmonic *h, int unknowns, double t0,
+                   struct fit *fit)
 {
     double back = h->origin - t0, square = h->a * h->a + h->b * h->b;
     double amplitude = sqrt(square) * exp(0.5 * h->gamma * back);
     double phase = remainder(atan2(-h->b, h->a) - h->omega * back, TWO_PI);
-    double sigma = harmonic_sigma(h, unknowns) * sqrt(autocorrelation_factor(rho));
-    double of_amplitude[HARMONIC_PARAMETERS] = {h->a / square, h->b / square, 0, 0, 0.5 * back}; /* d ln A */
-    double of_phase[HARMONIC_PARAMETERS] = {h->b / square, -h->a / square, 0, -back, 0};
-    fit->omega = (struct measured){h->omega, sigma * sqrt(h->inverse[RATE_OMEGA][RATE_OMEGA])};
+    struct oscillation o = {h->a, h->b, h->omega, h->gamma, h->origin};
+    struct widening widen = residual_widening(x, residual, &o, 2);
+    double sigma = harmonic_sigma(h, unknowns), slow = sigma * sqrt(widen.amplitude), fast = sigma * sqrt(widen.phase);
+    double wander = sigma * sqrt(widen.offset);
+    double of_amplitude[HARMONIC_PARAMETERS] = {h->a / square, h->b / square, [RATE_GAMMA] = 0.5 * back}; /* d ln A */
+    double of_phase[HARMONIC_PARAMETERS] = {h->b / square, -h->a / square, [RATE_OMEGA] = -back};
+    double of_offset[HARMONIC_PARAMETERS] = {[LINEAR_C] = 1, [LINEAR_D] = -back};
+    fit->omega = (struct measured){h->omega, fast * sqrt(h->inverse[RATE_OMEGA][RATE_OMEGA])};
     fit->period.value = TWO_PI / h->omega;
     fit->period.uncertainty = fit->period.value * fit->omega.uncertainty / h->omega;
-    fit->gamma = (struct measured){h->gamma, sigma * sqrt(h->inverse[RATE_GAMMA][RATE_GAMMA])};
-    fit->amplitude = (struct measured){amplitude, amplitude * sigma * sqrt(variance(h, of_amplitude))};
-    fit->phase = (struct measured){phase <= -PI ? PI : phase, sigma * sqrt(variance(h, of_phase))};
-    fit->offset = (struct measured){h->c, sigma * sqrt(h->inverse[LINEAR_C][LINEAR_C])};
+    fit->gamma = (struct measured){h->gamma, slow * sqrt(h->inverse[RATE_GAMMA][RATE_GAMMA])};
+    fit->amplitude = (struct measured){amplitude, amplitude * slow * sqrt(variance(h, of_amplitude))};
+    fit->phase = (struct measured){phase <= -PI ? PI : phase, fast * sqrt(variance(h, of_phase))};
+    fit->offset = (struct measured){h->c - h->d * back, wander * sqrt(variance(h, of_offset))};
+    fit->drift = (struct measured){h->d, wander * sqrt(h->inverse[LINEAR_D][LINEAR_D])};
 }
 
 /* One half of the samples on its own, from the whole's frequency and damping on. NAN where it determines nothing. */
 static void fit_half(const struct motion *m, size_t from, size_t to, int i, struct fit *fit)
 {
     struct samples part = samples_part(&m->samples, from, to);
-    struct harmonic h = {.omega = m->harmonic.omega, .gamma = m->harmonic.gamma};
+    struct harmonic h = {.omega = m->harmonic.omega, .gamma = m->harmonic.gamma, .drifts = m->harmonic.drifts};
     struct fit half;
     if (part.n < 8) {
         return;
     }
     h.origin = 0.5 * (part.t[0] + part.t[part.n - 1]);
     if (harmonic_fit(&part, FREE_GAMMA, &h, m->scratch) && h.converged) {
-        report(&h, FREE_GAMMA, residual_autocorrelation(&part, m->scratch), part.t[0], &half);
+        report(&part, m->scratch, &h, FREE_GAMMA, part.t[0], &half);
         fit->halves[i] = half.gamma;
         fit->half_periods[i] = half.period;
     }
@@ -68,19 +74,19 @@ static void widen_by_halves(const struct measured half[2], struct measured *whol
     }
 }
 
-static bool fit_harmonic(const char *model, enum harmonic_free unknowns, const struct series *series,
+static bool fit_harmonic(const char *model, enum harmonic_free unknowns, bool drag, const struct series *series,
                          struct arena *arena, const struct cancel *cancel, struct fit *fit, struct error *error)
 {
     struct motion m;
     *fit = (struct fit){.model = model, .evidence = {NAN, NAN, NAN}};
     fit->halves[0] = fit->halves[1] = fit->half_periods[0] = fit->half_periods[1] = (struct measured){NAN, NAN};
     gsl_set_error_handler_off(); /* GSL's default ends the program; statuses are checked here */
-    if (!motion_require(&m, series, arena, error)) {
+    if (!motion_require(&m, series, arena, cancel, error)) {
         return false;
     }
     if (unknowns == FREE_OMEGA) {
         m.harmonic.gamma = 0;
-        m.harmonic.a = m.harmonic.b = 0;
+        m.harmonic.a = m.harmonic.b = m.harmonic.d = 0;
         m.harmonic.origin = 0.5 * (series->t[0] + series->t[series->n - 1]);
         m.harmonic.converged = harmonic_fit(&m.samples, unknowns, &m.harmonic, m.residual) && m.harmonic.converged;
         m.autocorrelation = residual_autocorrelation(&m.samples, m.residual);
@@ -96,7 +102,7 @@ static bool fit_harmonic(const char *model, enum harmonic_free unknowns, const s
     fit->converged = m.harmonic.converged;
     fit->iterations = m.harmonic.iterations;
     fit->autocorrelation = m.autocorrelation;
-    report(&m.harmonic, (int)unknowns, m.autocorrelation, fit->t0, fit);
+    report(&m.samples, m.residual, &m.harmonic, (int)unknowns, fit->t0, fit);
     if (!fit->converged || !isfinite(fit->amplitude.value) || !(fit->amplitude.uncertainty < fit->amplitude.value)) {
         fit->converged = false;
         return error_set(error, ERROR_NUMERICAL, "the fit of %s did not converge in %d iterations", fit->model,
@@ -111,10 +117,15 @@ static bool fit_harmonic(const char *model, enum harmonic_free unknowns, const s
         widen_by_halves(fit->halves, &fit->gamma);
         widen_by_halves(fit->half_periods, &fit->period);
         fit->omega.uncertainty = fit->omega.value * fit->period.uncertainty / fit->period.value;
-        if (!envelope_laws(&m, fit, &sway)) {
+        const double rate = fmax(m.harmonic.gamma, 0);
+        struct envelope_rates rates[3] = {{rate, 0, 0}, {0, 0.5 * rate, 0}, {0.5 * rate, 0.25 * rate, 0}};
+        if (!envelope_laws(&m, fit, &sway, rates)) {
             return error_memory(error);
         }
-        if (!(fit->gamma.value > SIGNIFICANT * formal)) {
+        if (drag && !drag_laws(&m, series->quantity, rates, arena, cancel, fit, error)) {
+            return false;
+        }
+        if (!drag && !(fit->gamma.value > SIGNIFICANT * formal)) {
             fit->preferred = LAW_NONE;
         }
     }
@@ -125,13 +136,19 @@ static bool fit_harmonic(const char *model, enum harmonic_free unknowns, const s
 static bool fit_damped(const struct series *series, struct arena *arena, const struct cancel *cancel, struct fit *fit,
                        struct error *error)
 {
-    return fit_harmonic("damped", FREE_GAMMA, series, arena, cancel, fit, error);
+    return fit_harmonic("damped", FREE_GAMMA, false, series, arena, cancel, fit, error);
 }
 
 static bool fit_sine(const struct series *series, struct arena *arena, const struct cancel *cancel, struct fit *fit,
                      struct error *error)
 {
-    return fit_harmonic("sine", FREE_OMEGA, series, arena, cancel, fit, error);
+    return fit_harmonic("sine", FREE_OMEGA, false, series, arena, cancel, fit, error);
+}
+
+static bool fit_drag(const struct series *series, struct arena *arena, const struct cancel *cancel, struct fit *fit,
+                     struct error *error)
+{
+    return fit_harmonic("drag", FREE_GAMMA, true, series, arena, cancel, fit, error);
 }
 
 static const struct fit_model models[] = {
@@ -145,15 +162,21 @@ static const struct fit_model models[] = {
              .brief = "y = c + A cos(omega t + phi), no guess needed",
              .citation = "Golub & Pereyra 2003 (variable projection)"},
      .fit = fit_sine},
+    {.row = {.name = "drag",
+             .unit = "",
+             .brief = "which drag: linear, quadratic, mixed or dry friction, fitted to the whole oscillation",
+             .citation = "Nayfeh & Mook 1979, Nonlinear Oscillations, 3.3 (averaging)"},
+     .fit = fit_drag},
 };
 
 const struct catalog fit_catalog = CATALOG("model", models);
 
 double fit_value(const struct fit *fit, double t)
 {
-    double s = t - fit->t0;
-    return fit->offset.value +
-           fit->amplitude.value * exp(-0.5 * fit->gamma.value * s) * cos(fit->omega.value * s + fit->phase.value);
+    const struct envelope_rates rates = {fit->gamma.value, fit->quadratic_rate, fit->friction_rate};
+    double s = t - fit->t0, by[3];
+    return fit->offset.value + fit->drift.value * s +
+           fit->amplitude.value * envelope_value(&rates, s, by) * cos(fit->omega.value * s + fit->phase.value);
 }
 
 struct measured fit_stiffness(const struct fit *fit, struct measured mass)
@@ -169,6 +192,7 @@ const char *drag_law_name(enum drag_law law)
     static const char *const names[] = {[LAW_LINEAR] = "linear",
                                         [LAW_QUADRATIC] = "quadratic",
                                         [LAW_MIXED] = "mixed",
-                                        [LAW_UNDECIDED] = "not distinguishable"};
+                                        [LAW_UNDECIDED] = "not distinguishable",
+                                        [LAW_FRICTION] = "dry friction"};
     return names[law];
 }

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The damped sine y = c + exp(-gamma s/2) (a cos(omega s) + b sin(omega s)): variable projection with
+ * The damped sine y = c + d s + exp(-gamma s/2) (a cos(omega s) + b sin(omega s)): variable projection with
  * Levenberg–Marquardt.
  *
- * One pass over the samples accumulates the products of the columns [u v 1 | dy/domega dy/dgamma | r]. The Cholesky
+ * One pass over the samples accumulates the products of the columns [u v 1 s | dy/domega dy/dgamma | r]. The Cholesky
  * factor of that small matrix is the R of the QR factorisation of the n-row problem: its last rows are the problem in
  * (omega, gamma) after the linear parameters have been projected out (Kaufman's variable projection, Golub & Pereyra
  * 2003, Inverse Problems 19 R1, section 4). Forming products squares the condition number, which is small here: the
@@ -96,7 +96,7 @@ static size_t products(const struct samples *x, int unknowns, const struct harmo
         int count = x->n - at < CHUNK ? (int)(x->n - at) : CHUNK;
         fill_basis(x, at, count, h, &turn, u, v, &s);
         for (int k = 0; k < count; k++) {
-            r->d[k] = x->y[at + (size_t)k] - h->c - h->a * u->d[k] - h->b * v->d[k];
+            r->d[k] = x->y[at + (size_t)k] - h->c - h->d * s.d[k] - h->a * u->d[k] - h->b * v->d[k];
             mask.d[k] = x->use[at + (size_t)k];
             used += x->use[at + (size_t)k];
         }
@@ -124,12 +124,18 @@ static size_t products(const struct samples *x, int unknowns, const struct harmo
             }
         }
         column[LINEAR_C] = mask;
+        for (int k = 0; k < CHUNK / 2 && h->drifts; k++) {
+            column[LINEAR_D].p[k] = s.p[k] * mask.p[k];
+        }
         for (int i = 0; i <= unknowns; i++) {
             for (int j = i; j <= unknowns; j++) {
-                gram[i][j] += dot(&column[i], &column[j]);
+                if (h->drifts || (i != LINEAR_D && j != LINEAR_D)) {
+                    gram[i][j] += dot(&column[i], &column[j]);
+                }
             }
         }
     }
+    gram[LINEAR_D][LINEAR_D] += !h->drifts; /* a column that touches no other */
     return used;
 }
 
@@ -188,7 +194,8 @@ static void damped_step(const struct factor *f, int unknowns, double lambda, dou
 }
 
 /* (J^T J)^-1 = S^-1 R^-1 R^-T S^-1 */
-static void invert(const struct factor *f, int unknowns, double out[HARMONIC_PARAMETERS][HARMONIC_PARAMETERS])
+static void invert(const struct factor *f, int unknowns, bool drifts,
+                   double out[HARMONIC_PARAMETERS][HARMONIC_PARAMETERS])
 {
     double inverse[COLUMNS][COLUMNS] = {{0}};
     memset(out, 0, sizeof(double[HARMONIC_PARAMETERS][HARMONIC_PARAMETERS]));
@@ -211,11 +218,15 @@ static void invert(const struct factor *f, int unknowns, double out[HARMONIC_PAR
             out[i][j] = sum / (f->scale[i] * f->scale[j]);
         }
     }
+    if (!drifts) {
+        out[LINEAR_D][LINEAR_D] = 0;
+    }
 }
 
 double harmonic_sigma(const struct harmonic *h, int unknowns)
 {
-    return h->used > (size_t)unknowns ? sqrt(h->rss / (double)(h->used - (size_t)unknowns)) : NAN;
+    size_t fitted = (size_t)unknowns - !h->drifts;
+    return h->used > fitted ? sqrt(h->rss / (double)(h->used - fitted)) : NAN;
 }
 
 /* What one pass says about a point (omega, gamma): best linear parameters there, its sum of squares, its factor. */
@@ -223,17 +234,17 @@ static bool look(const struct samples *x, int unknowns, struct harmonic *h, stru
 {
     double gram[COLUMNS][COLUMNS], step[COLUMNS];
     h->used = products(x, unknowns, h, gram, residual);
-    if (h->used <= (size_t)unknowns || !factorise(gram, unknowns, f)) {
+    if (h->used <= (size_t)unknowns - !h->drifts || !factorise(gram, unknowns, f)) {
         return false;
     }
     h->rss = f->r[unknowns][unknowns] * f->r[unknowns][unknowns];
     for (int i = FREE_LINEAR; i < unknowns; i++) {
         h->rss += f->r[i][unknowns] * f->r[i][unknowns];
     }
-    /* Projecting out a, b, c first: their part of R is the leading block. */
-    for (int i = LINEAR_C; i >= 0; i--) {
+    /* Projecting out a, b, c, d first: their part of R is the leading block. */
+    for (int i = LINEAR_D; i >= 0; i--) {
         double sum = f->r[i][unknowns];
-        for (int j = i + 1; j <= LINEAR_C; j++) {
+        for (int j = i + 1; j <= LINEAR_D; j++) {
             sum -= f->r[i][j] * step[j];
         }
         step[i] = sum / f->r[i][i];
@@ -241,6 +252,7 @@ static bool look(const struct samples *x, int unknowns, struct harmonic *h, stru
     h->a += step[LINEAR_A] / f->scale[LINEAR_A];
     h->b += step[LINEAR_B] / f->scale[LINEAR_B];
     h->c += step[LINEAR_C] / f->scale[LINEAR_C];
+    h->d += h->drifts ? step[LINEAR_D] / f->scale[LINEAR_D] : 0;
     return isfinite(h->rss);
 }
 
@@ -250,7 +262,7 @@ bool harmonic_fit(const struct samples *x, enum harmonic_free wanted, struct har
     struct factor factor;
     int unknowns = (int)wanted;
     best.converged = false;
-    if (x->n == 0) {
+    if (x->n == 0 || cancelled(x->cancel)) {
         return false;
     }
     bool cold = best.a == 0 &&
@@ -270,6 +282,9 @@ bool harmonic_fit(const struct samples *x, enum harmonic_free wanted, struct har
     double span = x->t[x->n - 1] - x->t[0], lambda = 0, floor = 0;
     bool stale = false; /* the residuals are those of a step that was not taken */
     for (int pass = 0; pass < PASSES && unknowns > FREE_LINEAR; pass++) {
+        if (cancelled(x->cancel)) {
+            return false;
+        }
         double gain = 0; /* what a full step promises */
         for (int i = FREE_LINEAR; i < unknowns; i++) {
             gain += factor.r[i][unknowns] * factor.r[i][unknowns];
@@ -305,7 +320,7 @@ bool harmonic_fit(const struct samples *x, enum harmonic_free wanted, struct har
     if (stale && !look(x, unknowns, &best, &factor, residual)) {
         return false;
     }
-    invert(&factor, unknowns, best.inverse);
+    invert(&factor, unknowns, best.drifts, best.inverse);
     *out = best;
     return true;
 }

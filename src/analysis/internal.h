@@ -18,6 +18,7 @@ struct samples {
     double t0, dt; /* [s] where uniform: t = t0 + i dt to within the rounding of the times */
     bool uniform;
     unsigned char *use; /* [n] 1: takes part in fits, 0: rejected */
+    const struct cancel *cancel; /* ends fits; NULL: nobody can */
 };
 
 bool samples_init(struct samples *samples, const struct series *series, struct arena *arena); /* false: no memory */
@@ -26,16 +27,19 @@ size_t samples_index(const struct samples *samples, double t);                  
 double samples_noise(const struct samples *samples, double *scratch);
 void samples_flag_spikes(struct samples *samples, double *scratch); /* clears `use` of short far excursions */
 double quantile(double *values, size_t n, double q);                /* reorders the values */
+double random_fraction(uint64_t *state);                            /* [0, 1): splitmix64 (Steele, Lea & Flood 2014) */
 
-/* ---- harmonic.c: y = c + exp(-gamma s/2) (a cos(omega s) + b sin(omega s)), s = t - origin ---- */
+/* ---- harmonic.c: y = c + d s + exp(-gamma s/2) (a cos(omega s) + b sin(omega s)), s = t - origin ---- */
 
-enum { LINEAR_A, LINEAR_B, LINEAR_C, RATE_OMEGA, RATE_GAMMA, HARMONIC_PARAMETERS };
+enum { LINEAR_A, LINEAR_B, LINEAR_C, LINEAR_D, RATE_OMEGA, RATE_GAMMA, HARMONIC_PARAMETERS };
 
-/* Which parameters a fit may change: the first so many of the list above. */
-enum harmonic_free { FREE_LINEAR = 3, FREE_OMEGA = 4, FREE_GAMMA = 5 };
+/* Which parameters a fit may change: the first so many of the list above; d only where `drifts`. */
+enum harmonic_free { FREE_LINEAR = 4, FREE_OMEGA = 5, FREE_GAMMA = 6 };
 
 struct harmonic {
     double a, b, c; /* as y */
+    double d;       /* [y/s] drift of the offset, 0 unless it drifts */
+    bool drifts;
     double omega;   /* [rad/s] */
     double gamma;   /* [1/s] */
     double origin;  /* [s] */
@@ -57,6 +61,25 @@ bool harmonic_fit(const struct samples *samples, enum harmonic_free unknowns, st
 double harmonic_sigma(const struct harmonic *harmonic, int unknowns); /* standard deviation of the residuals */
 /* Lag-1 autocorrelation of the residuals of the samples used. */
 double residual_autocorrelation(const struct samples *samples, const double *residual);
+
+/* ---- widening.c ---- */
+
+/*
+ * Factors by which variances are larger than independent residuals would make them: of amplitude and decay, of phase and
+ * frequency, of the offset.
+ */
+struct widening {
+    double amplitude, phase, offset;
+};
+
+struct oscillation {
+    double a, b, omega, gamma, origin; /* exp(-gamma s/2) (a cos(omega s) + b sin(omega s)), s = t - origin */
+};
+
+/* fitted: parameters of amplitude and decay together, as many as of phase and frequency. */
+struct widening residual_widening(const struct samples *samples, const double *residual,
+                                  const struct oscillation *oscillation, int fitted);
+
 /* n(1 - rho)/(1 + rho) instead of n independent residuals: the factor by which variances grow (>= 1). */
 double autocorrelation_factor(double rho);
 
@@ -82,14 +105,16 @@ struct motion {
     double autocorrelation;
     size_t rejected, clipped; /* clipped are counted in rejected */
     struct ceiling {
-        double high, low, band;
-    } ceiling; /* where flat tops would be */
+        double level; /* flat tops: what is beyond reads as this */
+        bool found;
+    } ceiling[2]; /* above, below */
 };
 
 /* False: no memory. overview.oscillates tells the rest; harmonic and what follows it are filled only if it is true. */
-bool motion_init(struct motion *motion, const struct series *series, struct arena *arena);
+bool motion_init(struct motion *motion, const struct series *series, struct arena *arena, const struct cancel *cancel);
 /* The same, refusing what does not oscillate with the reason. */
-bool motion_require(struct motion *motion, const struct series *series, struct arena *arena, struct error *error);
+bool motion_require(struct motion *motion, const struct series *series, struct arena *arena,
+                    const struct cancel *cancel, struct error *error);
 
 /* ---- robust.c ---- */
 
@@ -98,6 +123,12 @@ bool motion_require(struct motion *motion, const struct series *series, struct a
  * segment, rejected, clipped and improves overview.noise. False: no memory.
  */
 bool reject_outliers(struct motion *motion, struct arena *arena);
+
+/* ---- clipping.c ---- */
+
+/* Clears `use` of what is censored by a ceiling that the damped sine reveals; updates the harmonic, its residuals and the
+ * counts. False: no memory. */
+bool censor_clipped(struct motion *motion, struct arena *arena);
 
 /* ---- spectrum.c ---- */
 
@@ -111,12 +142,26 @@ bool local_amplitude(const struct motion *motion, size_t from, size_t to, struct
 
 /* ---- envelope.c ---- */
 
+/* Amplitude at s >= 0 since the start, relative to that at the start, and its derivatives by gamma, q and f. */
+struct envelope_rates {
+    double gamma, q, f; /* [1/s]: exp(-gamma s/2)/(1 + q phi(s)) - f s, f alone */
+};
+
+double envelope_value(const struct envelope_rates *rates, double s, double by[3]);
+
 /*
  * Compares linear, quadratic and mixed drag on the envelope: fills preferred and evidence. *sway: scatter of the
  * amplitudes about the best law, relative to their size, where it is more than their noise, else 0; NAN: too few
- * readings to tell. False: no memory.
+ * readings to tell. rates of linear, quadratic, mixed where they were found. False: no memory.
  */
-bool envelope_laws(const struct motion *motion, struct fit *fit, double *sway);
+bool envelope_laws(const struct motion *motion, struct fit *fit, double *sway, struct envelope_rates rates[3]);
+
+/* ---- drag.c ---- */
+
+/* Fits the whole oscillation under every law and chooses; rates: where to start. Of a velocity
+ * or an acceleration, b and f are still those of the position. */
+bool drag_laws(const struct motion *motion, enum quantity quantity, const struct envelope_rates rates[3],
+               struct arena *arena, const struct cancel *cancel, struct fit *fit, struct error *error);
 
 /* ---- warnings.c ---- */
 

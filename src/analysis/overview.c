@@ -5,11 +5,13 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 #define PERIODS_LEAST 1.8  /* fewer are no oscillation: nothing repeats */
 #define DECREMENT_MOST 3.2 /* gamma T/2: the amplitude changes by a factor 25 in a period */
 #define WEAKLY_DAMPED 0.01 /* gamma/omega: the amplitude changes by 6 % in two periods */
 #define SAMPLES_A_PERIOD 2.5
+#define DRIFTS 3.0 /* standard deviations of the offset's slope from which on it is fitted */
 #define CHANCE 20.0 /* -ln of the chance that noise looks like it, per frequency; much for wandering records */
 
 static void refuse(struct overview *overview, const char *format, ...) PRINTF_LIKE(2, 3);
@@ -138,7 +140,23 @@ static void judge(struct motion *m)
     }
 }
 
-bool motion_init(struct motion *m, const struct series *series, struct arena *arena)
+/* An offset that drifts has a line of its own, where it stands out of the residuals as they are with it. */
+static void find_drift(struct motion *m)
+{
+    struct harmonic drifting = m->harmonic;
+    drifting.drifts = true;
+    if (harmonic_fit(&m->samples, FREE_GAMMA, &drifting, m->scratch) && drifting.converged) {
+        double widen = autocorrelation_factor(residual_autocorrelation(&m->samples, m->scratch));
+        double sigma = harmonic_sigma(&drifting, FREE_GAMMA) * sqrt(widen * drifting.inverse[LINEAR_D][LINEAR_D]);
+        double span = m->samples.t[m->samples.n - 1] - m->samples.t[0], exact = 1e-9 * hypot(drifting.a, drifting.b);
+        if (fabs(drifting.d) > DRIFTS * sigma && fabs(drifting.d) * span > exact) {
+            m->harmonic = drifting;
+            memcpy(m->residual, m->scratch, m->samples.n * sizeof(double));
+        }
+    }
+}
+
+bool motion_init(struct motion *m, const struct series *series, struct arena *arena, const struct cancel *cancel)
 {
     *m = (struct motion){.overview = {.period = NAN, .periods = NAN, .noise = NAN}};
     m->residual = arena_array(arena, series->n + 1, sizeof(double));
@@ -146,6 +164,7 @@ bool motion_init(struct motion *m, const struct series *series, struct arena *ar
     if (!m->residual || !m->scratch || !samples_init(&m->samples, series, arena)) {
         return false;
     }
+    m->samples.cancel = cancel;
     struct overview *o = &m->overview;
     extremes(m);
     if (series->n < 8 || !(m->samples.dt > 0)) {
@@ -184,13 +203,30 @@ bool motion_init(struct motion *m, const struct series *series, struct arena *ar
     }
     m->autocorrelation = residual_autocorrelation(&m->samples, m->residual);
     extremes(m);
-    judge(m);
+    judge(m); /* before a line of its own for the offset makes wandering look like an oscillation */
+    if (!o->oscillates) {
+        return true;
+    }
+    find_drift(m);
+    if (!censor_clipped(m, arena)) {
+        return false;
+    }
+    m->autocorrelation = residual_autocorrelation(&m->samples, m->residual);
+    extremes(m);
+    o->mean = m->harmonic.c;
+    o->period = TWO_PI / m->harmonic.omega;
+    o->periods = (m->samples.t[m->samples.n - 1] - m->samples.t[0]) / o->period;
     return true;
 }
 
-bool motion_require(struct motion *m, const struct series *series, struct arena *arena, struct error *error)
+bool motion_require(struct motion *m, const struct series *series, struct arena *arena, const struct cancel *cancel,
+                    struct error *error)
 {
-    if (!motion_init(m, series, arena)) {
+    bool memory = motion_init(m, series, arena, cancel);
+    if (cancelled(cancel)) {
+        return error_set(error, ERROR_CANCELLED, "the fit was stopped");
+    }
+    if (!memory) {
         return error_memory(error);
     }
     if (!m->overview.oscillates) {
@@ -203,7 +239,7 @@ bool motion_require(struct motion *m, const struct series *series, struct arena 
 void series_overview(const struct series *series, struct arena *arena, struct overview *overview)
 {
     struct motion motion;
-    if (!motion_init(&motion, series, arena)) {
+    if (!motion_init(&motion, series, arena, NULL)) {
         motion.overview =
             (struct overview){.mean = NAN, .low = NAN, .high = NAN, .noise = NAN, .period = NAN, .periods = NAN};
         refuse(&motion.overview, "out of memory");

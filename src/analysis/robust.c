@@ -9,27 +9,44 @@
 #define REJECT_AT 5.0      /* robust standard deviations */
 #define EXACT 1e-7         /* of the amplitude: deviations below are the model's, not the instrument's */
 #define CLIPPED_LEAST 0.01 /* of the samples */
+#define FLAT 0.8           /* of the samples that fall short of the model read the same, or these are no flat tops */
 
-/* Levels at which flat tops would lie: robust extremes of the samples. */
-static struct ceiling find_ceiling(const struct motion *m, double noise)
+/* Where the model of a sample is: its value less the residual. side 1: above, -1: below; positive beyond the level. */
+static double beyond(const struct motion *m, size_t i, int side, double level)
 {
-    size_t stride = m->samples.n / 2048 + 1, count = 0;
-    for (size_t i = 0; i < m->samples.n; i += stride) {
-        if (m->samples.use[i]) {
-            m->scratch[count++] = m->samples.y[i];
-        }
-    }
-    struct ceiling ceiling = {.high = quantile(m->scratch, count, 0.98), .low = quantile(m->scratch, count, 0.02)};
-    ceiling.band = fmax(3 * noise, 0.004 * (ceiling.high - ceiling.low));
-    return ceiling;
+    return side * (m->samples.y[i] - m->residual[i] - level);
 }
 
-/* A sample at the ceiling where the model lies clearly beyond it is censored: it says only that the truth is beyond. */
-static bool at_ceiling(const struct motion *m, size_t i, double sigma)
+/*
+ * Flat tops: of the samples that fall short of the model by more than noise, in the outer part of the oscillation, nearly
+ * all read the same (a nearer object echoes, the sensor's range ends).
+ */
+static void find_ceiling(struct motion *m, int side, double band)
 {
-    double y = m->samples.y[i], beyond = -m->residual[i], least = fmax(3 * sigma, m->ceiling.band);
-    return (fabs(y - m->ceiling.high) <= m->ceiling.band && beyond > least) ||
-           (fabs(y - m->ceiling.low) <= m->ceiling.band && -beyond > least);
+    const struct samples *x = &m->samples;
+    struct ceiling *ceiling = &m->ceiling[side < 0];
+    double middle = m->harmonic.c, outer = 0.25 * hypot(m->harmonic.a, m->harmonic.b);
+    size_t count = 0, flat = 0;
+    for (size_t i = 0; i < x->n; i++)
+        if (-side * m->residual[i] > band && side * (x->y[i] - middle) > outer)
+            m->scratch[count++] = x->y[i];
+    if (count < 6 || (double)count < CLIPPED_LEAST * (double)x->n)
+        return;
+    double level = quantile(m->scratch, count, 0.5);
+    for (size_t i = 0; i < count; i++)
+        flat += fabs(m->scratch[i] - level) <= band;
+    if ((double)flat >= FLAT * (double)count)
+        *ceiling = (struct ceiling){level, true};
+}
+
+/*
+ * A sample is censored where the model reaches beyond the ceiling, whatever it reads itself: were it judged by its
+ * reading, those that noise carries up would be kept and those that it carries down dropped.
+ */
+static bool is_censored(const struct motion *m, size_t i, double sigma)
+{
+    return (m->ceiling[0].found && beyond(m, i, 1, m->ceiling[0].level) > -sigma) ||
+           (m->ceiling[1].found && beyond(m, i, -1, m->ceiling[1].level) > -sigma);
 }
 
 /* Local harmonic fit of a segment: what is slow (sway, another law of drag, drift) is in its a, b, c and rejects
@@ -60,29 +77,28 @@ static void fit_segment(struct motion *m, struct segment *s)
 }
 
 /* Returns how many samples changed sides. */
-static size_t update_mask(struct motion *m, double typical)
+static size_t update_mask(struct motion *m, double typical, double noise)
 {
-    size_t changed = 0, clipped = 0;
+    size_t changed = 0;
     double exact = EXACT * hypot(m->harmonic.a, m->harmonic.b);
-    for (size_t i = 0; i < m->samples.n; i++) {
-        clipped += at_ceiling(m, i, typical);
-    }
-    bool censor = clipped >= 6 && (double)clipped >= CLIPPED_LEAST * (double)m->samples.n;
-    m->clipped = censor ? clipped : 0;
-    m->rejected = 0;
+    double band = fmax(3 * noise, 0.004 * (m->overview.high - m->overview.low));
+    find_ceiling(m, 1, band);
+    find_ceiling(m, -1, band);
+    m->rejected = m->clipped = 0;
     for (size_t k = 0; k < m->segments; k++) {
         struct segment *s = &m->segment[k];
         double duration = m->samples.t[s->to - 1] - m->samples.t[s->from];
         double fall = exp(-0.5 * m->harmonic.gamma * duration / (double)(s->to - s->from));
         double local = s->scale * exp(0.25 * m->harmonic.gamma * duration);
         for (size_t i = s->from; i < s->to; i++, local *= fall) {
-            bool use = fabs(m->residual[i]) <= REJECT_AT * fmax(local, typical) + exact &&
-                       !(censor && at_ceiling(m, i, typical));
+            bool censored = is_censored(m, i, noise);
+            bool use = !censored && fabs(m->residual[i]) <= REJECT_AT * fmax(local, typical) + exact;
             if (use != (m->samples.use[i] != 0)) {
                 m->samples.use[i] = use;
                 s->settled = false;
                 changed++;
             }
+            m->clipped += censored;
             m->rejected += !use;
         }
     }
@@ -91,7 +107,7 @@ static size_t update_mask(struct motion *m, double typical)
 
 bool reject_outliers(struct motion *m, struct arena *arena)
 {
-    enum { ROUNDS = 10, LEAST = 24 };
+    enum { ROUNDS = 30, LEAST = 24 };
     double span = m->samples.t[m->samples.n - 1] - m->samples.t[0], most = (double)(m->samples.n / LEAST);
     m->segments = (size_t)fmax(1, fmin(most, floor(0.25 * m->harmonic.omega * span / PI)));
     m->segment = arena_array(arena, m->segments, sizeof *m->segment);
@@ -102,7 +118,7 @@ bool reject_outliers(struct motion *m, struct arena *arena)
         m->segment[k].from = m->samples.n * k / m->segments;
         m->segment[k].to = m->samples.n * (k + 1) / m->segments;
     }
-    m->ceiling = find_ceiling(m, m->overview.noise);
+    const double noise = m->overview.noise;
     double typical = 0, rounding = m->quantum / sqrt(12.0);
     for (int round = 0; round < ROUNDS; round++) {
         for (size_t k = 0; k < m->segments; k++) {
@@ -114,7 +130,7 @@ bool reject_outliers(struct motion *m, struct arena *arena)
             m->scratch[k] = m->segment[k].scale;
         }
         typical = fmax(quantile(m->scratch, m->segments, 0.5), rounding);
-        if (update_mask(m, typical) == 0) {
+        if (update_mask(m, typical, fmax(noise, rounding)) == 0) {
             break;
         }
     }

@@ -6,6 +6,14 @@
 #include <math.h>
 #include <string.h>
 
+double random_fraction(uint64_t *state)
+{
+    uint64_t z = (*state += 0x9E3779B97F4A7C15u);
+    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
+    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
+    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
+}
+
 double quantile(double *values, size_t n, double q)
 {
     double at = q * (double)(n - 1);

@@ -101,12 +101,17 @@ void fit_diagnose(const struct motion *m, double sway, struct fit *fit)
         warn_halves(fit);
     }
     if (m->clipped > 0) {
-        fit_warn(fit, "%zu samples lie on flat tops at an extreme (clipped): they are left out where the fit is beyond",
+        fit_warn(fit, "%zu samples lie where the fit is beyond flat tops (clipped): they are left out, whatever they read",
                  m->clipped);
     }
     if (m->rejected > m->clipped) {
         fit_warn(fit, "%zu of %zu samples rejected (missed echoes, spikes): more than 5 robust standard deviations off",
                  m->rejected - m->clipped, m->samples.n);
+    }
+    if (h->drifts) {
+        double span = m->samples.t[m->samples.n - 1] - m->samples.t[0];
+        fit_warn(fit, "the offset drifts, by %.2g %% of the amplitude over the window: a line of its own was fitted to it",
+                 100 * fabs(h->d) * span / fit->amplitude.value);
     }
     if (sway > SWAY_LEAST) {
         fit_warn(fit, "the amplitude is modulated by about %.0f %% (rms): does it sway sideways?", 100 * sway);

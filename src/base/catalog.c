@@ -53,9 +53,23 @@ const struct row *catalog_prefix(const struct catalog *catalog, struct text name
     return found;
 }
 
+bool catalog_absent(const struct catalog *catalog, struct text name, struct error *error)
+{
+    for (size_t i = 0; i < catalog->absences; i++) {
+        if (!row_is(&catalog->absent[i], name))
+            continue;
+        error_at(error, name, "there is no %s %s here: %s", catalog->kind, catalog->absent[i].name,
+                 catalog->absent[i].brief);
+        return true;
+    }
+    return false;
+}
+
 bool catalog_unknown(const struct catalog *catalog, struct text name, struct error *error)
 {
     char shown[SAFE_NAME_SIZE];
+    if (catalog_absent(catalog, name, error))
+        return false;
     error_at(error, name, "unknown %s '%s'", catalog->kind, safe_name(name, shown));
     struct suggestion suggestion = {.wanted = name};
     for (size_t i = 0; i < catalog->count; i++) {

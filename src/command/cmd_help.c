@@ -49,10 +49,19 @@ static void help_command(const struct row *row, struct buffer *text)
     buffer_format(text, "see also: %s", command->see);
 }
 
-static void help_param(const struct row *row, struct buffer *text)
+/* ", a parameter of pendulum"; of the oscillator that goes without saying. */
+static void put_kind(struct buffer *text, const struct row *row, const char *kind, const struct model *model)
+{
+    const bool other = model != &oscillator_model;
+    buffer_format(text, "%s [%s], %s%s%s: %s\n", row->name, *row->unit ? row->unit : "1", kind, other ? " of " : "",
+                  other ? model->row.name : "", row->brief);
+}
+
+static void help_param(const struct model *model, const struct row *row, struct buffer *text)
 {
     const struct param_row *param = (const struct param_row *)(const void *)row;
-    buffer_format(text, "%s [%s], a parameter: %s\ndefault ", row->name, *row->unit ? row->unit : "1", row->brief);
+    put_kind(text, row, "a parameter", model);
+    buffer_put(text, TEXT("default "));
     buffer_quantity(text, param->initial, param->quantity, 0);
     if (isfinite(param->least))
         buffer_format(text, ", %s %g", param->least_excluded ? "more than" : "at least", param->least);
@@ -68,11 +77,10 @@ static void help_param(const struct row *row, struct buffer *text)
     buffer_free(&units);
 }
 
-static void help_derived(const struct row *row, struct buffer *text)
+static void help_derived(const struct model *model, const struct row *row, struct buffer *text)
 {
     const struct derived_row *derived = (const struct derived_row *)(const void *)row;
-    buffer_format(text, "%s [%s], follows from the parameters: %s\n", row->name, *row->unit ? row->unit : "1",
-                  row->brief);
+    put_kind(text, row, "a derived quantity", model);
     if (derived->inverse)
         buffer_format(text, "setting it sets %s\n", derived->target);
     buffer_format(text, "examples:\n  print %s\n  show %s\nsee also: show set", row->name, row->name);
@@ -103,6 +111,8 @@ static void put_stable_limit(const struct method *method, struct buffer *text)
     if (!scene_bind(&scene, &system, &ignored) || !method_applies(method, &system, &drag, &ignored))
         return;
     const double limit = method_stable_limit(method, drag, 0);
+    if (isnan(limit)) /* it chooses its own steps */
+        return;
     buffer_put(text, TEXT("\nstability: on the undamped oscillator "));
     if (isinf(limit))
         buffer_put(text, TEXT("stable for every dt"));
@@ -126,12 +136,13 @@ static void help_method(const struct row *row, struct buffer *text)
                  {METHOD_A_STABLE, "A-stable"},
                  {METHOD_L_STABLE, "L-stable"},
                  {METHOD_ADAPTIVE, "adaptive"},
-                 {METHOD_EXACT, "exact"}};
+                 {METHOD_EXACT, "exact"},
+                 {METHOD_YARDSTICK, "a yardstick: not hooke's own"}};
     const struct method *method = (const struct method *)(const void *)row;
     buffer_format(text, "%s, a method: %s\n", row->name, row->brief);
     put_indented(text, method->formula);
     if (method->order > 0)
-        buffer_format(text, "order %d", method->order);
+        buffer_format(text, "%s %d", method->flags & METHOD_YARDSTICK ? "orders up to" : "order", method->order);
     else
         buffer_put(text, TEXT("exact"));
     buffer_format(text, ", %d force evaluation%s a step", method->evals, method->evals == 1 ? "" : "s");
@@ -260,9 +271,7 @@ static void help_model(const struct model *model, struct text name, bool *known,
             continue;
         }
         buffer_put(text, text->len ? TEXT("\n\n") : TEXT(""));
-        (i == 0 ? help_param : help_derived)(row, text);
-        if (model != &oscillator_model)
-            buffer_format(text, "\n%s of %s", own[i]->kind, model->row.name);
+        (i == 0 ? help_param : help_derived)(model, row, text);
         *known = true;
     }
     if (variable >= 0 && model != &oscillator_model) { /* y and v are observables, too */
@@ -328,6 +337,9 @@ HANDLER(help)
     buffer_free(&text);
     if (found)
         return true;
+    for (size_t i = 0; i < COUNT_OF(topics); i++)
+        if (catalog_absent(topics[i].catalog, near.wanted, error))
+            return false;
     error_at(error, near.wanted, "there is no help on '%.*s'", (int)(near.wanted.len < 64 ? near.wanted.len : 64),
              near.wanted.at);
     suggestion_hint(&near, error);
@@ -414,6 +426,7 @@ static void list_row(const struct catalog *catalog, const struct row *row, struc
         reply_bool(reply, "implicit", (method->flags & METHOD_IMPLICIT) != 0);
         reply_bool(reply, "symplectic", (method->flags & METHOD_SYMPLECTIC) != 0);
         reply_bool(reply, "adaptive", (method->flags & METHOD_ADAPTIVE) != 0);
+        reply_bool(reply, "yardstick", (method->flags & METHOD_YARDSTICK) != 0);
         reply_real(reply, "stable_limit", method_stable_limit(method, DRAG_DEFAULT, 0));
         reply_string(reply, "formula", method->formula);
     }

@@ -63,8 +63,9 @@ static double theory_period(const struct measuring *m)
 {
     const struct scene *scene = subject_scene(m->session, m->subject.run);
     const bool known = scene && (m->subject.run || param_given(scene, "k"));
-    const bool driven = scene && param_value(scene, "F0") != 0; /* then it follows the drive */
-    return known && !driven ? scene_period(scene) : NAN;
+    const bool driven = scene && fabs(param_value(scene, "F0")) > 0; /* then it follows the drive */
+    const bool narrows = scene && scene->model != &oscillator_model && fabs(param_value(scene, "gamma")) > 0;
+    return known && !driven && !narrows ? scene_period(scene) : NAN;
 }
 
 static bool say(struct measuring *m, struct buffer *text)

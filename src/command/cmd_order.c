@@ -14,21 +14,22 @@ static const char *setting_name(const struct contender *by)
 
 static const char *point_state(const struct order_point *point)
 {
-    return point->refused           ? "refused"
-           : isnan(point->error)    ? stop_name(point->stop)
-           : point->fitted          ? "*"
-                                    : "";
+    return point->refused             ? "refused"
+           : point->stop == STOP_FULL ? "out of budget"
+           : isnan(point->error)      ? stop_name(point->stop)
+           : point->fitted            ? "*"
+                                      : "";
 }
 
-static void put_order(const struct session *session, const struct order *order, struct arena *arena,
-                      struct buffer *out)
+static void put_order(const struct session *session, const struct order *order, struct arena *arena, struct buffer *out)
 {
     static const char *const heading[] = {"dt", "steps", "error", "slope", ""};
     const char *drag = setting_name(&order->by);
     struct text_table table = {.arena = arena, .columns = (int)COUNT_OF(heading), .gap = 3, .indent = 2};
     buffer_format(out, "%s%s%s, ", order->by.method->row.name, *drag ? " drag=" : "", drag);
     buffer_quantity(out, session->setup.settings.duration, QUANTITY_TIME, 4);
-    buffer_put(out, TEXT(" of the scene in fixed steps with compensated sums; error of the whole state at the end, good to "));
+    buffer_put(
+        out, TEXT(" of the scene in fixed steps with compensated sums; error of the whole state at the end, good to "));
     buffer_short(out, order->floor, 2);
     buffer_char(out, '\n');
     for (size_t i = 0; i < COUNT_OF(heading); i++)
@@ -205,7 +206,8 @@ COMMAND(order, .row = {"order", "", "measured order of a method on this scene, w
 
 COMMAND(selftest, .row = {"selftest", "", "what every method claims, measured on this machine", "", NULL},
         .group = "SESSION",
-        .text = "Order on a Kepler orbit, areas kept by symplectic methods, the way back of symmetric ones, and runs on "
-                "both sides of\n"
-                "the stability limit, for every method. The exit status is 3 if one fails.",
+        .text =
+            "Order on a Kepler orbit, areas kept by symplectic methods, the way back of symmetric ones, and runs on "
+            "both sides of\n"
+            "the stability limit, for every method. The exit status is 3 if one fails.",
         .examples = "selftest\nset format json; selftest; set format text", .see = "order stability stress")

@@ -112,9 +112,9 @@ COMMAND(export, .row = {"export", "", "write columns of runs, a recording or mea
         .group = "OUTPUT",
         .text = "Of the current run t, the state (y and v of a spring) and energy in SI units, unless told; any "
                 "observable can be a\n"
-                "column. Several runs stand below each other with a column run. every= takes every N-th row or one row each so much time. The form "
-                "follows the end of the\n"
-                "name: .csv .tsv .json. 'table' has one row for each run.",
+                "column. Several runs stand below each other with a column run. every= takes every N-th row or one "
+                "row each so much\n"
+                "time. The form follows the end of the name: .csv .tsv .json. 'table' has one row for each run.",
         .examples = "run; export run1.csv t,y,v\nexport all.csv run all every=100ms", .see = "print save plot list",
         .flags = COMMAND_ANYTIME,
         ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED),

@@ -62,27 +62,61 @@ static bool has_study(const struct session *session, struct error *error)
     return error_hint(error, "type: precision");
 }
 
-static bool write_figure(const struct session *session, const struct arguments *given, const struct figure *figure,
-                         int width, int height, struct reply *reply, struct error *error)
+/* By what the name ends in: text, or a row of the picture catalog. */
+static bool choose_picture(struct text path, enum plot_kind kind, bool *text, enum picture *picture,
+                           struct error *error)
+{
+    size_t dot = path.len;
+    while (dot > 0 && path.at[dot - 1] != '.' && path.at[dot - 1] != '/')
+        dot--;
+    const struct text end = {path.at + dot, path.len - dot};
+    const struct row *row = catalog_find(&picture_catalog, end);
+    *text = ends_with(path, ".txt");
+    if (*text)
+        return true;
+    if (!row || dot < 2 || path.at[dot - 1] != '.') {
+        error_at(error, path, "a figure is a picture in a file that ends in .svg, .pdf or .png, or text in .txt");
+        return error_hint(error, "plot %s > figure.svg", catalog_row(&plot_catalog, (size_t)kind)->name);
+    }
+    *picture = (enum picture)catalog_place(&picture_catalog, row);
+    return true;
+}
+
+/* A picture has room for the legend that stands below a text figure. */
+static bool label_methods(const struct precision *precision, struct arena *arena, struct figure *figure,
+                          struct error *error)
+{
+    struct curve *curve = arena_array(arena, (size_t)figure->curves, sizeof *curve);
+    if (!curve)
+        return error_memory(error);
+    memcpy(curve, figure->curve, (size_t)figure->curves * sizeof *curve);
+    for (int i = 0; i < precision->curves; i++)
+        for (int c = 0; c < figure->curves; c++)
+            if (curve[c].points && curve[c].mark == precision_letter(i))
+                curve[c].label = precision->curve[i].by.method->row.name;
+    figure->curve = curve;
+    return true;
+}
+
+static bool write_file(const struct session *session, const struct arguments *given, const struct buffer *content,
+                       struct reply *reply, struct error *error)
 {
     const struct item *file = given_for(given, ">")->item;
-    char *path = arena_text(given->arena, file->text);
-    struct buffer text = {0};
+    const char *path = arena_text(given->arena, file->text);
+    struct buffer shown = {0};
     struct writer writer;
-    if (!path || !figure_print(figure, width, height, session_charset(session), false, &text)) {
-        buffer_free(&text);
-        return error_memory(error);
-    }
-    bool ok = writer_open(&writer, path, session_policy(session, is_given(given, "force")), error);
+    bool ok = path ? writer_open(&writer, path, session_policy(session, is_given(given, "force")), error)
+                   : error_memory(error);
     if (ok) {
-        writer_put(&writer, buffer_text(&text));
+        writer_put(&writer, buffer_text(content));
         ok = writer_commit(&writer, error);
     }
-    buffer_free(&text);
+    safe_text(&shown, file->text, false);
     if (ok)
-        reply_line(reply, "figure written to %s", path);
+        reply_line(reply, "figure written to %s", buffer_view(&shown));
     else if (!error->where.at)
         error->where = file->text;
+    buffer_free(&shown);
     return ok;
 }
 
@@ -108,16 +142,16 @@ HANDLER(plot)
                                      .log = is_given(given, "log")};
     struct figure figure;
     int width, height;
-    if (file->count && !ends_with(file->item->text, ".txt")) {
-        error_at(error, file->item->text,
-                 "pictures are not written yet: only a text figure into a file that ends in .txt");
-        return error_hint(error, "plot %s > figure.txt", catalog_row(&plot_catalog, (size_t)request.kind)->name);
-    }
+    bool as_text = true;
+    enum picture picture = PICTURE_SVG;
+    if (file->count && !choose_picture(file->item->text, request.kind, &as_text, &picture, error))
+        return false;
     session_size(session, &width, &height);
     const bool in_log = session->front.watched && !file->count;
     if (in_log && !session->setup.settings.height)
         height = height > LEAST_ROWS + OTHER_ROWS ? height - OTHER_ROWS : LEAST_ROWS;
-    request.width = width;
+    request.width = as_text ? width : PICTURE_COLUMNS;
+    request.charset = as_text ? request.charset : CHARSET_BRAILLE;
     if (window->count)
         memcpy(request.window, window->item->range, sizeof request.window);
     if (request.kind == PLOT_PRECISION ? !has_study(session, error) : !choose_runs(session, given, &request, error))
@@ -126,8 +160,18 @@ HANDLER(plot)
         error->where = window->where; /* nothing there, unless it is memory */
         return false;
     }
-    if (file->count)
-        return write_figure(session, given, &figure, width, height, reply, error);
+    if (file->count) {
+        struct buffer content = {0};
+        bool ok = as_text || request.kind != PLOT_PRECISION ||
+                  label_methods(session->precision, given->arena, &figure, error);
+        if (ok && as_text)
+            ok = figure_print(&figure, width, height, request.charset, false, &content) || error_memory(error);
+        else if (ok)
+            ok = figure_picture(&figure, picture, 0, 0, &content, error);
+        ok = ok && write_file(session, given, &content, reply, error);
+        buffer_free(&content);
+        return ok;
+    }
     const bool color = session->setup.settings.color == COLOR_ALWAYS ||
                        (session->setup.settings.color == COLOR_AUTO && session->front.color && !session->front.watched);
     struct buffer text = {0};
@@ -150,7 +194,9 @@ COMMAND(plot, .row = {"plot", "", "draw position, velocity, phase, orbit, energy
                 "least 8 columns a\n"
                 "period are kept (5 with dots) and the phase plot shows the last 2 periods; the frame says so. A run "
                 "that grows out of\n"
-                "bounds leaves the frame and does not flatten the others.",
+                "bounds leaves the frame and does not flatten the others. A file that ends in .svg, .pdf or .png "
+                "becomes a picture, one\n"
+                "that ends in .txt holds the text.",
         .examples = "run; plot position\ncompare euler symplectic-euler; plot energy run all",
         .see = "set export measure", .flags = COMMAND_ANYTIME,
         ARGUMENTS(PLACE("KIND", TYPE_CHOICE, .flags = ARG_REQUIRED, .choices = &plot_catalog),

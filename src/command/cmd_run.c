@@ -243,7 +243,8 @@ static void warn_other_scene(const struct session *session, const struct run *ru
     const struct scene *now = &session->setup.scene;
     struct scene in_force;
     journal_scene(session->run[session->current_run], &in_force);
-    if (now->model != in_force.model || memcmp(now->value, in_force.value, sizeof now->value) != 0 || run->method != session->setup.method)
+    if (now->model != in_force.model || memcmp(now->value, in_force.value, sizeof now->value) != 0 ||
+        run->method != session->setup.method)
         reply_warning(reply,
                       "run %d goes on with the parameters and the method it has; 'change' gives it others, 'run' "
                       "starts one with the present ones",

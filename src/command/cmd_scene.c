@@ -324,7 +324,7 @@ COMMAND(
 COMMAND(set, .row = {"set", "", "set a parameter or a setting", "", NULL}, .group = "SCENE",
         .text = "The same as NAME = value. A value may carry a unit and an uncertainty; a bare number is in the SI "
                 "unit. Setting omega0,\n"
-                "T0 or f0 sets k. 'show all' lists the names.",
+                "T0 or f0 of a spring sets k. 'show all' lists the names; which there are depends on the scene.",
         .examples = "set m 199.9 +- 0.1 g\nT0 = 0.73 s", .see = "unset show let",
         .flags = COMMAND_CHANGES | COMMAND_ANYTIME,
         ARGUMENTS(PLACE("NAME", TYPE_NAME, .flags = ARG_REQUIRED), PLACE("VALUE", TYPE_REST, .flags = ARG_REQUIRED)))

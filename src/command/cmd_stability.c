@@ -21,7 +21,11 @@ static void put_growth(struct buffer *out, double growth)
     if (beyond < 1e-4 && beyond > ROUNDING)
         buffer_format(out, "1%+.2e", growth - 1);
     else
-        buffer_format(out, isfinite(growth) ? "%.7g" : "-", beyond > ROUNDING ? growth : 1);
+        buffer_format(out,
+                      isfinite(growth) ? "%.7g"
+                      : isnan(growth)  ? "-"
+                                       : "overflow",
+                      beyond > ROUNDING ? growth : 1);
 }
 
 static void put_limit(struct buffer *out, const struct stability *s)
@@ -40,7 +44,9 @@ static void put_checks(struct buffer *out, const struct stability *s)
 {
     for (int i = 0; i < s->checks; i++) {
         const struct stability_check *check = &s->check[i];
-        buffer_put(out, i == 0 ? TEXT("  at dt: growth a step ") : i == 1 ? TEXT("  just below dt_max: ") : TEXT("  just above dt_max: "));
+        buffer_put(out, i == 0   ? TEXT("  at dt: growth a step ")
+                        : i == 1 ? TEXT("  just below dt_max: ")
+                                 : TEXT("  just above dt_max: "));
         put_growth(out, check->predicted);
         buffer_put(out, TEXT(" predicted, "));
         put_growth(out, check->measured);
@@ -60,8 +66,10 @@ static void put_weakness(struct buffer *out, const struct stability *s)
         buffer_format(out, "  doubles the amplitude after %.3g steps\n", s->doubling);
     }
     if (!isnan(s->window[0]))
-        buffer_format(out, "  a narrow resonance: omega dt from %.7g to %.7g, growth at most %.6g a step; stable again after it\n",
-                      s->window[0] * s->tightest.omega, s->window[1] * s->tightest.omega, s->window[2]);
+        buffer_format(
+            out,
+            "  a narrow resonance: omega dt from %.7g to %.7g, growth at most %.6g a step; stable again after it\n",
+            s->window[0] * s->tightest.omega, s->window[1] * s->tightest.omega, s->window[2]);
 }
 
 static void put_scene(struct buffer *out, const struct session *session, const struct stability *s)
@@ -71,8 +79,9 @@ static void put_scene(struct buffer *out, const struct session *session, const s
         buffer_format(out, "  omega = %.6g 1/s, zeta = %.6g: omega dt = %.6g\n", s->worst.omega, s->worst.zeta,
                       s->worst.omega * s->dt);
     else if (s->modes)
-        buffer_format(out, "  not linear: eigenvalues of the Jacobian at the start and along %.4g s;\n"
-                           "  dt_max comes from t = %.4g s, where omega = %.4g 1/s, zeta = %.4g\n",
+        buffer_format(out,
+                      "  not linear: eigenvalues of the Jacobian at the start and along %.4g s;\n"
+                      "  dt_max comes from t = %.4g s, where omega = %.4g 1/s, zeta = %.4g\n",
                       seconds, s->tightest.t, s->tightest.omega, s->tightest.zeta);
     else
         buffer_put(out, TEXT("  nothing in this scene pulls back: no step is unstable\n"));
@@ -101,9 +110,11 @@ static double finite_or(double value, double otherwise)
 /* Upper half of the z plane, the lower one is its mirror image: # where |R(z)| <= 1. */
 static void put_region(struct buffer *out, const struct stability *s)
 {
-    const double real = finite_or(method_stable_limit(s->by.method, s->by.drag, 1), 6), high = finite_or(method_stable_limit(s->by.method, s->by.drag, 0), 0);
+    const double real = finite_or(method_stable_limit(s->by.method, s->by.drag, 1), 6),
+                 high = finite_or(method_stable_limit(s->by.method, s->by.drag, 0), 0);
     const double left = -1.25 * real, right = 0.45 * real;
-    const double top = 1.25 * fmax(fmax(high, real * 0.7), finite_or(method_stable_limit(s->by.method, s->by.drag, 0.3), 0));
+    const double top =
+        1.25 * fmax(fmax(high, real * 0.7), finite_or(method_stable_limit(s->by.method, s->by.drag, 0.3), 0));
     const double dx = (right - left) / REGION_COLUMNS, dy = top / (REGION_ROWS - 1);
     char line[REGION_COLUMNS + 1];
     bool shown = false;
@@ -152,12 +163,13 @@ static bool put_growth_figure(struct buffer *out, const struct session *session,
         }
     }
     const struct curve curve = {.label = s->by.method->row.name, .x = x, .y = y, .n = POINTS};
-    const struct figure figure = {.title = "growth - 1 a step",
-                                  .x = {.label = "omega dt", .unit = ""},
-                                  .y = {.label = "growth - 1", .unit = "", .log = true, .fixed = true, .from = 1e-8, .to = 10},
-                                  .curve = &curve,
-                                  .curves = 1,
-                                  .note = "0 is below the axis"};
+    const struct figure figure = {
+        .title = "growth - 1 a step",
+        .x = {.label = "omega dt", .unit = ""},
+        .y = {.label = "growth - 1", .unit = "", .log = true, .fixed = true, .from = 1e-8, .to = 10},
+        .curve = &curve,
+        .curves = 1,
+        .note = "0 is below the axis"};
     session_size(session, &width, &height);
     return figure_print(&figure, width, height, session_charset(session), false, out);
 }
@@ -201,7 +213,8 @@ static void reply_stability(const struct stability *s, struct reply *reply)
 {
     reply_begin(reply, "stability");
     reply_string(reply, "method", s->by.method->row.name);
-    reply_string(reply, "drag", s->by.drag == DRAG_DEFAULT ? NULL : catalog_row(&drag_catalog, (size_t)s->by.drag - 1)->name);
+    reply_string(reply, "drag",
+                 s->by.drag == DRAG_DEFAULT ? NULL : catalog_row(&drag_catalog, (size_t)s->by.drag - 1)->name);
     reply_real(reply, "dt", s->dt);
     reply_real(reply, "dt_max", s->dt_max);
     reply_real(reply, "growth_predicted", s->growth_predicted);
@@ -291,13 +304,14 @@ HANDLER(stability)
 
 COMMAND(stability, .row = {"stability", "", "growth a step, the largest stable dt, verified by running", "", NULL},
         .group = "STUDY",
-        .text = "Growth of the amplitude in each step and the largest stable dt, from the method's own formulas on the "
-                "scene's\n"
-                "eigenvalues (of a scene that is not linear: of its Jacobian at the start and along the run), then "
-                "measured by\n"
-                "running at dt and on both sides of the limit. Without METHOD the present one; of one method the region "
-                "of\n"
-                "stability is drawn. marginal: so slow a growth that it shows only after hundreds of steps.",
+        .text =
+            "Growth of the amplitude in each step and the largest stable dt, from the method's own formulas on the "
+            "scene's\n"
+            "eigenvalues (of a scene that is not linear: of its Jacobian at the start and along the run), then "
+            "measured by\n"
+            "running at dt and on both sides of the limit. Without METHOD the present one; of one method the region "
+            "of\n"
+            "stability is drawn. marginal: so slow a growth that it shows only after hundreds of steps.",
         .examples = "stability verlet\nstability euler heun rk4 dt=20ms", .see = "order stress plan compare",
         ARGUMENTS(PLACE("METHOD", TYPE_CHOICE, .flags = ARG_MANY, .choices = &method_catalog),
                   KEY("dt", TYPE_VALUE, .quantity = QUANTITY_TIME), KEY("drag", TYPE_CHOICE, .choices = &drag_catalog)))

@@ -35,7 +35,7 @@ static void put_block(const struct stress *stress, const struct method *const *m
         buffer_format(out, "%-*s", NAME_WIDTH, digit == 1 ? "method" : "case");
         for (int c = from; c < to; c++) {
             put_gap(out, c - from);
-            buffer_char(out, digit == 10 && c + 1 < 10 ? ' ' : (char)('0' + (c + 1) / digit % 10));
+            buffer_format(out, "%c", digit == 10 && c + 1 < 10 ? ' ' : '0' + (c + 1) / digit % 10);
         }
         buffer_char(out, '\n');
     }
@@ -147,7 +147,8 @@ static void put_stress(const struct session *session, const struct stress *stres
     for (enum stress_verdict v = 0; v < STRESS_VERDICTS; v++)
         if (stress->count_of[v])
             buffer_format(out, "%s %4d %s: %s\n", letter(v), stress->count_of[v],
-                          catalog_row(&stress_verdict_catalog, v)->name, catalog_row(&stress_verdict_catalog, v)->brief);
+                          catalog_row(&stress_verdict_catalog, v)->name,
+                          catalog_row(&stress_verdict_catalog, v)->brief);
     buffer_char(out, '\n');
     for (int c = 0; c < finished; c++)
         put_case(stress, c, methods, width, out);
@@ -170,15 +171,19 @@ static void reply_row(const struct stress *stress, const struct stress_row *row,
 HANDLER(stress)
 {
     const struct given *asked = given_for(given, "METHOD");
-    const struct method **method = arena_array(given->arena, method_catalog.count + (size_t)asked->count, sizeof *method);
+    const struct method **method =
+        arena_array(given->arena, method_catalog.count + (size_t)asked->count, sizeof *method);
     struct stress stress;
     int methods = 0;
     if (!method)
         return error_memory(error);
     for (int i = 0; i < asked->count; i++)
         method[methods++] = (const struct method *)(const void *)asked->item[i].row;
-    for (size_t i = 0; i < method_catalog.count && asked->count == 0; i++)
-        method[methods++] = (const struct method *)(const void *)catalog_row(&method_catalog, i);
+    for (size_t i = 0; i < method_catalog.count && asked->count == 0; i++) {
+        const struct method *row = (const struct method *)(const void *)catalog_row(&method_catalog, i);
+        if (!(row->flags & METHOD_YARDSTICK)) /* somebody else's: only when named */
+            method[methods++] = row;
+    }
     const bool ok = study_stress(method, methods, session->front.cancel, &stress, error);
     struct buffer text = {0};
     if (stress.rows > 0)

@@ -16,6 +16,8 @@ bool session_cursor_reading(const struct session *session, struct cursor_reading
     const struct scene *scene = subject_scene(session, c->on_data ? NULL : session_run(session));
     const double dt = c->at[1].t - c->at[0].t, n = c->periods;
     const double period = fabs(dt) / n, spread = hypot(c->at[0].t_uncertainty, c->at[1].t_uncertainty) / n;
+    const bool spring = !scene || scene->model == &oscillator_model;
+    const bool damped = scene && fabs(param_value(scene, "gamma")) > 0;
     double decrement = copysign(1, dt) * log(c->at[0].amplitude / c->at[1].amplitude) / n;
     decrement = fabs(decrement) < ROUNDING ? 0 : decrement;
     *reading = (struct cursor_reading){.dt = dt,
@@ -23,7 +25,7 @@ bool session_cursor_reading(const struct session *session, struct cursor_reading
                                        .period = {period, spread},
                                        .frequency = {1 / period, spread / (period * period)},
                                        .theory = scene_period(scene),
-                                       .damped = scene && fabs(param_value(scene, "gamma")) > 0,
+                                       .theory_name = !spring ? "period" : damped ? "T_d" : "T0",
                                        .decrement = decrement,
                                        .quality = decrement > ROUNDING ? PI / decrement : NAN};
     reading->deviation = (period - reading->theory) / reading->theory;
@@ -70,7 +72,8 @@ void session_cursor_lines(const struct session *session, struct buffer *text)
         buffer_format(text, " / %g period%s", r.periods, r.periods == 1 ? "" : "s");
     put_value(text, "   T", r.period, QUANTITY_TIME);
     put_value(text, "   f", r.frequency, QUANTITY_FREQUENCY);
-    put_value(text, r.damped ? "\n theory T_d" : "\n theory T0", (struct measured){r.theory, 0}, QUANTITY_TIME);
+    buffer_put(text, TEXT("\n theory "));
+    put_value(text, r.theory_name, (struct measured){r.theory, 0}, QUANTITY_TIME);
     if (isfinite(r.deviation))
         buffer_format(text, "   deviation %+.2f %%", fabs(r.deviation) < 0.5e-4 ? 0.0 : 100 * r.deviation);
     put_value(text, "   log decrement", (struct measured){r.decrement, 0}, QUANTITY_NUMBER);

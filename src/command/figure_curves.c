@@ -29,7 +29,8 @@ static size_t row_after(const struct run *run, double t)
     return low;
 }
 
-#define EXTREMES 6
+#define VARIABLES_MOST 8 /* whose extremes are kept */
+#define EXTREMES_MOST (2 * VARIABLES_MOST + 2)
 
 /* Not at the same place of each stride: an oscillation could be in step with it. */
 static size_t visited(size_t i, size_t stride)
@@ -37,31 +38,47 @@ static size_t visited(size_t i, size_t stride)
     return i + (stride > 1 ? (i / stride * 0x9E3779B97F4A7C15u >> 40) % stride : 0);
 }
 
+/* What the extremes are of: each variable, and of second order q v of the first coordinate; up and down. */
+static int extremes_of(const struct run *run, const double *y, double value[EXTREMES_MOST])
+{
+    const int variables = run->system.n < VARIABLES_MOST ? run->system.n : VARIABLES_MOST;
+    int count = 0;
+    for (int i = 0; i < variables; i++) {
+        value[count++] = y[i];
+        value[count++] = -y[i];
+    }
+    if (run->system.order == 2) {
+        value[count++] = y[0] * y[run->system.n / 2];
+        value[count++] = -(y[0] * y[run->system.n / 2]);
+    }
+    return count;
+}
+
 /*
- * Of a share of the rows the first, the last, and those where y, v and y v are least and largest: there position,
- * velocity and the error of the energy have their extremes (the modified energy of a symplectic method differs by terms
- * in y v, y^2, v^2; Hairer, Lubich, Wanner IX.8).
+ * Of a share of the rows the first, the last, and those where the variables, and q v of the first coordinate, are least
+ * and largest: there positions, velocities and the error of the energy have their extremes (the modified energy of a
+ * symplectic method differs by terms in q v, q^2, v^2; Hairer, Lubich, Wanner IX.8).
  */
 static size_t choose_of_share(const struct run *run, size_t from, size_t to, size_t stride, size_t *out)
 {
-    const int second = run->system.order == 2 ? run->system.n / 2 : 0;
-    size_t at[EXTREMES + 2] = {from, from, from, from, from, from, from, to - 1};
-    double best[EXTREMES];
-    for (int e = 0; e < EXTREMES; e++)
-        best[e] = -HUGE_VAL;
+    size_t at[EXTREMES_MOST + 2];
+    double best[EXTREMES_MOST], value[EXTREMES_MOST];
+    const int extremes = extremes_of(run, trace_state(run->trace, from), best);
+    for (int e = 0; e <= extremes; e++)
+        at[e] = from;
+    at[extremes + 1] = to - 1;
     for (size_t i = from; i < to; i += stride) {
-        const size_t row = visited(i, stride);
-        const double *y = trace_state(run->trace, row < to ? row : to - 1);
-        const double value[EXTREMES] = {y[0], -y[0], y[second], -y[second], y[0] * y[second], -(y[0] * y[second])};
-        for (int e = 0; e < EXTREMES; e++) {
+        const size_t row = visited(i, stride) < to ? visited(i, stride) : to - 1;
+        extremes_of(run, trace_state(run->trace, row), value);
+        for (int e = 0; e < extremes; e++) {
             if (value[e] > best[e]) {
                 best[e] = value[e];
-                at[e] = row < to ? row : to - 1;
+                at[e] = row;
             }
         }
     }
     size_t n = 0;
-    for (int i = 0; i < EXTREMES + 2; i++) { /* ascending, each once */
+    for (int i = 0; i < extremes + 2; i++) { /* ascending, each once */
         size_t place = n;
         while (place > 0 && out[place - 1] > at[i])
             place--;
@@ -116,7 +133,8 @@ bool choose_rows(const struct run *run, const struct row_request *request, struc
     const bool all = !request->screen || n / (double)stride <= ROWS_ALL;
     const size_t share = all ? stride : power_of_two(fmax(n / shares, (double)stride));
     *rows = (struct chosen_rows){
-        arena_array(arena, (end - first) / share * (all ? 1 : EXTREMES + 2) + 3 * (EXTREMES + 2), sizeof *rows->row),
+        arena_array(arena, (end - first) / share * (all ? 1 : EXTREMES_MOST + 2) + 3 * (EXTREMES_MOST + 2),
+                    sizeof *rows->row),
         0};
     if (!rows->row)
         return error_memory(error);

@@ -184,10 +184,6 @@ int catalog_place(const struct catalog *catalog, const struct row *row);
 const struct param_row *param_at(const struct scene *scene, int place);
 double param_value(const struct scene *scene, const char *name); /* NAN: the scene has no such parameter */
 bool param_given(const struct scene *scene, const char *name);
-/* It says where a run starts, and nothing else. */
-bool param_is_start(const struct scene *scene, int place);
-/* A short description of the scene holds it. */
-bool param_matters(const struct scene *scene, int place);
 int model_variable(const struct model *model, struct text name); /* place, -1: none */
 const struct model *model_with(struct text name); /* the first with such a parameter, derived quantity or variable */
 const char *model_scene(const struct model *model); /* name of a scene that is one */
@@ -212,8 +208,8 @@ struct expr_scope names_scope(const struct names *names);
  * False, always. */
 bool names_explain(const struct session *session, struct error *error);
 bool names_value(const struct session *session, struct text name, struct named_value *value);
-/* Also of the state of a run that is only about to start; QUANTITY_OTHER: unknown. */
-enum quantity name_quantity(const struct session *session, struct text name);
+/* Of a name in a scope made by names_scope; QUANTITY_OTHER: unknown. */
+enum quantity name_quantity(const struct expr_scope *scope, struct text name);
 /* Everything that can be named: offers candidates for completion and help. */
 void names_each(const struct session *session, void (*offer)(void *context, const char *name, const char *brief),
                 void *context);
@@ -329,7 +325,8 @@ struct subject {
 const struct scene *subject_scene(const struct session *session, const struct run *run);
 /* Whether the scene is an oscillator; error if not, which says that `what` needs one. */
 bool needs_spring(const struct scene *scene, const char *what, struct error *error);
-/* [s] of the oscillation with its linear damping; NAN: it does not oscillate, or there is no scene. */
+/* [s] of the oscillation with its linear damping, of another model as wide as it starts; NAN: it does not oscillate, or
+ * there is no scene. */
 double scene_period(const struct scene *scene);
 double derived_value(const struct scene *scene, const char *name); /* NAN: no scene, or not defined */
 /* Keeps it as a row of `list measurements` and as the result measured_NAME. */

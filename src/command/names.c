@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What names mean in expressions: state and observables of the current run first, then parameters and derived quantities
- * of the scene, settings, variables, results. */
+/* What names mean in expressions: state and observables of the current run first, then parameters and derived
+ * quantities of the scene, settings, variables, results. */
 #include "internal.h"
 
 #include <math.h>
@@ -142,12 +142,10 @@ static double scope_load(const void *context, int slot)
     return slot_value(context, slot).value;
 }
 
-void names_each(const struct session *session, void (*offer)(void *context, const char *name, const char *brief),
-                void *context)
+static void each_name(const struct session *session, const struct model *moving,
+                      void (*offer)(void *context, const char *name, const char *brief), void *context)
 {
     const struct scene *scene = &session->setup.scene;
-    const struct run *run = session_run(session);
-    const struct model *moving = run ? run->system.model : scene->model;
     const struct catalog *const catalogs[] = {&observable_catalog, scene_params(scene), scene_derived(scene),
                                               &setting_catalog};
     for (int i = 0; i < moving->n; i++)
@@ -166,6 +164,13 @@ void names_each(const struct session *session, void (*offer)(void *context, cons
         offer(context, session->result[i].name, "result");
 }
 
+void names_each(const struct session *session, void (*offer)(void *context, const char *name, const char *brief),
+                void *context)
+{
+    const struct run *run = session_run(session);
+    each_name(session, run ? run->system.model : session->setup.scene.model, offer, context);
+}
+
 static void suggest(void *context, const char *name, const char *brief)
 {
     (void)brief;
@@ -174,7 +179,9 @@ static void suggest(void *context, const char *name, const char *brief)
 
 static void scope_offer(const void *context, struct suggestion *suggestion)
 {
-    names_each(((const struct names *)context)->session, suggest, suggestion);
+    const struct names *names = context;
+    const struct model *moving = state_model(names);
+    each_name(names->session, moving ? moving : names->session->setup.scene.model, suggest, suggestion);
     suggestion_offer(suggestion, "pi");
 }
 
@@ -215,11 +222,10 @@ bool names_explain(const struct session *session, struct error *error)
     return false;
 }
 
-enum quantity name_quantity(const struct session *session, struct text name)
+enum quantity name_quantity(const struct expr_scope *scope, struct text name)
 {
-    const struct names names = {.session = session, .expects_run = true};
     int slot;
-    return find_name(&names, name, &slot) ? slot_value(&names, slot).quantity : QUANTITY_OTHER;
+    return scope && find_name(scope->context, name, &slot) ? slot_value(scope->context, slot).quantity : QUANTITY_OTHER;
 }
 
 bool name_is_taken(const struct session *session, struct text name, const char **kind)

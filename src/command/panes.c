@@ -8,8 +8,8 @@
     }
 
 static const struct row layouts[] = {
-    [LAYOUT_TRIO] = ROW("trio", "position above energy, phase or orbit beside them"),
-    [LAYOUT_DUO] = ROW("duo", "position and phase or orbit side by side"),
+    [LAYOUT_TRIO] = ROW("trio", "position above energy, phase beside them"),
+    [LAYOUT_DUO] = ROW("duo", "position and phase side by side"),
     [LAYOUT_SINGLE] = ROW("single", "the focused pane, and the log"),
     [LAYOUT_STACK] = ROW("stack", "position, velocity and energy above each other, one time axis"),
     [LAYOUT_QUAD] = ROW("quad", "position, phase, velocity and energy"),

@@ -21,27 +21,38 @@ bool param_given(const struct scene *scene, const char *name)
     return place >= 0 && scene->given[place];
 }
 
-bool param_is_start(const struct scene *scene, int place)
+enum effect { EFFECT_NONE, EFFECT_START, EFFECT_FORCE };
+
+/* What the parameter does in the scene as it is: the frequency of a drive that is not there does nothing. */
+static enum effect effect_of(const struct scene *scene, int place)
 {
     struct scene other = *scene;
     struct system a, b;
     struct error ignored;
     const double value = scene->value[place];
-    other.value[place] = value == 0 ? 0.125 : 1.0625 * value;
+    other.value[place] = value == 0 ? 0.125 : 0.875 * value; /* towards 0: within bounds */
     if (!scene_bind(scene, &a, &ignored) || !scene_bind(&other, &b, &ignored) || a.terms != b.terms || a.mass != b.mass)
-        return false;
+        return EFFECT_FORCE;
     for (int i = 0; i < a.terms; i++)
         if (a.term[i].row != b.term[i].row || memcmp(a.term[i].c, b.term[i].c, sizeof a.term[i].c) != 0)
-            return false;
-    return a.t0 != b.t0 || memcmp(a.start, b.start, (size_t)a.n * sizeof *a.start) != 0;
+            return EFFECT_FORCE;
+    const bool moved = a.t0 != b.t0 || memcmp(a.start, b.start, (size_t)a.n * sizeof *a.start) != 0;
+    return moved ? EFFECT_START : EFFECT_NONE;
+}
+
+bool param_is_start(const struct scene *scene, int place)
+{
+    return effect_of(scene, place) == EFFECT_START;
 }
 
 bool param_matters(const struct scene *scene, int place)
 {
-    const struct text name = text_of(param_at(scene, place)->row.name);
-    if (scene->model == &oscillator_model) /* it has many */
-        return scene->given[place] || text_is(name, "m") || text_is(name, "k");
-    return scene->given[place] || (scene->value[place] != 0 && !text_is(name, "t0"));
+    const struct param_row *row = param_at(scene, place);
+    const struct text name = text_of(row->row.name);
+    const bool set = scene->given[place] || scene->value[place] != row->initial;
+    if (scene->model == &oscillator_model)
+        return text_is(name, "m") || text_is(name, "k") || (set && scene->value[place] != 0);
+    return scene->value[place] != 0 && !text_is(name, "t0") && effect_of(scene, place) != EFFECT_NONE;
 }
 
 int model_variable(const struct model *model, struct text name)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Plots of a session as figures: which curves, over which time, in which units. */
-#include "figure_curves.h"
+#include "figure_drawing.h"
 #include "precision_text.h"
 
 #include <math.h>
@@ -8,69 +8,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define PERIOD_COLUMNS_ASCII 8 /* least columns a period that can still be followed */
-#define PERIOD_COLUMNS_DOTS 5
-#define TRAIL_PERIODS 2 /* of the phase plot */
-#define UNBOUNDED 3     /* times the median of the other curves' maxima */
-#define FRAME 10        /* [cell] of the width that labels and frame take */
-#define HARMONICS 6     /* shown of a spectrum */
-
-struct plot_row {
-    struct row row;
-    const char *observable; /* on the vertical axis; NULL: state variables, or something else */
-    const char *label;      /* of that axis, where the names of the variables are not */
-    bool periods;                   /* each period has to be seen: the window is limited to what the width can show */
-};
-
-static const struct plot_row plots[] = {
-    [PLOT_POSITION] = {{"position", "", "y against t, or all coordinates", "", NULL}, NULL, "y", true},
-    [PLOT_VELOCITY] = {{"velocity", "", "v against t", "", NULL}, NULL, NULL, true},
-    [PLOT_PHASE] = {{"phase", "", "v against y, the last two periods unless a window is given", "", NULL},
-                    NULL,
-                    NULL,
-                    false},
-    [PLOT_ORBIT] = {{"orbit", "", "the second coordinate against the first, as long as phase", "", NULL},
-                    NULL,
-                    NULL,
-                    false},
-    [PLOT_ENERGY] = {{"energy", "", "energy against t", "", NULL}, "energy", "E", false},
-    [PLOT_ERROR] = {{"error", "", "distance from the exact solution against t", "", NULL}, "error", "error", false},
-    [PLOT_RESIDUAL] = {{"residual", "", "the recording minus its fit, or minus the run, against t", "", NULL},
-                       NULL,
-                       "residual",
-                       false},
-    [PLOT_SPECTRUM] = {{"spectrum", "", "amplitude spectrum of y", "", NULL}, NULL, "amplitude", false},
-    [PLOT_PRECISION] = {{"precision", "", "error against run time, of the last 'precision'", "", NULL},
-                        NULL,
-                        "error",
-                        false},
-};
-const struct catalog plot_catalog = CATALOG("plot", plots);
-
-/* What is built up. */
-struct drawing {
-    const struct session *session;
-    const struct figure_request *request;
-    struct arena *arena;
-    struct error *error;
-    struct curve *curve;
-    int curves;
-    const struct model *model; /* of the runs; NULL: there are none */
-    int coordinates;           /* curves that one run has */
-    double omega0;             /* [rad/s] that v is divided by; 1: not */
-    double period;             /* [s] of the first run, NAN: none */
-    double window[2];          /* [s] */
-    double shown, total;       /* [s] */
-};
+#define UNBOUNDED 3 /* times the median of the other curves' maxima */
+#define HARMONICS 6 /* shown of a spectrum */
 
 static const struct observable *observable(const char *name)
 {
     return (const struct observable *)(const void *)catalog_find(&observable_catalog, text_of(name));
-}
-
-static const struct recording *recording_of(const struct drawing *d)
-{
-    return d->request->recording >= 0 ? d->session->recording[d->request->recording]->recording : NULL;
 }
 
 /* Whether the fit of the session is one of this recording. */
@@ -96,44 +39,6 @@ int figure_recording(const struct session *session, enum plot_kind kind)
     return fmin(a, b) < recording->window[1] && fmax(a, b) > recording->window[0] ? session->current_recording : -1;
 }
 
-/* ---- what moves ---- */
-
-static bool is_plane(enum plot_kind kind)
-{
-    return kind == PLOT_PHASE || kind == PLOT_ORBIT;
-}
-
-/* On the vertical axis. */
-static const struct variable *first_variable(const struct model *model, enum plot_kind kind)
-{
-    return &model->variable[kind == PLOT_VELOCITY || kind == PLOT_PHASE ? model->n / 2 : kind == PLOT_ORBIT ? 1 : 0];
-}
-
-int plot_coordinates(const struct model *model)
-{
-    const int all = model->order == 2 ? model->n / 2 : model->n;
-    int n = 1;
-    while (n < all && n <= LIMIT_OVERLAY && model->variable[n].quantity == model->variable[0].quantity)
-        n++;
-    return n;
-}
-
-bool plot_fits(enum plot_kind kind, const struct model *model)
-{
-    if (kind == PLOT_ORBIT)
-        return model->order == 2 && model->n == 4 && plot_coordinates(model) == 2;
-    return model->order == 2 || (kind != PLOT_VELOCITY && kind != PLOT_PHASE && kind != PLOT_ENERGY);
-}
-
-/* [s] that the scene, or the sizes of what moves, lead to expect; NAN: none. */
-static double rhythm(const struct run *run)
-{
-    const struct system *system = &run->system;
-    if (system->model == &oscillator_model || system->order != 2)
-        return scene_period(&run->scene);
-    return 6.283185307179586 * system->scale[0] / system->scale[system->n / 2];
-}
-
 /* What all runs of the plot have to be. */
 static bool find_model(struct drawing *d)
 {
@@ -146,7 +51,7 @@ static bool find_model(struct drawing *d)
             return error_set(d->error, ERROR_COMMAND, "run %d is one of %s, run %d one of %s: no plot shows both",
                              first->number, first->scene.preset->row.name, run->number, run->scene.preset->row.name);
     }
-    const char *kind = plots[request->kind].row.name;
+    const char *kind = plot_rows[request->kind].row.name;
     if (!plot_fits(request->kind, d->model))
         return error_set(d->error, ERROR_COMMAND, "%s has no %s: %s", first->scene.preset->row.name, kind,
                          request->kind == PLOT_ORBIT ? "that needs two coordinates"
@@ -154,83 +59,6 @@ static bool find_model(struct drawing *d)
     if ((request->kind == PLOT_POSITION || request->kind == PLOT_VELOCITY) && request->runs == 1 && !recording_of(d))
         d->coordinates = plot_coordinates(d->model);
     return true;
-}
-
-/* ---- which part of the time ---- */
-
-static void span_of(const struct drawing *d, double *from, double *to)
-{
-    *from = HUGE_VAL;
-    *to = -HUGE_VAL;
-    for (int i = 0; i < d->request->runs; i++) {
-        const struct run *run = d->session->run[d->request->run[i]]->run;
-        const double a = trace_time(run->trace, 0), b = trace_time(run->trace, trace_count(run->trace) - 1);
-        *from = fmin(*from, fmin(a, b));
-        *to = fmax(*to, fmax(a, b));
-    }
-    /* What follows a run shows the part of the recording that lies beside it. */
-    const struct recording *recording = recording_of(d);
-    if (recording && !(d->request->follow && d->request->runs)) {
-        *from = fmin(*from, recording->window[0]);
-        *to = fmax(*to, recording->window[1]);
-    }
-}
-
-/* Down to a length whose quarters are short numbers too: a window that lasts has labels that look the same on each
- * page. */
-static double short_number(double length)
-{
-    static const double digits[] = {8, 6, 4, 3.2, 2.4, 2, 1.6, 1.2, 1};
-    const double unit = pow(10, floor(log10(length)));
-    for (size_t i = 0; i < COUNT_OF(digits); i++)
-        if (digits[i] * unit <= length)
-            return digits[i] * unit;
-    return length;
-}
-
-/* [s] the longest window in which every period can be seen at this width; NAN: any. */
-static double longest_window(const struct drawing *d)
-{
-    const struct figure_request *request = d->request;
-    const int each = request->charset == CHARSET_ASCII ? PERIOD_COLUMNS_ASCII : PERIOD_COLUMNS_DOTS;
-    const int columns = request->width > 2 * FRAME ? request->width - FRAME : FRAME;
-    const double most =
-        plots[request->kind].periods || (request->follow && !request->alone) ? d->period * columns / each : NAN;
-    return request->follow && d->total > most && isnormal(most) ? short_number(most) : most;
-}
-
-static double trail(const struct drawing *d)
-{
-    return d->request->trail > 0 ? d->request->trail : TRAIL_PERIODS;
-}
-
-static void choose_window(struct drawing *d)
-{
-    const struct figure_request *request = d->request;
-    double from, to;
-    span_of(d, &from, &to);
-    const double now = to;
-    const bool asked = !isnan(request->window[0]) || !isnan(request->window[1]), phase = is_plane(request->kind);
-    if (request->follow && !phase && request->until > to)
-        to = request->until;
-    d->total = to - from;
-    d->window[0] = isnan(request->window[0]) ? from : request->window[0];
-    d->window[1] = isnan(request->window[1]) ? to : request->window[1];
-    const double most = request->span > 0 ? request->span : longest_window(d);
-    if (asked || request->kind == PLOT_SPECTRUM) {
-    } else if (phase) {
-        d->window[0] = fmax(from, to - trail(d) * d->period);
-    } else if (request->follow && (request->span > 0 || d->total > most)) {
-        /* A moving window starts a whole number of pages, or of columns, after the start: while the curve grows nothing
-         * else moves. */
-        const double turn = most / (request->pages > 0 ? request->pages : 1);
-        const double start = from + turn * fmax(0, ceil((now - from - most) / turn - 1e-6));
-        d->window[0] = start;
-        d->window[1] = start + most;
-    } else if (d->total > most) {
-        d->window[1] = from + most;
-    }
-    d->shown = d->window[1] - d->window[0];
 }
 
 /* ---- curves ---- */
@@ -257,9 +85,9 @@ static bool vertical_values(struct drawing *d, const struct run *run, int coordi
                             double *y)
 {
     const enum plot_kind kind = d->request->kind;
-    if (plots[kind].observable)
-        return values_at_rows(run, observable(plots[kind].observable), rows, d->arena, y, d->error);
-    state_at_rows(run, (int)(first_variable(d->model, kind) - d->model->variable) + coordinate, rows, y);
+    if (plot_rows[kind].observable)
+        return values_at_rows(run, observable(plot_rows[kind].observable), rows, d->arena, y, d->error);
+    state_at_rows(run, (int)(vertical_variable(d->model, kind) - d->model->variable) + coordinate, rows, y);
     for (size_t i = 0; i < rows->n && d->omega0 != 1; i++)
         y[i] /= d->omega0;
     return true;
@@ -267,7 +95,7 @@ static bool vertical_values(struct drawing *d, const struct run *run, int coordi
 
 static bool add_run(struct drawing *d, const struct run *run)
 {
-    const bool plane = is_plane(d->request->kind);
+    const bool plane = plot_is_plane(d->request->kind);
     struct curve *curve = &d->curve[d->curves];
     const char *label = run_label(d, run);
     *curve = (struct curve){.label = label};
@@ -299,7 +127,7 @@ static bool add_run(struct drawing *d, const struct run *run)
         if (!vertical_values(d, run, i, &rows, y))
             return false;
         d->curve[d->curves++] = (struct curve){
-            .label = d->coordinates > 1 ? first_variable(d->model, d->request->kind)[i].name : label,
+            .label = d->coordinates > 1 ? vertical_variable(d->model, d->request->kind)[i].name : label,
             .x = x,
             .y = y,
             .n = rows.n};
@@ -422,14 +250,14 @@ static const char *make_note(const struct drawing *d)
     const bool asked = !isnan(request->window[0]) || !isnan(request->window[1]),
                part = !asked && d->shown < d->total * (1 - 1e-9);
     struct buffer text = {0};
-    if (is_plane(request->kind) && part)
-        buffer_format(&text, "last %.4g T", trail(d));
+    if (plot_is_plane(request->kind) && part)
+        buffer_format(&text, "last %.4g T", drawing_trail(d));
     else if (request->follow && part && !request->running)
         buffer_format(&text, "last %.4g of %.4g s", d->shown, d->total);
     else if (part)
         buffer_format(&text, request->follow ? "last %.4g s" : "first %.4g of %.4g s", d->shown, d->total);
-    else if (isfinite(d->period) && plots[request->kind].periods &&
-             d->shown * PERIOD_COLUMNS_DOTS > d->period * (request->width - FRAME))
+    else if (isfinite(d->period) && plot_rows[request->kind].periods &&
+             d->shown * PERIOD_COLUMNS_DOTS > d->period * (request->width - FRAME_COLUMNS))
         buffer_format(&text, "%.0f periods: envelope", d->shown / d->period);
     const char *note = text.len ? arena_text(d->arena, buffer_text(&text)) : NULL;
     buffer_free(&text);
@@ -444,22 +272,22 @@ static enum quantity y_quantity(const struct drawing *d)
         return recording->column[recording->value].quantity;
     if (d->omega0 != 1)
         return d->model->variable[0].quantity;
-    if (plots[kind].observable)
-        return model_quantity(d->model, observable(plots[kind].observable));
-    return first_variable(d->model, kind)->quantity;
+    if (plot_rows[kind].observable)
+        return model_quantity(d->model, observable(plot_rows[kind].observable));
+    return vertical_variable(d->model, kind)->quantity;
 }
 
-/* "y", "x, y", "v/omega0", "E". */
+/* "y", "x, y", "v/omega0", "E"; NULL: no memory. */
 static const char *y_label(const struct drawing *d)
 {
     const enum plot_kind kind = d->request->kind;
-    if (plots[kind].label && (!d->model || kind != PLOT_POSITION))
-        return plots[kind].label;
+    if (plot_rows[kind].label && (!d->model || kind != PLOT_POSITION))
+        return plot_rows[kind].label;
     struct buffer text = {0};
     for (int i = 0; i < d->coordinates; i++)
-        buffer_format(&text, "%s%s", i ? ", " : "", first_variable(d->model, kind)[i].name);
+        buffer_format(&text, "%s%s", i ? ", " : "", vertical_variable(d->model, kind)[i].name);
     buffer_put(&text, d->omega0 != 1 ? TEXT("/omega0") : TEXT(""));
-    const char *label = arena_text(d->arena, buffer_text(&text));
+    const char *label = text.failed ? NULL : arena_text(d->arena, buffer_text(&text));
     buffer_free(&text);
     return label;
 }
@@ -478,7 +306,8 @@ bool session_figure(const struct session *session, const struct figure_request *
                     struct figure *figure, struct error *error)
 {
     struct drawing d = {
-        .session = session, .request = request, .arena = arena, .error = error, .coordinates = 1, .omega0 = 1, .period = NAN};
+        .session = session, .request = request, .arena = arena, .error = error,
+        .coordinates = 1, .omega0 = 1, .period = NAN};
     if (request->kind == PLOT_PRECISION)
         return precision_figure(session->precision, arena, figure, error);
     d.curve = arena_array(arena, (size_t)request->runs + LIMIT_OVERLAY + 1, sizeof *d.curve);
@@ -486,15 +315,15 @@ bool session_figure(const struct session *session, const struct figure_request *
         return error_memory(error);
     if (request->runs > 0 && !find_model(&d))
         return false;
-    const bool phase = request->kind == PLOT_PHASE, plane = is_plane(request->kind);
+    const bool phase = request->kind == PLOT_PHASE, plane = plot_is_plane(request->kind);
     if (request->runs > 0) {
         const struct run *run = session->run[request->run[0]]->run;
         const double stiffness = run->system.oscillator.stiffness; /* now in force */
-        d.period = rhythm(run);
+        d.period = run_rhythm(run);
         if (phase && session->setup.settings.phase_axes == PHASE_SCALED && stiffness > 0)
             d.omega0 = sqrt(stiffness);
     }
-    choose_window(&d);
+    drawing_window(&d);
     const struct recording *recording = recording_of(&d);
     const bool residual = request->kind == PLOT_RESIDUAL, spectrum = request->kind == PLOT_SPECTRUM;
     if (residual && !recording)
@@ -512,7 +341,8 @@ bool session_figure(const struct session *session, const struct figure_request *
     if (!mark_unbounded(&d))
         return false;
 
-    *figure = (struct figure){.title = plots[request->kind].row.name,
+    const bool values = d.model && d.model->order == 1 && request->kind == PLOT_POSITION;
+    *figure = (struct figure){.title = values ? "values" : plot_rows[request->kind].row.name,
                               .curve = d.curve,
                               .curves = d.curves,
                               .zero_line = request->kind != PLOT_ENERGY && !spectrum,
@@ -523,6 +353,8 @@ bool session_figure(const struct session *session, const struct figure_request *
                            : make_axis("t", QUANTITY_TIME, d.window[1]);
     figure->y =
         make_axis(y_label(&d), y_quantity(&d), size_of(&d, false));
+    if (!figure->y.label)
+        return error_memory(error);
     figure->y.log = request->log;
     if (figure->equal) {
         figure->y.factor = figure->x.factor;

@@ -207,8 +207,11 @@ double derived_value(const struct scene *scene, const char *name)
 
 double scene_period(const struct scene *scene)
 {
-    const double damped = derived_value(scene, "T_d");
-    return isfinite(damped) ? damped : derived_value(scene, "T0");
+    static const char *const names[] = {"T_d", "period", "T0"};
+    double period = NAN;
+    for (size_t i = 0; i < COUNT_OF(names) && !isfinite(period); i++)
+        period = derived_value(scene, names[i]);
+    return period;
 }
 
 bool session_keep_measurement(struct session *session, const char *name, const char *of, struct measured value,

@@ -96,7 +96,7 @@ static bool to_si(const struct part *part, const struct unit *fallback, const ch
 /* Quantity of an expression that is a single name. */
 static enum quantity quantity_of_name(const struct parser *parser, struct text typed)
 {
-    return peek_name(typed).len == typed.len ? name_quantity(parser->session, typed) : QUANTITY_OTHER;
+    return peek_name(typed).len == typed.len ? name_quantity(parser->scope, typed) : QUANTITY_OTHER;
 }
 
 bool parse_value(struct parser *parser, const char *what, enum quantity wanted, struct item *item, struct error *error)

@@ -14,6 +14,7 @@
 #define PLACE_WORDS                                                                                                    \
     "x y s z pos position distance dist displacement height weg ort abstand auslenkung distancia posicion posición "  \
     "desplazamiento posizione spostamento distanza elongation hauteur"
+#define SIZE_WORDS "absolute magnitude total" /* of a vector: it hides the sign */
 #define ERROR_WORDS "error err xerr yerr uncertainty unc sigma sd"
 #define MOSTLY 0.9 /* of the steps of a time column go up */
 
@@ -26,13 +27,24 @@ struct profile {
     bool whole;
 };
 
+/* Of a long recording every stretch of STRETCH rows out of several is looked at: a profile is a guess, not a result. */
+#define STRETCH 1024u
+#define STRETCHES 256u
+
+static size_t row_after(size_t row, size_t rows)
+{
+    const size_t stride = rows / (STRETCH * STRETCHES) + 1;
+    return (row + 1) % STRETCH == 0 ? row + 1 + (stride - 1) * STRETCH : row + 1;
+}
+
 static struct profile profile_of(const struct recording *recording, const double *value)
 {
     struct profile p = {.low = HUGE_VAL, .high = -HUGE_VAL, .whole = true};
-    double mean = 0, squares = 0, before = NAN, first = NAN;
-    size_t rising = 0, falling = 0, by_one = 0, even = 0;
-    for (size_t i = 0; i < recording->rows; i++) {
+    double mean = 0, squares = 0, before = NAN, first = NAN, climbed = 0;
+    size_t rising = 0, falling = 0, by_one = 0, even = 0, counted = 0;
+    for (size_t i = 0; i < recording->rows; i = row_after(i, recording->rows)) {
         const double x = value[i];
+        before = i % STRETCH == 0 ? NAN : before;
         if (!isfinite(x))
             continue;
         const double apart = x - mean; /* Welford 1962 */
@@ -44,18 +56,22 @@ static struct profile profile_of(const struct recording *recording, const double
         rising += x > before;
         falling += x < before;
         by_one += x - before == 1;
+        climbed += isnan(before) ? 0 : x - before;
+        counted += isnan(before) ? 0 : 1;
         first = p.numbers == 1 ? x : first;
         before = x;
     }
-    const double steps = p.numbers > 1 ? (double)(p.numbers - 1) : 1, step = (before - first) / steps;
+    p.ahead = before > first;
+    const double steps = counted > 0 ? (double)counted : 1, step = climbed / steps;
     before = NAN;
-    for (size_t i = 0; i < recording->rows; i++)
+    for (size_t i = 0; i < recording->rows; i = row_after(i, recording->rows)) {
+        before = i % STRETCH == 0 ? NAN : before;
         if (isfinite(value[i])) {
             even += fabs(value[i] - before - step) <= 0.5 * step;
             before = value[i];
         }
-    p.variance = squares / steps;
-    p.ahead = before > first;
+    }
+    p.variance = p.numbers > 1 ? squares / (double)(p.numbers - 1) : 0;
     p.rising = (double)rising / steps;
     p.falling = (double)falling / steps;
     p.by_one = (double)by_one / steps;
@@ -93,6 +109,13 @@ static bool is_index(const struct recording *recording, const struct profile *p,
            (name_has_word(column->name, INDEX_WORDS) || (i == 0 && unnamed(column, i) && (p->low == 0 || p->low == 1)));
 }
 
+/* Of the run that is read, or of all. */
+static bool in_run(const struct recording *recording, int i)
+{
+    const int run = recording->column[i].run;
+    return run < 0 || recording->taken < 0 || run == recording->taken;
+}
+
 /* ---- what the user says ---- */
 
 static void list_columns(const struct recording *recording, struct error *error)
@@ -109,11 +132,11 @@ static bool starts_with(const char *name, struct text wanted)
     return strlen(name) >= wanted.len && strncasecmp(name, wanted.at, wanted.len) == 0;
 }
 
-/* The column called `wanted`: by its name in any case, a number counted from 1, or the only name that begins so. */
-static bool find_column(const struct recording *recording, struct text wanted, int *column, struct error *error)
+/* How many columns are called `wanted`, *column is the last of them: by the name in any case, a number counted from 1,
+ * or, of the run, the beginning of a name, with or without the run's own before it. */
+static int match_column(const struct recording *recording, struct text wanted, int *column)
 {
     struct text name = text_trim(wanted);
-    char shown[SHORT_NAME];
     double number;
     int found = 0;
     if (name.len >= 2 && strchr("'\"", name.at[0]) && name.at[name.len - 1] == name.at[0])
@@ -121,21 +144,38 @@ static bool find_column(const struct recording *recording, struct text wanted, i
     for (int i = 0; i < recording->columns; i++)
         if (strlen(recording->column[i].name) == name.len && starts_with(recording->column[i].name, name)) {
             *column = i;
-            return true;
+            return 1;
         }
     if (real_parse(name, &number) == REAL_OK && number >= 1 && number <= recording->columns &&
         number == floor(number)) {
         *column = (int)number - 1;
-        return true;
+        return 1;
     }
-    for (int i = 0; i < recording->columns && name.len > 0; i++)
-        if (starts_with(recording->column[i].name, name)) {
+    for (int i = 0; i < recording->columns && name.len > 0; i++) {
+        const struct column *one = &recording->column[i];
+        const size_t before = one->run >= 0 ? strlen(recording->run[one->run].name) + 2 : 0; /* "Run 1: " */
+        if (in_run(recording, i) && (starts_with(one->name, name) || (before > 0 && before < strlen(one->name) &&
+                                                                      starts_with(one->name + before, name)))) {
             *column = i;
             found++;
         }
-    if (found == 1)
+    }
+    return found;
+}
+
+static bool find_column(const struct recording *recording, struct text wanted, int *column, struct error *error)
+{
+    char shown[SHORT_NAME];
+    const int found = match_column(recording, wanted, column);
+    if (found == 1 && in_run(recording, *column))
         return true;
-    error_at(error, wanted, "%s column '%s'", found ? "more than one" : "there is no", short_name(name, shown));
+    if (found == 1) {
+        error_at(error, wanted, "column '%s' is not of %s", recording->column[*column].name,
+                 recording->run[recording->taken].name);
+        return error_hint(error, "say the run or the column, not both");
+    }
+    error_at(error, wanted, "%s column '%s'", found ? "more than one" : "there is no",
+             short_name(text_trim(wanted), shown));
     list_columns(recording, error);
     return false;
 }
@@ -151,13 +191,15 @@ static bool pick(struct recording *recording, const struct profile *profile, boo
     size_t best_rank = COUNT_OF(order) + 2;
     for (int i = 0; i < recording->columns; i++) {
         const struct column *column = &recording->column[i];
-        if (i == recording->time || profile[i].numbers < 2 || is_time(column) || is_index(recording, &profile[i], i) ||
-            name_has_word(column->name, ERROR_WORDS) || constant(&profile[i]) != flat)
+        if (i == recording->time || !in_run(recording, i) || profile[i].numbers < 2 || is_time(column) ||
+            is_index(recording, &profile[i], i) || name_has_word(column->name, ERROR_WORDS) ||
+            constant(&profile[i]) != flat)
             continue;
         size_t rank = 0;
         while (rank < COUNT_OF(order) && order[rank] != column->quantity)
             rank++;
-        if (column->quantity == QUANTITY_OTHER && !name_has_word(column->name, PLACE_WORDS))
+        if ((column->quantity == QUANTITY_OTHER && !name_has_word(column->name, PLACE_WORDS)) ||
+            name_has_word(column->name, SIZE_WORDS))
             rank = COUNT_OF(order) + 1;
         /* Of places the first, of the rest (axes of an accelerometer) the one that moves most. */
         if (rank < best_rank || (rank == best_rank && rank > 1 && profile[i].variance > profile[best].variance)) {
@@ -170,12 +212,13 @@ static bool pick(struct recording *recording, const struct profile *profile, boo
 }
 
 /* The nearest time column to the left of the value, where runs stand side by side; else the first. */
-static int time_column(const struct recording *recording, const struct profile *profile)
+static int time_among(const struct recording *recording, const struct profile *profile, bool own)
 {
     int first = -1, left = -1;
     for (int i = 0; i < recording->columns; i++) {
         /* Coarse clocks repeat themselves; one that mostly goes back is none. */
-        if (!is_time(&recording->column[i]) || !profile[i].ahead || profile[i].falling > 1 - MOSTLY)
+        if (!is_time(&recording->column[i]) || !profile[i].ahead || profile[i].falling > 1 - MOSTLY ||
+            (own && !in_run(recording, i)))
             continue;
         first = first < 0 ? i : first;
         left = i < recording->value ? i : left;
@@ -183,19 +226,26 @@ static int time_column(const struct recording *recording, const struct profile *
     return left >= 0 ? left : first;
 }
 
+/* A run without times of its own shares those of another. */
+static int time_column(const struct recording *recording, const struct profile *profile)
+{
+    const int own = time_among(recording, profile, true);
+    return own >= 0 ? own : time_among(recording, profile, false);
+}
+
 /* No column says that it is the time: the first one is if it rises, and evenly where it has another name. */
 static int guessed_time(const struct recording *recording, const struct profile *profile)
 {
     const struct column *first = recording->column;
-    bool could = recording->columns > 1 && first->quantity == QUANTITY_OTHER && rises(profile) &&
-                 !is_index(recording, profile, 0);
+    bool could = recording->columns > 1 && in_run(recording, 0) && first->quantity == QUANTITY_OTHER &&
+                 rises(profile) && !is_index(recording, profile, 0);
     return could && (unnamed(first, 0) || profile->even >= MOSTLY) ? 0 : -1;
 }
 
 static int index_column(const struct recording *recording, const struct profile *profile)
 {
     for (int i = 0; i < recording->columns; i++)
-        if (recording->columns > 1 && is_index(recording, &profile[i], i))
+        if (recording->columns > 1 && in_run(recording, i) && is_index(recording, &profile[i], i))
             return i;
     return -1;
 }
@@ -232,6 +282,9 @@ static bool choose_time(struct recording *recording, const struct profile *profi
     recording->time = named >= 0 ? named : guessed_time(recording, profile);
     if (recording->time < 0)
         return no_time(recording, profile, error);
+    if (!in_run(recording, recording->time))
+        recording_warn(recording, "%s has no times of its own: those of '%s' are used",
+                       recording->run[recording->taken].name, recording->column[recording->time].name);
     if (named < 0)
         recording_warn(recording, "%s rises and is taken as the time; t=COLUMN chooses another",
                        recording->column[recording->time].name);
@@ -251,6 +304,46 @@ static bool choose_value(struct recording *recording, const struct profile *prof
     return true;
 }
 
+static bool side_by_side(const struct recording *recording)
+{
+    for (int i = 0; i < recording->columns; i++)
+        if (recording->column[i].run >= 0)
+            return true;
+    return false;
+}
+
+/* Which of the runs that stand side by side: the one said, that of the column said, the first with values. */
+static bool choose_run(struct recording *recording, const struct profile *profile, const struct load_options *options,
+                       struct error *error)
+{
+    int column = -1;
+    if (!side_by_side(recording)) {
+        int unused;
+        return options->run.len == 0 || recording->runs > 0 || run_find(recording, options->run, &unused, error);
+    }
+    recording->taken = -1;
+    if (options->run.len > 0)
+        return run_find(recording, options->run, &recording->taken, error);
+    if (options->value.len > 0 && match_column(recording, options->value, &column) == 1)
+        recording->taken = recording->column[column].run;
+    for (int i = 0; i < recording->columns && recording->taken < 0; i++)
+        if (profile[i].numbers > 1 && !is_time(&recording->column[i]))
+            recording->taken = recording->column[i].run;
+    return true;
+}
+
+/* A run that is shorter than the others ends in empty cells. */
+static void cut_run(struct recording *recording)
+{
+    const double *value = recording->column[recording->value].value,
+                 *time = recording->source == TIME_COLUMN && in_run(recording, recording->time)
+                             ? recording->column[recording->time].value
+                             : value;
+    while (side_by_side(recording) && recording->rows > 0 && isnan(value[recording->rows - 1]) &&
+           isnan(time[recording->rows - 1]))
+        recording->rows--;
+}
+
 bool recording_choose(struct recording *recording, const struct load_options *options, struct error *error)
 {
     if (!enough_rows(recording, error))
@@ -260,6 +353,9 @@ bool recording_choose(struct recording *recording, const struct load_options *op
         return error_memory(error);
     for (int i = 0; i < recording->columns; i++)
         profile[i] = profile_of(recording, recording->column[i].value);
+
+    if (!choose_run(recording, profile, options, error))
+        return false;
 
     /* The value first, because of several runs side by side; a time that is only guessed is then no value. */
     recording->time = guessed_time(recording, profile);
@@ -277,6 +373,7 @@ bool recording_choose(struct recording *recording, const struct load_options *op
     const struct column *value = &recording->column[recording->value];
     if (profile[recording->value].numbers == 0)
         return error_set(error, ERROR_IO, "column '%s' has no numbers", value->name);
+    cut_run(recording);
     if (constant(&profile[recording->value]))
         recording_warn(recording, "%s has the same value in every row", value->name);
     return true;

@@ -55,6 +55,11 @@ void recording_describe(const struct recording *recording, struct buffer *text)
         buffer_format(text, ", %zu %s dropped", recording->dropped, recording->dropped == 1 ? "row" : "rows");
     buffer_char(text, '\n');
     put_columns(text, recording);
+    if (recording->runs > 1) {
+        buffer_put(text, TEXT("runs: "));
+        run_list(recording, text);
+        buffer_put(text, TEXT("  (run= says otherwise)\n"));
+    }
     for (int i = 0; i < recording->warnings; i++)
         buffer_format(text, "warning: %s\n", recording->warning[i]);
 }

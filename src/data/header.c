@@ -97,7 +97,7 @@ static const struct unit *find_unit(struct text text, double *factor)
     return unit;
 }
 
-static void set_unit(struct column *column, struct text unit)
+void column_unit(struct column *column, struct text unit)
 {
     double factor;
     const struct unit *known = find_unit(unit, &factor);
@@ -160,9 +160,11 @@ static bool find_tail(struct text text, struct text *before, struct text *unit)
             (text.at[at] == '_' || text.at[at - 1] == ' '))
             return true;
         if (text.at[at] == '_')
-            return false;
+            break;
     }
-    return false;
+    /* "v/m/s" as ISO 80000-1 writes it, but not the bare unit "m/s". */
+    *unit = text;
+    return text_split(unit, '/', before) && before->len > 0 && !unit_find(*before) && find_unit(*unit, &factor);
 }
 
 static void set_name(struct column *column, struct text before, struct text after)
@@ -183,13 +185,16 @@ static bool name_column(struct column *column, struct text field, struct text un
     if (!clean(field, scratch))
         return false;
     struct text whole = buffer_text(scratch);
+    double factor;
     bool has_unit = find_bracket(whole, &before, &unit, &after) || find_tail(whole, &before, &unit);
+    /* Where units have a line of their own, brackets in the name may hold something else. */
+    has_unit = has_unit && (unit_field.len == 0 || find_unit(unit, &factor));
     if (has_unit && before.len + after.len == 0) {
         before = unit; /* "(s)" and nothing else is a name, too */
         after = none;
     }
     set_name(column, has_unit ? before : whole, has_unit ? after : none);
-    set_unit(column, has_unit ? unit : none);
+    column_unit(column, has_unit ? unit : none);
     if (unit_field.len == 0)
         return true;
     if (!clean(unit_field, scratch))
@@ -197,7 +202,7 @@ static bool name_column(struct column *column, struct text field, struct text un
     unit = buffer_text(scratch);
     if (find_bracket(unit, &before, &after, &whole))
         unit = after;
-    set_unit(column, unit);
+    column_unit(column, unit);
     return true;
 }
 
@@ -214,6 +219,7 @@ bool table_columns(const struct table_layout *layout, struct recording *recordin
             name = TEXT("");
         if (!header_field(&units, layout->name_separator, &unit))
             unit = TEXT("");
+        column->run = -1;
         done = name_column(column, name, unit, &scratch);
     }
     buffer_free(&scratch);

@@ -101,7 +101,7 @@ enum cell table_cell(struct text field, char decimal, double *value)
     }
     const bool negative = field.at[0] == '-';
     struct text word = negative ? (struct text){field.at + 1, field.len - 1} : field;
-    if (!is_word(word, "inf"))
+    if (!is_word(word, "inf") && !is_word(word, "infinity") && !is_word(word, "\xE2\x88\x9E"))
         return CELL_WORD;
     *value = negative ? -HUGE_VAL : HUGE_VAL;
     return CELL_NUMBER;

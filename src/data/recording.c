@@ -67,15 +67,16 @@ static bool refuse_binary(struct text text, const char *name, struct error *erro
 
 /* ---- loading ---- */
 
-static bool split_head(struct table_text *text, struct arena *arena)
+bool table_head(struct table_text *text, struct arena *arena)
 {
     struct text rest = text->text, line;
     size_t bytes = 0;
+    text->heads = 0;
     text->head = arena_array(arena, HEAD_LINES, sizeof *text->head);
     while (text->head && text->heads < HEAD_LINES && bytes < HEAD_BYTES && table_line(&rest, &line)) {
         line.len = line.len < HEAD_BYTES ? line.len : HEAD_BYTES;
         bytes += line.len;
-        text->head[text->heads] = (struct table_line){line, text->heads + 1};
+        text->head[text->heads] = (struct table_line){line, text->first + text->heads};
         text->heads++;
     }
     return text->head != NULL;
@@ -131,7 +132,7 @@ static bool read_text(struct table_text *text, const struct load_options *option
                       struct error *error)
 {
     struct arena scratch = {0};
-    bool done = split_head(text, &scratch) || error_memory(error);
+    bool done = table_head(text, &scratch) || error_memory(error);
     if (done) {
         table_find(text, 0, options, &text->layout, &text->problem);
         const struct format *format = probe(text);
@@ -148,7 +149,7 @@ static bool load(const char *path, const struct load_options *options, struct re
     struct buffer content = {0};
     char shown[SHORT_NAME];
     struct text file = last_component(text_of(path));
-    struct table_text text = {.name = short_name(file, shown)};
+    struct table_text text = {.name = short_name(file, shown), .first = 1, .header = 1};
     bool done = file_read(path, LIMIT_FILE, &content, error);
     if (done) {
         text.text = buffer_text(&content);
@@ -186,6 +187,11 @@ void recording_destroy(struct recording *recording)
 {
     if (!recording)
         return;
+    for (int i = 0; i < recording->columns && recording->column; i++)
+        free(recording->column[i].value);
+    free(recording->t);
+    free(recording->y);
+    free(recording->line);
     arena_reset(&recording->arena);
     free(recording);
 }

@@ -6,9 +6,12 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
-#define BEFORE_LAST 8 /* rows kept in mind to see whether the last one is cut */
+#define BEFORE_LAST 8 /* rows looked at to see whether the last one is cut … */
+#define ESTIMATE 64   /* lines whose length tells how many there are */
+#define RECENT 16     /* … among those kept in mind: a power of two above it */
 
 struct tally {
     size_t count, first; /* how many, and the line of the first */
@@ -18,10 +21,44 @@ struct tally {
 struct reader {
     struct recording *recording;
     const struct table_layout *layout;
-    struct tally ragged, extra, *words;  /* words: of each column */
-    struct text recent[BEFORE_LAST + 1]; /* the last rows, newest first */
-    bool ended;                          /* the newest row has a line end */
+    struct tally ragged, extra, *words; /* words: of each column */
+    struct text recent[RECENT];         /* recent[i % RECENT]: row i, while it is one of the last */
+    size_t room;                        /* rows there is memory for */
+    bool ended;                         /* the newest row has a line end */
 };
+
+/* ---- memory ---- */
+
+static bool resize(void *array, size_t count, size_t size)
+{
+    void *old, *fresh;
+    memcpy(&old, array, sizeof old);
+    fresh = realloc(old, count * size);
+    if (fresh)
+        memcpy(array, &fresh, sizeof fresh);
+    return fresh != NULL;
+}
+
+/* Room for `rows` rows. What is not written to takes no memory, so that a generous guess costs nothing. */
+static bool reserve(struct reader *reader, size_t rows, struct error *error)
+{
+    struct recording *recording = reader->recording;
+    const size_t each = ((size_t)recording->columns + 2) * sizeof(double) + sizeof(uint32_t), most = TABLE_BYTES / each;
+    rows = rows < most ? rows : most;
+    if (rows <= reader->room) {
+        error_set(error, ERROR_IO, "the table has more than %zu rows of %d columns: beyond the %u MiB that are kept",
+                  most, recording->columns, TABLE_BYTES >> 20);
+        return error_hint(error, "export a part of it, or fewer columns");
+    }
+    bool done =
+        resize(&recording->t, rows, sizeof *recording->t) && resize(&recording->line, rows, sizeof *recording->line);
+    for (int i = 0; i < recording->columns && done; i++)
+        done = resize(&recording->column[i].value, rows, sizeof(double));
+    reader->room = rows;
+    return done || error_memory(error);
+}
+
+/* ---- one row ---- */
 
 static void note(struct tally *tally, size_t line, struct text example)
 {
@@ -29,6 +66,69 @@ static void note(struct tally *tally, size_t line, struct text example)
         tally->first = line;
         short_name(example, tally->example);
     }
+}
+
+/*
+ * A number of at most 15 digits at `at`, behind blanks, times 1e-22 or more: two exact doubles and one rounding
+ * (Clinger 1990), the same bits as real_scan's. Returns its end; NULL: something else, which the slow way reads.
+ */
+static inline const char *plain_number(const char *at, const char *end, char decimal, double *value)
+{
+    static const double power10[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
+                                     1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+    while (at < end && *at == ' ')
+        at++;
+    const bool negative = at < end && *at == '-';
+    const char *first = at += negative, *point = NULL;
+    uint64_t digits = 0;
+    for (; at < end; at++) {
+        const unsigned digit = (unsigned)(*at - '0');
+        if (digit < 10) {
+            digits = 10 * digits + digit;
+        } else if (*at == decimal && !point) {
+            point = at;
+        } else {
+            break;
+        }
+    }
+    const ptrdiff_t count = at - first - (point != NULL);
+    ptrdiff_t exponent = point ? point + 1 - at : 0;
+    if (count < 1 || count > 15)
+        return NULL;
+    if (at < end && (*at == 'E' || *at == 'e')) {
+        const bool low = ++at < end && *at == '-';
+        at += low;
+        const unsigned digit = at < end ? (unsigned)(*at - '0') : 10;
+        if (digit > 9 || (++at < end && (unsigned)(*at - '0') < 10)) /* one digit is usual */
+            return NULL;
+        exponent += low ? -(ptrdiff_t)digit : (ptrdiff_t)digit;
+        if (exponent < -22)
+            return NULL;
+    }
+    const double size = exponent < 0 ? (double)digits / power10[-exponent] : (double)digits * power10[exponent];
+    *value = negative ? -size : size;
+    return at;
+}
+
+/* A row of nothing but plain numbers that ends in LF or CRLF, nearly every row of an instrument: returns the start of
+ * the next line. NULL: the slow way has to look. */
+static const char *plain_row(struct reader *reader, const char *at, const char *end)
+{
+    const struct recording *recording = reader->recording;
+    const char separator = reader->layout->separator, decimal = reader->layout->decimal;
+    const size_t row = recording->rows;
+    const char *begin = at;
+    for (int i = 0; i < recording->columns; i++) {
+        if (i > 0 && (at == end || *at++ != separator))
+            return NULL;
+        at = plain_number(at, end, decimal, &recording->column[i].value[row]);
+        if (!at)
+            return NULL;
+    }
+    reader->recent[row % RECENT] = (struct text){begin, (size_t)(at - begin)};
+    at += at < end && *at == separator && separator != ' ';
+    at += at < end && *at == '\r';
+    return at < end && *at == '\n' ? at + 1 : NULL;
 }
 
 /* The next field, parsed. Numbers that end at the separator need no look at the field as text. */
@@ -115,19 +215,20 @@ static size_t decimals(struct text number, char decimal)
 static bool is_cut(const struct reader *reader)
 {
     const struct table_layout *layout = reader->layout;
-    struct text last = last_field(reader->recent[0], layout->separator);
+    const size_t row = reader->recording->rows - 1;
+    struct text last = last_field(reader->recent[row % RECENT], layout->separator);
     size_t agreed = 0;
     bool agree = true;
-    for (size_t i = 1; i <= BEFORE_LAST && reader->recent[i].at; i++) {
-        size_t here = decimals(last_field(reader->recent[i], layout->separator), layout->decimal);
+    if (row == 0)
+        return false;
+    for (size_t i = 1; i <= BEFORE_LAST && i <= row; i++) {
+        size_t here = decimals(last_field(reader->recent[(row - i) % RECENT], layout->separator), layout->decimal);
         agree = agree && (i == 1 || here == agreed);
         agreed = here;
     }
-    if (!reader->recent[1].at)
-        return false;
     double value;
     enum cell cell = table_cell(last, layout->decimal, &value);
-    struct text above = last_field(reader->recent[1], layout->separator);
+    struct text above = last_field(reader->recent[(row - 1) % RECENT], layout->separator);
     if (cell == CELL_WORD)
         return table_cell(above, layout->decimal, &value) != CELL_WORD;
     if (agree && agreed > 0)
@@ -171,63 +272,76 @@ static void warn_rows(struct reader *reader)
                        reader->extra.example);
 }
 
-/* Room for every row there can be: a row takes a line, and a byte for each field. */
-static bool allocate(struct reader *reader, struct text rest)
+static bool is_full(struct reader *reader, struct error *error)
+{
+    const size_t room = reader->room;
+    return reader->recording->rows == room && !reserve(reader, room + room / 2 + 64, error);
+}
+
+/* The line at *rest, whatever it is; `data` counts the lines of the table. */
+static bool read_line(struct reader *reader, struct text *rest, size_t number, size_t *data)
 {
     struct recording *recording = reader->recording;
-    size_t lines = 1, bytes = rest.len / (size_t)(recording->columns + 1) + 1;
-    for (const char *at = rest.at, *end = rest.at + rest.len; at < end && lines < bytes; at++, lines++) {
-        const char *next = memchr(at, '\n', (size_t)(end - at));
-        if (!next)
-            break;
-        at = next;
+    struct text line;
+    if (!table_line(rest, &line))
+        return false;
+    if (table_skipped(line))
+        return true;
+    const bool row = line.len <= LIMIT_LINE && read_row(reader, line, number);
+    reader->ended = rest->len > 0 || rest->at > line.at + line.len;
+    if (!row && !reader->ended) {
+        recording_warn(recording, "the last line (%zu) is cut short: dropped", number);
+        recording->dropped++;
+    } else if (!row) {
+        note(&reader->ragged, number, line);
+    } else {
+        reader->recent[recording->rows % RECENT] = line;
+        recording->line[recording->rows] = (uint32_t)number;
+        recording->t[recording->rows++] = (double)*data;
     }
-    if (memchr(rest.at, '\r', rest.len))
-        lines = bytes; /* each could be a line end */
-    for (int i = 0; i < recording->columns; i++)
-        if (!(recording->column[i].value = arena_array(&recording->arena, lines, sizeof(double))))
-            return false;
-    recording->t = arena_array(&recording->arena, lines, sizeof(double));
-    recording->line = arena_array(&recording->arena, lines, sizeof *recording->line);
-    reader->words = arena_array(&recording->arena, (size_t)recording->columns, sizeof *reader->words);
-    return recording->t && recording->line && reader->words;
+    ++*data;
+    return true;
 }
 
 bool table_rows(const struct table_text *text, const struct table_layout *layout, struct recording *recording,
                 struct error *error)
 {
     struct reader reader = {.recording = recording, .layout = layout};
-    struct text rest = {layout->begin, (size_t)(text->text.at + text->text.len - layout->begin)}, line;
+    const char *end = text->text.at + text->text.len, *next;
+    struct text rest = {layout->begin, (size_t)(end - layout->begin)}, line = rest, first;
     if (!table_columns(layout, recording, error))
         return false;
-    if (!allocate(&reader, rest))
+    reader.words = arena_array(&recording->arena, (size_t)recording->columns, sizeof *reader.words);
+    if (!reader.words)
         return error_memory(error);
+    /* As many rows as there are if the first are as long as the others. */
+    size_t lines = 0;
+    while (lines < ESTIMATE && table_line(&line, &first))
+        lines++;
+    const size_t bytes = rest.len - line.len;
+    if (!reserve(&reader, (size_t)(1.1 * (double)rest.len * (double)lines / (double)(bytes + 1)) + 64, error))
+        return false;
     recording->separator = layout->separator;
     recording->decimal = layout->decimal;
-    recording->header_lines = (int)(layout->line - 1);
+    recording->header_lines = (int)(layout->line - text->header);
     size_t number = layout->line, data = 0;
-    for (; table_line(&rest, &line); number++) {
-        if (table_skipped(line))
-            continue;
-        bool row = line.len <= LIMIT_LINE && read_row(&reader, line, number);
-        reader.ended = line.at + line.len < text->text.at + text->text.len;
-        if (!row && !reader.ended) {
-            recording_warn(recording, "the last line (%zu) is cut short: dropped", number);
-            recording->dropped++;
-        } else if (!row) {
-            note(&reader.ragged, number, line);
-        } else {
-            memmove(reader.recent + 1, reader.recent, BEFORE_LAST * sizeof *reader.recent);
-            reader.recent[0] = line;
+    for (bool more = true; more && rest.len > 0; number++) {
+        if (is_full(&reader, error))
+            return false;
+        next = plain_row(&reader, rest.at, end);
+        if (next) {
             recording->line[recording->rows] = (uint32_t)number;
-            recording->t[recording->rows++] = (double)data;
+            recording->t[recording->rows++] = (double)data++;
+            rest = (struct text){next, (size_t)(end - next)};
+            reader.ended = true;
+        } else {
+            more = read_line(&reader, &rest, number, &data);
         }
-        data++;
     }
     if (recording->rows > 0 && !reader.ended && recording->line[recording->rows - 1] + 1 == number && is_cut(&reader)) {
         char shown[SHORT_NAME];
         recording_warn(recording, "the last line (%zu) seems cut in mid-number ('%s'): dropped", number - 1,
-                       short_name(last_field(reader.recent[0], layout->separator), shown));
+                       short_name(last_field(reader.recent[(recording->rows - 1) % RECENT], layout->separator), shown));
         recording->rows--;
         recording->dropped++;
     }

@@ -10,10 +10,12 @@
 
 #include <hooke/data.h>
 
-#define HEAD_LINES 4096       /* lines looked at to find the table … */
-#define HEAD_BYTES (1u << 20) /* … and bytes */
-#define SHORT_NAME 48         /* a name from outside, cut for a message */
-#define WARNINGS 10           /* sentences kept in a recording; more are counted */
+#define HEAD_LINES 4096        /* lines looked at to find the table … */
+#define HEAD_BYTES (1u << 20)  /* … and bytes */
+#define SHORT_NAME 48          /* a name from outside, cut for a message */
+#define WARNINGS 10            /* sentences kept in a recording; more are counted */
+#define BLOCKS 1024            /* blocks of a file that are told apart */
+#define TABLE_BYTES (1u << 30) /* most memory that the columns of a recording take */
 
 struct table_line {
     struct text text; /* without its end */
@@ -33,11 +35,21 @@ struct table_layout {
 
 struct table_text {
     const char *name;        /* of the file, made safe, for messages */
-    struct text text;        /* the whole file without its byte order mark */
+    struct text text;        /* the whole file without its byte order mark, or a block of it */
+    size_t first, header;    /* numbers of its first line and of its header's, counted from 1 */
     struct table_line *head; /* the first lines */
     size_t heads;
     struct table_layout layout; /* of the first table */
     struct error problem;       /* why there is none */
+};
+
+/* Where a table ends and another may begin, in files that have them below each other. */
+struct table_block {
+    const char *begin;   /* a line of its header … */
+    size_t line, header; /* … its number, counted from 1, and that of the header's first line */
+    size_t len;          /* to the end of its rows */
+    struct text name;    /* of the run, empty: none */
+    struct text head[3]; /* lines of the header, as the format needs them */
 };
 
 enum cell { CELL_NUMBER, CELL_EMPTY, CELL_WORD };
@@ -52,6 +64,8 @@ enum cell table_cell(struct text field, char decimal, double *value); /* NAN unl
 size_t text_fitting(struct text text, size_t most);                   /* bytes of whole characters, at most `most` */
 const char *short_name(struct text text, char out[SHORT_NAME]);       /* safe to show */
 
+bool table_head(struct table_text *text, struct arena *arena); /* splits the first lines */
+
 /* layout.c: the first table at or after head[from]. */
 bool table_find(const struct table_text *text, size_t from, const struct load_options *options,
                 struct table_layout *layout, struct error *error);
@@ -60,7 +74,8 @@ bool table_find(const struct table_text *text, size_t from, const struct load_op
  * the two header lines. */
 bool header_field(struct text *rest, char separator, struct text *field);
 bool table_columns(const struct table_layout *layout, struct recording *recording, struct error *error);
-bool name_has_word(const char *name, const char *words); /* one of the blank-separated words, any case */
+void column_unit(struct column *column, struct text unit); /* as a file spells it */
+bool name_has_word(const char *name, const char *words);   /* one of the blank-separated words, any case */
 
 /* rows.c: columns and rows of the layout into the recording; t gets the number of each row, counted from 0. */
 bool table_rows(const struct table_text *text, const struct table_layout *layout, struct recording *recording,
@@ -68,6 +83,19 @@ bool table_rows(const struct table_text *text, const struct table_layout *layout
 /* The read function of a format that is nothing but a table. */
 bool table_read(const struct table_text *text, const struct load_options *options, struct recording *recording,
                 struct error *error);
+
+/* runs.c: several recordings in a file. `part` finds the run's name in a column's name. */
+bool runs_of_columns(struct recording *recording, bool (*part)(struct text name, struct text *run),
+                     struct error *error);
+bool run_find(const struct recording *recording, struct text wanted, int *run, struct error *error);
+void run_list(const struct recording *recording, struct buffer *text); /* "Run #1 = taken, Run #2" */
+/* Below each other: `find` gives the blocks (at most BLOCKS, 0: an ordinary table) and what the header says about
+ * separators; the one wanted, else the first with a table, is given to `read` as a text of its own. */
+typedef int table_blocks(const struct table_text *text, struct table_block *block, struct load_options *options);
+typedef bool table_block_read(const struct table_text *part, const struct table_block *block,
+                              struct recording *recording, struct error *error);
+bool runs_of_blocks(const struct table_text *text, const struct load_options *options, struct recording *recording,
+                    table_blocks *find, table_block_read *read, struct error *error);
 
 /* choose.c, time.c: which columns are meant, and time [s] and value [SI] from them. */
 bool recording_choose(struct recording *recording, const struct load_options *options, struct error *error);

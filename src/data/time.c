@@ -14,10 +14,12 @@
 #define GAP 1.5            /* median steps */
 
 /* As unit_convert: by division where the factor is 1/n, so that decimal fractions are rounded once. */
-static double to_si(double number, double factor)
+static void to_si(const double *number, size_t n, double factor, double *si)
 {
     const double inverse = nearbyint(1 / factor);
-    return factor < 1 && inverse * factor == 1 ? number / inverse : number * factor;
+    const bool divide = factor < 1 && inverse * factor == 1;
+    for (size_t i = 0; i < n; i++)
+        si[i] = divide ? number[i] / inverse : number[i] * factor;
 }
 
 static bool set_time_unit(struct recording *recording, const struct load_options *options, struct error *error)
@@ -101,7 +103,12 @@ static void keep(struct recording *recording, size_t to, size_t from)
 static void drop_rows(struct recording *recording)
 {
     struct dropped missing = {0}, same = {0}, back = {0};
-    size_t kept = 0;
+    size_t kept = 0, rising = 0;
+    double last = -HUGE_VAL;
+    for (; rising < recording->rows && recording->t[rising] > last; rising++)
+        last = recording->t[rising];
+    if (rising == recording->rows && last < HUGE_VAL) /* as it should be */
+        return;
     for (size_t i = 0; i < recording->rows; i++)
         if (isfinite(recording->t[i]))
             keep(recording, kept++, i);
@@ -172,14 +179,14 @@ static bool fill_values(struct recording *recording)
 {
     const struct column *column = &recording->column[recording->value];
     struct dropped missing = {0};
-    if (!(recording->y = arena_array(&recording->arena, recording->rows, sizeof(double))))
+    if (!(recording->y = malloc(recording->rows * sizeof *recording->y)))
         return false;
-    for (size_t i = 0; i < recording->rows; i++) {
-        const double si = to_si(column->value[i], column->factor);
-        recording->y[i] = isfinite(si) ? si : NAN;
-        if (!isfinite(si))
+    to_si(column->value, recording->rows, column->factor, recording->y);
+    for (size_t i = 0; i < recording->rows; i++)
+        if (!isfinite(recording->y[i])) {
+            recording->y[i] = NAN;
             drop(&missing, recording->line[i]);
-    }
+        }
     if (missing.count > 0)
         recording_warn(recording, "%s: %zu %s missing (first: line %zu)", column->name, missing.count,
                        missing.count == 1 ? "value is" : "values are", missing.line);
@@ -198,10 +205,11 @@ bool recording_time(struct recording *recording, const struct load_options *opti
         return false;
     set_value_unit(recording, options->unit);
     const struct column *time = recording->time >= 0 ? &recording->column[recording->time] : NULL;
-    for (size_t i = 0; i < recording->rows; i++)
-        recording->t[i] = recording->source == TIME_COLUMN ? to_si(time->value[i], time->factor)
-                          : time                           ? time->value[i] / options->rate
-                                                           : recording->t[i] / options->rate;
+    if (recording->source == TIME_COLUMN)
+        to_si(time->value, recording->rows, time->factor, recording->t);
+    else
+        for (size_t i = 0; i < recording->rows; i++)
+            recording->t[i] = (time ? time->value[i] : recording->t[i]) / options->rate;
     drop_rows(recording);
     if (!enough_rows(recording, error))
         return false;

@@ -94,8 +94,7 @@ static int frame_text(const struct sheet *sheet, int x, int end, int y, struct t
     return x;
 }
 
-/* "y [1e-6 m]" */
-static void axis_title(const struct axis *axis, const struct ticks *ticks, const char *title, char *out, size_t size)
+void axis_title(const struct axis *axis, const struct ticks *ticks, const char *title, char *out, size_t size)
 {
     const char *label = axis->label ? axis->label : "", *unit = axis->unit ? axis->unit : "";
     char power[16] = "";
@@ -105,6 +104,15 @@ static void axis_title(const struct axis *axis, const struct ticks *ticks, const
     snprintf(out, size, "%s%s%s%s%s%s%s%s", title, *title && *label ? " " : "", label,
              (*title || *label) && (*power || *unit) ? " " : "", *power || *unit ? "[" : "", power, unit,
              *power || *unit ? "]" : "");
+}
+
+void figure_note(const struct figure *figure, size_t hidden, char *out, size_t size)
+{
+    const char *note = figure->note ? figure->note : "";
+    if (hidden)
+        snprintf(out, size, "%s%s%zu value%s <= 0 not shown", note, *note ? ", " : "", hidden, hidden == 1 ? "" : "s");
+    else
+        snprintf(out, size, "%s", note);
 }
 
 static int entry_width(const struct curve *curve, char mark)
@@ -152,7 +160,7 @@ static void draw_titles(const struct sheet *sheet)
 {
     const struct figure *figure = sheet->figure;
     int left = sheet->x + 2, right = sheet->x + sheet->width - 2, bottom = sheet->y + sheet->height - 1;
-    char text[256], note[256] = "";
+    char text[256], note[256];
 
     axis_title(&figure->y, &sheet->layout->y_ticks, figure->title ? figure->title : "", text, sizeof text);
     if (text_width(text_of(text)) > right - left - 2) /* the axis matters more */
@@ -162,10 +170,8 @@ static void draw_titles(const struct sheet *sheet)
     axis_title(&figure->x, &sheet->layout->x_ticks, "", text, sizeof text);
     int start = right - text_width(text_of(text)) - 2;
     frame_text(sheet, start < left ? left : start, right, bottom, text_of(text), STYLE_PLAIN);
-    if (sheet->layout->hidden)
-        snprintf(note, sizeof note, "%s%s%zu value%s <= 0 not shown", figure->note ? figure->note : "",
-                 figure->note ? ", " : "", sheet->layout->hidden, sheet->layout->hidden == 1 ? "" : "s");
-    frame_text(sheet, left, start - 1, bottom, text_of(*note ? note : figure->note), STYLE_PLAIN);
+    figure_note(figure, sheet->layout->hidden, note, sizeof note);
+    frame_text(sheet, left, start - 1, bottom, text_of(note), STYLE_PLAIN);
 }
 
 static void draw_x_axis(const struct sheet *sheet)

@@ -43,6 +43,21 @@ static inline double axis_factor(const struct axis *axis)
     return axis->factor > 1e-30 && axis->factor < 1e30 ? axis->factor : 1; /* of a unit: nothing overflows through it */
 }
 
+/* Chooses ranges and ticks for layout->columns x rows, of curves that reach that far. */
+void layout_scales(const struct figure *figure, struct figure_layout *layout, struct extent x, struct extent y);
+/* "title y [1e-6 m]" */
+void axis_title(const struct axis *axis, const struct ticks *ticks, const char *title, char *out, size_t size);
+/* What the lower frame says: the figure's note, and how much is hidden; "" for nothing. */
+void figure_note(const struct figure *figure, size_t hidden, char *out, size_t size);
+
+/* Where a curve first leaves through each side of the plot: left, right, bottom, top. */
+struct curve_exit {
+    bool left;
+    double x, y; /* fractions */
+};
+
+void curve_exits(const struct figure_layout *layout, const struct curve *curve, struct curve_exit exits[4]);
+
 /* In columns of the plot; the label may begin left of it. */
 int x_tick_column(const struct figure *figure, const struct figure_layout *layout, int i);
 int x_label_start(const struct figure_layout *layout, int column, int len);

@@ -135,7 +135,7 @@ static void equalise(const struct figure *figure, struct figure_layout *layout)
     layout->y = scale_of(y_middle - y_half, y_middle + y_half, false);
 }
 
-static void find_scales(const struct figure *figure, struct figure_layout *layout, struct extent x, struct extent y)
+void layout_scales(const struct figure *figure, struct figure_layout *layout, struct extent x, struct extent y)
 {
     int x_want = 2 + (layout->columns + 4) / 12, y_want = 2 + (layout->rows + 1) / 4;
     int x_most = larger(layout->columns / 4, 1), y_most = larger((layout->rows + 1) / 2, 3);
@@ -173,7 +173,7 @@ void figure_layout(const struct figure *figure, int width, int height, enum char
             layout->y_labels = false;
             continue;
         }
-        find_scales(figure, layout, x, y);
+        layout_scales(figure, layout, x, y);
         int need = widest(&layout->y_ticks, layout->y_decades);
         if (!layout->y_labels || need <= layout->gutter)
             break;

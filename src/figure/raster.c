@@ -9,6 +9,8 @@
  */
 #include "internal.h"
 
+#include <string.h>
+
 struct grid charset_grid(enum charset charset)
 {
     static const struct grid grids[] = {[CHARSET_ASCII] = {1, 4}, [CHARSET_BLOCK] = {2, 2}, [CHARSET_BRAILLE] = {2, 4}};
@@ -180,14 +182,12 @@ void raster_points(const struct raster *raster, const struct curve *curve, int a
     }
 }
 
-void raster_exits(const struct raster *raster, const struct curve *curve)
+void curve_exits(const struct figure_layout *layout, const struct curve *curve, struct curve_exit exits[4])
 {
-    static const uint32_t arrow[2][4] = {{'<', '>', 'v', '^'},
-                                         {0x2190, 0x2192, 0x2193, 0x2191}}; /* left right down up */
-    const struct figure_layout *layout = raster->layout;
-    bool left[4] = {false}, inside = false;
+    bool inside = false;
     double old_x = 0, old_y = 0;
 
+    memset(exits, 0, 4 * sizeof *exits);
     for (size_t i = 0; i < curve->n; i++) {
         double x = fraction_of(&layout->x, curve->x[i]), y = fraction_of(&layout->y, curve->y[i]);
         double before[4] = {-old_x, old_x - 1, -old_y, old_y - 1}, after[4] = {-x, x - 1, -y, y - 1}; /* > 0: beyond */
@@ -199,14 +199,26 @@ void raster_exits(const struct raster *raster, const struct curve *curve)
                 side = s;
             }
         }
-        if (side >= 0 && !left[side]) {
-            int column = (int)((old_x + part * (x - old_x)) * (layout->columns - 1) + 0.5);
-            int row = (int)((1 - old_y - part * (y - old_y)) * (layout->rows - 1) + 0.5);
-            raster_put(raster, column, row, arrow[layout->charset != CHARSET_ASCII][side]);
-            left[side] = true;
-        }
+        if (side >= 0 && !exits[side].left)
+            exits[side] = (struct curve_exit){true, old_x + part * (x - old_x), old_y + part * (y - old_y)};
         inside = x >= 0 && x <= 1 && y >= 0 && y <= 1;
         old_x = x;
         old_y = y;
+    }
+}
+
+void raster_exits(const struct raster *raster, const struct curve *curve)
+{
+    static const uint32_t arrow[2][4] = {{'<', '>', 'v', '^'},
+                                         {0x2190, 0x2192, 0x2193, 0x2191}}; /* left right down up */
+    const struct figure_layout *layout = raster->layout;
+    struct curve_exit exits[4];
+
+    curve_exits(layout, curve, exits);
+    for (int side = 0; side < 4; side++) {
+        int column = (int)(exits[side].x * (layout->columns - 1) + 0.5);
+        int row = (int)((1 - exits[side].y) * (layout->rows - 1) + 0.5);
+        if (exits[side].left)
+            raster_put(raster, column, row, arrow[layout->charset != CHARSET_ASCII][side]);
     }
 }

@@ -18,10 +18,33 @@ static const struct method methods[] = {
 #include "multistep.def"
 #define ALGORITHM(name, ...) {.step = name##_step, __VA_ARGS__},
 #include "algorithms.def"
+#ifdef HOOKE_SUNDIALS
+#define YARDSTICK(known_as, known_for, known_from, ...)                                                                \
+    {.row = {known_as, "", known_for, known_from, NULL}, .step = cvode_step, .work = state_work,                      \
+     .dense = cvode_dense, .begin = cvode_begin, .end = cvode_end, .adapt = cvode_adapt, __VA_ARGS__},
+#include "cvode.def"
+#endif
 };
+
+#ifndef HOOKE_SUNDIALS
+static const struct row absent[] = {
+#define YARDSTICK(known_as, ...)                                                                                       \
+    {known_as, "", "this program was built without SUNDIALS 6 (libsundials-dev): install it and build again", "", NULL},
+#include "cvode.def"
+};
+#endif
 /* clang-format on */
 
-const struct catalog method_catalog = CATALOG("method", methods);
+const struct catalog method_catalog = {
+    .kind = "method",
+    .rows = methods,
+    .count = COUNT_OF(methods),
+    .stride = sizeof methods[0],
+#ifndef HOOKE_SUNDIALS
+    .absent = absent,
+    .absences = COUNT_OF(absent),
+#endif
+};
 
 static const struct row drags[] = {
     {"exact", "", "the drag's own motion is solved exactly: no limit on the step, no loss of order", "", NULL},
@@ -35,6 +58,11 @@ const struct catalog drag_catalog = CATALOG("drag variant", drags);
 bool method_fits(const struct method *method, const struct system *system, enum drag drag, double h,
                  struct error *error)
 {
+    if (method->flags & METHOD_YARDSTICK) {
+        error_set(error, ERROR_COMMAND, "%s chooses its own steps: it cannot take steps of a given size",
+                  method->row.name);
+        return error_hint(error, "give tol instead of dt");
+    }
     return !method->splitting || split_fits(method, system, drag, h, error);
 }
 
@@ -47,6 +75,19 @@ size_t state_work(const struct method *method, int n)
 size_t method_work_size(const struct method *method, int n)
 {
     return method->work(method, n);
+}
+
+bool method_begin(const struct method *method, struct step *step)
+{
+    step->library = method->begin ? method->begin(method, step) : NULL;
+    return step->library || !method->begin;
+}
+
+void method_end(const struct method *method, struct step *step)
+{
+    if (method->end)
+        method->end(step->library);
+    step->library = NULL;
 }
 
 /* All forces but drag have a potential. */
@@ -96,7 +137,7 @@ bool method_applies(const struct method *method, const struct system *system, en
 
 enum step_status method_step(const struct method *method, struct step *step)
 {
-    enum step_status status = method->step(method, step);
+    enum step_status status = (step->kernel ? step->kernel : method->step)(method, step);
     step->warm = status == STEP_OK;
     step->again = false;
     if (status == STEP_OK)

@@ -25,36 +25,37 @@ struct cvode {
     SUNNonlinearSolver fixed_point;
     const struct system *system;
     double tol;
-    bool forward;
+    bool forward, wild;  /* wild: a slope was not finite in this step */
     struct cost counted; /* since it began anew, and already in the step's */
 };
 
-static int finite_or_smaller_step(const double *x, int count)
+/* What CVODE is told: 0, or 1, which makes it try a smaller step. */
+static int checked(struct cvode *c, const double *x, int count)
 {
     for (int i = 0; i < count; i++)
         if (!isfinite(x[i]))
-            return 1;
+            return c->wild = true;
     return 0;
 }
 
 static int slope(double t, N_Vector y, N_Vector f, void *data)
 {
-    const struct system *system = ((const struct cvode *)data)->system;
-    system_derivative(system, t, N_VGetArrayPointer(y), N_VGetArrayPointer(f));
-    return finite_or_smaller_step(N_VGetArrayPointer(f), system->n);
+    struct cvode *c = data;
+    system_derivative(c->system, t, N_VGetArrayPointer(y), N_VGetArrayPointer(f));
+    return checked(c, N_VGetArrayPointer(f), c->system->n);
 }
 
-static int jacobian(double t, N_Vector y, N_Vector f, SUNMatrix matrix, void *data, N_Vector a, N_Vector b, N_Vector c)
+static int jacobian(double t, N_Vector y, N_Vector f, SUNMatrix matrix, void *data, N_Vector u, N_Vector v, N_Vector w)
 {
-    (void)f, (void)a, (void)b, (void)c;
-    const struct system *system = ((const struct cvode *)data)->system;
-    const int n = system->n;
+    (void)f, (void)u, (void)v, (void)w;
+    struct cvode *c = data;
+    const int n = c->system->n;
     double rows[LIMIT_VARIABLES * LIMIT_VARIABLES], *columns = SUNDenseMatrix_Data(matrix);
-    system_jacobian(system, t, N_VGetArrayPointer(y), rows);
+    system_jacobian(c->system, t, N_VGetArrayPointer(y), rows);
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++)
             columns[j * n + i] = rows[i * n + j];
-    return finite_or_smaller_step(rows, n * n);
+    return checked(c, rows, n * n);
 }
 
 /* ---- its memory ---- */
@@ -83,7 +84,8 @@ static bool choose_solver(struct cvode *c, bool stiff, int n)
     if (!stiff)
         return (c->fixed_point = SUNNonlinSol_FixedPoint(c->y, 0, c->context)) &&
                CVodeSetNonlinearSolver(c->memory, c->fixed_point) == CV_SUCCESS;
-    return (c->matrix = SUNDenseMatrix(n, n, c->context)) && (c->linear = SUNLinSol_Dense(c->y, c->matrix, c->context)) &&
+    return (c->matrix = SUNDenseMatrix(n, n, c->context)) &&
+           (c->linear = SUNLinSol_Dense(c->y, c->matrix, c->context)) &&
            CVodeSetLinearSolver(c->memory, c->linear, c->matrix) == CV_SUCCESS &&
            CVodeSetJacFn(c->memory, jacobian) == CV_SUCCESS;
 }
@@ -141,24 +143,15 @@ static void count(struct cvode *c, struct cost *cost)
     c->counted = now;
 }
 
-static enum step_status status_of(int flag)
+static enum step_status status_of(int flag, bool moved, bool wild)
 {
-    switch (flag) {
-    case CV_SUCCESS:
-    case CV_TSTOP_RETURN:
+    const bool done = flag == CV_SUCCESS || flag == CV_TSTOP_RETURN;
+    if (done && moved)
         return STEP_OK;
-    case CV_RHSFUNC_FAIL: /* a slope that is not finite, however small the step */
-    case CV_FIRST_RHSFUNC_ERR:
-    case CV_REPTD_RHSFUNC_ERR:
-    case CV_UNREC_RHSFUNC_ERR:
+    if (wild)
         return STEP_NONFINITE;
-    case CV_ERR_FAILURE:
-    case CV_TOO_CLOSE:
-    case CV_TOO_MUCH_ACC:
-        return STEP_STALLED;
-    default:
-        return STEP_NO_SOLUTION;
-    }
+    return done || flag == CV_ERR_FAILURE || flag == CV_TOO_CLOSE || flag == CV_TOO_MUCH_ACC ? STEP_STALLED
+                                                                                             : STEP_NO_SOLUTION;
 }
 
 /* One step of CVODE's own towards t_end; where it comes to in *t, the state there in c->y. */
@@ -168,14 +161,12 @@ static enum step_status one_step(struct cvode *c, struct cost *cost, double from
     /* Only the sign and the size of the distance matter, for the first step. */
     const double natural = system->order == 2 ? system->scale[0] / system->scale[system->n / 2] : 1;
     const double towards = isfinite(t_end) ? t_end : from + copysign(natural, t_end);
+    c->wild = false;
     int flag = CVodeSetStopTime(c->memory, t_end);
     if (flag == CV_SUCCESS)
         flag = CVode(c->memory, towards, c->y, t, CV_ONE_STEP);
     count(c, cost);
-    enum step_status status = status_of(flag);
-    if (status == STEP_OK && *t == from)
-        status = STEP_STALLED;
-    return status;
+    return status_of(flag, *t != from, c->wild);
 }
 
 /* What every step ends with: the state if it is one. */

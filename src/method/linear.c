@@ -43,7 +43,8 @@ static bool oscillation_init(struct oscillation *oscillation, const struct metho
         return false;
     oscillation->method = method;
     oscillation->drag = drag;
-    return method_applies(method, &oscillation->system, &oscillation->drag, &ignored);
+    return !(method->flags & METHOD_YARDSTICK) &&
+           method_applies(method, &oscillation->system, &oscillation->drag, &ignored);
 }
 
 /* Columns are the images of the unit vectors; NaN where the step fails. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The stages of an explicit Runge-Kutta step: for any tableau and system (rk.c), and again where both are known to the
- * compiler (kernel.c). One text, so both give the same bits.
+ * The stages of an explicit Runge-Kutta step: of any tableau and system in rk.c, and again where both are known to the
+ * compiler in kernel.c. One text, so both give the same bits.
  */
 #ifndef HOOKE_METHOD_RK_BODY_H
 #define HOOKE_METHOD_RK_BODY_H

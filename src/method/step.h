@@ -193,6 +193,13 @@ enum step_status multistep_step(const struct method *method, struct step *step);
 size_t multistep_work(const struct method *method, int n);
 double multistep_growth(const struct method *method, double x, double zeta);
 
+void *cvode_begin(const struct method *method, const struct step *step);
+void cvode_end(void *library);
+enum step_status cvode_step(const struct method *method, struct step *step);
+enum step_status cvode_adapt(const struct method *method, struct step *step, struct controller *controller,
+                             double t_end);
+void cvode_dense(const struct method *method, const struct step *step, double theta, double *y);
+
 size_t odex_work(const struct method *method, int n);
 
 enum step_status split_step(const struct method *method, struct step *step);

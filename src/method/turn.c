@@ -14,7 +14,12 @@
 bool method_turns(const struct method *method, const struct system *system)
 {
     return system->kinks && method->order > 2 && !method->splitting && !method->growth &&
-           !(method->flags & METHOD_MULTISTEP);
+           !(method->flags & (METHOD_MULTISTEP | METHOD_YARDSTICK));
+}
+
+static bool crosses(double before, double after)
+{
+    return (before < 0 && after > 0) || (before > 0 && after < 0);
 }
 
 /* A time since the start of the step, velocity and acceleration there. */
@@ -42,7 +47,7 @@ enum step_status turn_step(const struct method *method, struct step *step, doubl
                            const double *low, bool *turned)
 {
     *turned = false;
-    if (!((before[1] < 0 && step->y[1] > 0) || (before[1] > 0 && step->y[1] < 0)))
+    if (!crosses(before[1], step->y[1]))
         return STEP_OK;
     const size_t size = (size_t)step->system->n * sizeof *before;
     const double near = fmax(NEAR, NEAR_TOLERATED * sqrt(step->tol)) * fabs(step->h);
@@ -105,4 +110,76 @@ enum step_status method_turning_step(const struct method *method, struct step *s
     }
     step->t = t + h;
     return STEP_OK;
+}
+
+/* ---- many steps: a kernel takes those between the turning points ---- */
+
+enum { N = 2, AT_ONCE_LEAST = 4, AT_ONCE_MOST = 512, WORK_MOST = 64 };
+
+/* Up to `count` steps by the kernel, but none across a turning point: as if the others had not been taken. */
+static int64_t march_straight(const struct method *method, march_function *kernel, const struct march *march)
+{
+    struct step *step = march->step;
+    const size_t size = method_work_size(method, N) * sizeof *step->work;
+    const struct step was = *step;
+    double y[N], work[WORK_MOST];
+    memcpy(y, step->y, sizeof y);
+    memcpy(work, step->work, size);
+    kernel(march);
+    struct march good = *march;
+    double v = y[1];
+    for (good.count = 0; good.count < march->count; good.count++) {
+        const double next = march->row[N * good.count + 1];
+        if (crosses(v, next))
+            break;
+        v = next;
+    }
+    if (good.count == march->count)
+        return good.count;
+    *step = was;
+    memcpy(step->y, y, sizeof y);
+    memcpy(step->work, work, size);
+    if (good.count > 0)
+        kernel(&good);
+    return good.count;
+}
+
+/* How many steps to try at once, going by the last two velocities in the rows before `row`: 0 near a turning point. */
+static int64_t steps_to_try(const double *row, int64_t last)
+{
+    const double left = fabs(row[-1] / (row[-1] - row[-1 - N])) / 2;
+    const double most = (double)(last < AT_ONCE_LEAST ? AT_ONCE_LEAST : last < AT_ONCE_MOST ? 2 * last : AT_ONCE_MOST);
+    return left < AT_ONCE_LEAST ? 0 : (int64_t)(left < most ? left : most);
+}
+
+int64_t method_turning_march(const struct method *method, march_function *kernel, const struct march *march,
+                             enum step_status *status)
+{
+    struct step *step = march->step;
+    if (!method_turns(method, step->system))
+        return method_march(method, kernel, march, status);
+    const bool fast = kernel && method_work_size(method, N) <= WORK_MOST;
+    int64_t done = 0, try = 0;
+    *status = STEP_OK;
+    while (done < march->count) {
+        struct march part = *march;
+        part.first += done;
+        part.row += done * N;
+        try = fast && done >= 2 ? steps_to_try(part.row, try) : 0;
+        if (try > 0) {
+            part.count = try < march->count - done ?
+            try : march
+                ->count - done;
+            const int64_t straight = march_straight(method, kernel, &part);
+            done += straight;
+            if (straight > 0)
+                continue;
+        }
+        step->t = march->origin + (double)(march->first + done) * step->h;
+        *status = method_turning_step(method, step);
+        if (*status != STEP_OK)
+            return done;
+        memcpy(march->row + done++ * N, step->y, N * sizeof *step->y);
+    }
+    return done;
 }

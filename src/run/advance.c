@@ -31,6 +31,7 @@ static enum stop leg_begin(struct run *run, const struct run_target *target, str
     }
     if (!trace_reserve_grids(run->trace, 2)) /* a turn now, a partial step at the end */
         return STOP_FULL;
+    p->step.kernel = run->settings.kernel == KERNEL_GENERAL ? NULL : method_step_kernel(run->method, &run->system);
     double h = copysign(run->settings.dt, target->t - run->t);
     if (run->plan.adaptive) {
         run->controller.h = copysign(run->controller.h, h);
@@ -76,7 +77,7 @@ static enum step_status step_cold(struct run *run, double t, double h)
     step->t = t;
     step->h = h;
     step->warm = false;
-    return method_step(run->method, step);
+    return method_turning_step(run->method, step);
 }
 
 /*
@@ -131,7 +132,7 @@ static enum step_status step_once(struct run *run, const struct leg *leg, double
     *end = leg->exact && run->steps + 1 == leg->last ? leg->target->t : grid_time(&leg->grid, run->steps + 1);
     step->t = *t;
     step->h = *h;
-    return method_step(run->method, step);
+    return method_turning_step(run->method, step);
 }
 
 enum stop stop_of_step(enum step_status status)

@@ -93,6 +93,10 @@ static void describe_method(const struct system *system, const struct method *me
     else
         buffer_format(text, "%s%s\n", catalog_row(&drag_catalog, (size_t)drag - 1)->name,
                       settings->drag == DRAG_DEFAULT ? " (the method's default)" : "");
+    const bool turns = method_turns(method, system);
+    if (system->kinks && method->order > 2)
+        buffer_format(text, "%-10s%s because quadratic drag is only C^1 there\n", "",
+                      turns ? "turning points: located," : "order is lost at turning points,");
 
     key(text, "steps");
     if (plan->adaptive) {

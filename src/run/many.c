@@ -67,7 +67,7 @@ bool advance_many(struct run *run, const struct leg *leg, enum stop *stop)
     struct run_private *p = run->private_state;
     const int n = run->system.n;
     const int64_t left = least(leg->limit, leg->last) - run->steps;
-    if (run->plan.adaptive || run_cuts(run) || leg->target->condition || p->step.low || left <= 0)
+    if (run->plan.adaptive || leg->target->condition || p->step.low || left <= 0)
         return false;
 
     size_t room = CHUNK_ROWS;
@@ -79,20 +79,24 @@ bool advance_many(struct run *run, const struct leg *leg, enum stop *stop)
     }
     copy_state(p->before, run->y, n);
     p->step.h = leg->grid.h;
-    const struct march march = {.step = &p->step,
-                                .origin = leg->grid.origin,
-                                .first = run->steps - leg->grid.first,
-                                .count = least(least(left, p->batch), (int64_t)room),
-                                .row = row};
+    struct march march = {.step = &p->step,
+                          .origin = leg->grid.origin,
+                          .first = run->steps - leg->grid.first,
+                          .count = least(least(left, p->batch), (int64_t)room),
+                          .row = row};
     enum step_status status = STEP_OK;
     struct propagator *propagator = propagator_for(run, leg->grid.h);
     if (propagator)
         find_block(run, leg, march.first);
     int64_t taken = propagator ? propagate(propagator, march.first, march.count, run->y, row) : 0;
-    if (taken > 0)
+    if (taken > 0) {
         p->step.warm = false;
-    else
-        taken = method_march(run->method, p->kernel, &march, &status);
+    } else {
+        /* In a block that is not known: by steps, but only to its end, however the calls are cut. */
+        if (propagator)
+            march.count = least(march.count, propagator_rest(march.first));
+        taken = method_turning_march(run->method, p->kernel, &march, &status);
+    }
     int64_t good = rows_within(row, taken, n, p->bound);
     *stop = good < taken ? STOP_DIVERGED : stop_of_step(status);
     if (in_trace) {

@@ -160,17 +160,12 @@ struct propagator *propagator_create(const struct run *run, double h); /* NULL: 
 double propagator_step(const struct propagator *propagator);           /* [s] the h it is made for */
 /* The step of the grid where the block of `step` begins, whether its state is known, and that state. */
 int64_t propagator_block(int64_t step);
+int64_t propagator_rest(int64_t step); /* steps from there to its end */
 bool propagator_knows(const struct propagator *propagator, int64_t step);
 void propagator_anchor(struct propagator *propagator, int64_t step, const double *y);
 /* y [2] in: state after step `first` of the grid; out: the last state. Returns how many rows were written: fewer where
  * the block that `first` stands in was begun by something else. */
 int64_t propagate(struct propagator *propagator, int64_t first, int64_t count, double *y, double *row);
-
-/* Steps of fixed size are taken in pieces: each needs a look of its own. */
-static inline bool run_cuts(const struct run *run)
-{
-    return !run->plan.adaptive && method_turns(run->method, &run->system);
-}
 
 /* many.c: up to p->batch whole steps at once, where nothing has to be looked at between them. False: step by step. */
 bool advance_many(struct run *run, const struct leg *leg, enum stop *stop);

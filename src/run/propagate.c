@@ -114,6 +114,11 @@ int64_t propagator_block(int64_t step)
     return step - step % BLOCK;
 }
 
+int64_t propagator_rest(int64_t step)
+{
+    return BLOCK - step % BLOCK;
+}
+
 void propagator_anchor(struct propagator *p, int64_t step, const double *y)
 {
     p->anchored = step;

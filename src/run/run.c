@@ -93,6 +93,8 @@ static bool allocate(struct run *run)
     p->step = (struct step){.system = &run->system, .drag = run->settings.drag, .y = run->y, .work = p->work};
     if (run->settings.compensated && !run->plan.adaptive)
         p->step.low = p->low_before + n;
+    if (!method_begin(run->method, &p->step))
+        return false;
     return trace_record(run->trace, 0, run->t, run->y);
 }
 
@@ -145,6 +147,7 @@ void run_destroy(struct run *run)
         return;
     trace_destroy(run->trace);
     if (run->private_state) {
+        method_end(run->method, &run->private_state->step);
         free(run->private_state->work);
         free(run->private_state->scratch);
         free(run->private_state->propagator);

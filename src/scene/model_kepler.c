@@ -28,7 +28,7 @@ TERM_BIND(attraction)
 }
 TERM_ADD(attraction)
 {
-    double r = hypot(y[0], y[1]), pull = c[0] / (r * r * r);
+    double square = y[0] * y[0] + y[1] * y[1], pull = c[0] / (square * sqrt(square));
     a[0] -= pull * y[0];
     a[1] -= pull * y[1];
 }

@@ -5,25 +5,27 @@
 #include <stdio.h>
 #include <string.h>
 
-#define TOP 0.1          /* errors above are not asymptotic */
-#define ROUNDING 2e-14   /* errors below have rounding in them, compensated sums or not */
-#define ACCURACIES 30    /* so far above the accuracy of the reference a slope is to be trusted */
-#define SMALL 1e-6       /* above it a slope near 0 is no rounding */
-#define IDLE 0.3         /* the slope below which a smaller step gains nothing */
-#define NOISE 10         /* times the error there: with less rounding bends the line */
-#define WINDOW 4         /* points in the fit, one more where the steps are closer together */
+#define TOP 0.1            /* errors above are not asymptotic */
+#define ROUNDING 2e-14     /* errors below have rounding in them, compensated sums or not */
+#define ROUNDING_FAR 1e-11 /* a reference that bad is in the way before rounding is */
+#define ACCURACIES 30      /* so far above the accuracy of the reference a slope is to be trusted */
+#define SMALL 1e-6         /* above it a slope near 0 is no rounding */
+#define IDLE 0.3           /* the slope below which a smaller step gains nothing */
+#define NOISE 10           /* times the error there: with less rounding bends the line */
+#define WINDOW 4           /* points in the fit, one more where the steps are closer together */
 #define LEAST 3
-#define ALIKE 0.05       /* a guard band that narrow is that of one power */
-#define ERRATIC 0.35     /* a guard band wider than that is no order at all */
-#define COST_MOST 6e6    /* of one solve */
-#define HIGH 6           /* from this order on the steps of the sweep are closer together */
+#define ALIKE 0.05    /* a guard band that narrow is that of one power */
+#define ERRATIC 0.35  /* a guard band wider than that is no order at all */
+#define COST_MOST 6e6 /* of one solve */
+#define HIGH 6        /* from this order on the steps of the sweep are closer together */
 
 static const struct row verdicts[] = {
     [ORDER_AGREES] = {"as claimed", "", "the slope is that of the claimed order", "", NULL},
     [ORDER_LOWER] = {"lower", "", "the error falls more slowly than claimed", "", NULL},
     [ORDER_HIGHER] = {"higher", "", "the error falls faster than claimed", "", NULL},
     [ORDER_ERRATIC] = {"erratic", "", "the slope changes from step to step: no order", "", NULL},
-    [ORDER_NO_RANGE] = {"no range", "", "no asymptotic part between the largest step that works and rounding", "", NULL},
+    [ORDER_NO_RANGE] = {"no range", "", "no asymptotic part between the largest step that works and rounding", "",
+                        NULL},
     [ORDER_EXACT] = {"exact", "", "no error but rounding", "", NULL},
 };
 
@@ -141,7 +143,7 @@ static bool choose_window(struct order *order, int size)
         for (int i = first; i < first + size; i++)
             all &= order->point[i].error < TOP && order->point[i].error > level;
         const struct line line = all ? fit(order->point + first, size) : (struct line){NAN, NAN, NAN};
-        if (!all || !(line.guard < best))
+        if (!all || !(line.slope > IDLE) || !(line.guard < best))
             continue;
         best = line.guard;
         order->slope = line.slope;
@@ -167,7 +169,7 @@ static enum order_verdict judge(const struct order *order)
         return ORDER_AGREES;
     if (order->guard > ERRATIC)
         return ORDER_ERRATIC;
-    if (fabs(order->slope - order->claimed) <= order->guard)
+    if (fabs(order->slope - order->claimed) <= 2 * order->guard)
         return ORDER_AGREES;
     return order->slope < order->claimed ? ORDER_LOWER : ORDER_HIGHER;
 }
@@ -197,7 +199,8 @@ bool order_sweep(const struct sweep_target *target, struct order *order, struct 
         if (!asked && (low > 1 || point.stop == STOP_FULL || 2 * cost > target->most))
             break;
     }
-    for (int size = order->claimed >= HIGH ? WINDOW + 1 : WINDOW; size >= LEAST && !choose_window(order, size); size--) {
+    for (int size = order->claimed >= HIGH ? WINDOW + 1 : WINDOW; size >= LEAST && !choose_window(order, size);
+         size--) {
     }
     order->verdict = judge(order);
     return true;
@@ -233,19 +236,31 @@ static void explain(const struct system *system, struct order *order)
         snprintf(out, size, "with drag=explicit %s is of first order, not %d", order->by.method->row.name,
                  order->by.method->order);
     else if ((beside || none) && system->oscillator.quadratic != 0 && order->claimed > 2)
-        snprintf(out, size, "quadratic drag is smooth only up to its first derivative where the velocity is 0: each "
-                            "turning point spoils higher orders");
+        snprintf(out, size,
+                 "quadratic drag is smooth only up to its first derivative where the velocity is 0: each "
+                 "turning point spoils higher orders");
+    else if (order->verdict == ORDER_AGREES && method_turns(order->by.method, system))
+        snprintf(out, size,
+                 "drag has a kink where the velocity is 0: the order holds because steps end at the turning "
+                 "points");
     else if (over && !(best < TOP) && rate * last > 0.5)
-        snprintf(out, size, "the scene's fastest rate is %.2g 1/s: steps that %s survives are too many to afford; an "
-                            "implicit method would do",
+        snprintf(out, size,
+                 "the scene's fastest rate is %.2g 1/s: steps that %s survives are too many to afford; an "
+                 "implicit method would do",
                  rate, order->by.method->row.name);
     else if ((beside || none) && rate * dt > 1)
-        snprintf(out, size, "stiff: these steps leave the fastest motion (%.2g 1/s) unresolved, where methods lose order "
-                            "(order reduction)",
+        snprintf(out, size,
+                 "stiff: these steps leave the fastest motion (%.2g 1/s) unresolved, where methods lose order "
+                 "(order reduction)",
                  rate);
+    else if (none && best < TOP && ACCURACIES * order->floor > ROUNDING_FAR)
+        snprintf(out, size,
+                 "the solution that errors are measured against is good to %.1g only: nothing is left above that",
+                 order->floor);
     else if (none && best < TOP)
-        snprintf(out, size, "double precision leaves no asymptotic part on this scene, even with compensated sums: the "
-                            "error falls from above %.1g to rounding within two step sizes; a longer duration may help",
+        snprintf(out, size,
+                 "double precision leaves no asymptotic part on this scene, even with compensated sums: the "
+                 "error falls from above %.1g to rounding within two step sizes; a longer duration may help",
                  TOP);
     else if (none)
         snprintf(out, size, "no step that could be afforded gave an error below %.1g", TOP);
@@ -258,6 +273,9 @@ bool study_order(const struct order_request *request, struct order *order, struc
     struct system system;
     struct reference reference;
     *order = (struct order){.by = request->by, .slope = NAN, .guard = NAN, .r2 = NAN};
+    if (request->by.method->flags & METHOD_YARDSTICK)
+        return error_set(error, ERROR_COMMAND, "%s chooses its steps itself: it has no order in dt",
+                         request->by.method->row.name);
     if (!(request->duration > 0) || !isfinite(request->duration))
         return error_set(error, ERROR_COMMAND, "the duration must be > 0 (got %.6g s)", request->duration);
     if (!scene_bind(request->scene, &system, error) ||

@@ -95,7 +95,7 @@ static enum stop walk(struct solver *s, int64_t steps, double *grid, const struc
             if (steps > 0) {
                 s->step.t = from + interval / (double)steps * (double)i;
                 s->step.h = interval / (double)steps;
-                status = method_step(s->method, &s->step);
+                status = method_turning_step(s->method, &s->step);
             } else {
                 status = method_adapt(s->method, &s->step, &controller, to);
             }

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define ORDER_COST 250000  /* evaluations of one solve */
+#define ORDER_COST 250000 /* evaluations of one solve */
 #define ORDER_NEAR 0.15   /* of the claim */
 #define HIGH 8            /* above it so few steps lie between the largest and rounding that later terms still add */
 #define AREA_MOST 1e-10
@@ -61,8 +61,8 @@ static bool check_order(const struct method *method, const struct cancel *cancel
     row->check[SELFTEST_ORDER].asked = true;
     row->check[SELFTEST_ORDER].value = order.slope;
     row->check[SELFTEST_ORDER].wanted = method->order;
-    row->check[SELFTEST_ORDER].passed =
-        order.slope > method->order - ORDER_NEAR && order.slope < method->order + (method->order > HIGH ? 2 : ORDER_NEAR);
+    row->check[SELFTEST_ORDER].passed = order.slope > method->order - ORDER_NEAR &&
+                                        order.slope < method->order + (method->order > HIGH ? 2 : ORDER_NEAR);
     return true;
 }
 
@@ -130,8 +130,8 @@ static bool check_geometry(const struct method *method, struct selftest_row *row
         double y[2] = {system.start[0], system.start[1]};
         const bool there = advance(method, &system, drag, h, RETURN_STEPS, work, y);
         const bool back = there && advance(method, &system, drag, -h, RETURN_STEPS, work, y);
-        const double away = fmax(fabs(y[0] - system.start[0]) / system.scale[0],
-                                 fabs(y[1] - system.start[1]) / system.scale[1]);
+        const double away =
+            fmax(fabs(y[0] - system.start[0]) / system.scale[0], fabs(y[1] - system.start[1]) / system.scale[1]);
         row->check[SELFTEST_REVERSAL].asked = true;
         row->check[SELFTEST_REVERSAL].value = back ? away : NAN;
         row->check[SELFTEST_REVERSAL].passed = back && away <= RETURN_MOST;

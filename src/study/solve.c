@@ -19,16 +19,23 @@ bool solver_init(struct solver *solver, const struct system *system, const struc
     double *work = malloc(2 * size * sizeof *work);
     if (!work)
         return false;
+    solver->turns = solver->tol == 0 && method_turns(method, system);
     if (settings->kernel != KERNEL_GENERAL && solver->tol == 0 && !solver->compensated)
         solver->kernel = method_kernel(method, system, settings->drag);
     solver->side = work + size;
     solver->step = (struct step){.system = system, .drag = settings->drag, .work = work};
+    if (settings->kernel != KERNEL_GENERAL)
+        solver->step.kernel = method_step_kernel(method, system);
     solver_start(solver);
-    return true;
+    if (method_begin(method, &solver->step))
+        return true;
+    solver_free(solver);
+    return false;
 }
 
 void solver_free(struct solver *solver)
 {
+    method_end(solver->method, &solver->step);
     free(solver->step.work);
     solver->step.work = solver->side = NULL;
 }
@@ -73,7 +80,7 @@ static double grid_time(const struct solver *solver, int k)
 static void sample_inside(const struct solver *s, const double *before, double from, double h, double t, double *y)
 {
     const int n = s->system->n;
-    if (s->method->dense) {
+    if (s->method->dense && !s->turns) {
         method_dense(s->method, &s->step, before, (t - from) / h, y);
         return;
     }
@@ -87,7 +94,7 @@ static void sample_inside(const struct solver *s, const double *before, double f
     step.error = step.low = NULL;
     step.warm = step.again = false;
     memcpy(y, before, (size_t)n * sizeof *y);
-    if (method_step(s->method, &step) != STEP_OK)
+    if (method_turning_step(s->method, &step) != STEP_OK)
         for (int i = 0; i < n; i++)
             y[i] = NAN;
 }
@@ -123,7 +130,7 @@ static enum step_status advance(struct solver *s, struct controller *controller,
     if (sampler->grid)
         memcpy(before, s->y, (size_t)s->system->n * sizeof *before);
     const enum step_status status =
-        controller ? method_adapt(s->method, &s->step, controller, end) : method_step(s->method, &s->step);
+        controller ? method_adapt(s->method, &s->step, controller, end) : method_turning_step(s->method, &s->step);
     s->steps += status == STEP_OK;
     if (status == STEP_OK && sampler->grid)
         sample(sampler, before, from, s->step.h);
@@ -154,7 +161,9 @@ static enum stop run_kernel(struct solver *s, double h, int64_t steps, const str
     s->step.h = h;
     for (int64_t i = 0; i < steps;) {
         const struct march march = {&s->step, s->system->t0, i, steps - i < most ? steps - i : most, row};
-        s->kernel(&march);
+        enum step_status status;
+        if (method_turning_march(s->method, s->kernel, &march, &status) < march.count)
+            return solver_stop(status);
         for (int k = 0; k < n; k++)
             if (!isfinite(s->y[k]))
                 return STOP_DIVERGED;

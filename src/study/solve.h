@@ -15,6 +15,7 @@ struct solver {
     const struct method *method;
     double dt, tol, span;   /* tol > 0: adaptive, dt is the first guess, 0: none */
     bool compensated;       /* sums of fixed steps */
+    bool turns;             /* fixed steps are taken in pieces that meet at turning points */
     march_function *kernel; /* where nobody looks at the states on the way: the same steps, to the bit; NULL: none */
     int64_t most;           /* evaluations, Jacobians and solves together it may cost; 0: no limit */
     int64_t steps;          /* taken */

@@ -5,16 +5,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define ROUNDING 1e-12   /* growth above 1 that is rounding */
-#define ON_AXIS 1e-7     /* the same at a double eigenvalue, whose growth is known to the root of rounding only */
-#define WEAK 1e-3        /* growth - 1 below: the amplitude doubles after 700 steps or more, which looks stable for long */
-#define STEPS_MOST 16384 /* of a check */
-#define PAST 8           /* steps: more than any method remembers */
-#define LOG_ROOM 600.0   /* a check grows or decays by at most e to this */
-#define ASIDE 1e-2       /* how far from the limit the checks on both sides stand, relative */
+#define ROUNDING 1e-12 /* growth above 1 that is rounding */
+#define ON_AXIS 1e-7   /* the same at a double eigenvalue, whose growth is known to the root of rounding only */
+#define WEAK 1e-3 /* growth - 1 below: the amplitude doubles after 700 steps or more, which looks stable for long */
+#define STEPS_MOST 16384  /* of a check */
+#define PAST 8            /* steps: more than any method remembers */
+#define EXTREME 1e20      /* [1/s] */
+#define HUGE_STEP 1e10    /* omega dt */
+#define LOG_ROOM 600.0    /* a check grows or decays by at most e to this */
+#define ASIDE 1e-2        /* how far from the limit the checks on both sides stand, relative */
 #define ASIDE_NARROW 1e-4 /* the same where a narrow resonance begins */
-#define ALONG 16         /* states along the run whose eigenvalues are looked at */
-#define WINDOW_MOST 0.02 /* relative width of a resonance that is called narrow */
+#define ALONG 16          /* states along the run whose eigenvalues are looked at */
+#define WINDOW_MOST 0.02  /* relative width of a resonance that is called narrow */
 
 static const struct row verdicts[] = {
     [STABILITY_STABLE] = {"stable", "", "no growth that the scene does not have itself", "", NULL},
@@ -26,9 +28,11 @@ const struct catalog stability_verdict_catalog = CATALOG("verdict", verdicts);
 
 /* ---- growth of one mode ---- */
 
+/* A step so large that it overflows grows beyond all bounds. */
 double mode_growth(const struct contender *by, const struct mode *mode, double dt)
 {
-    return method_growth(by->method, by->drag, mode->omega * dt, mode->zeta);
+    const double x = mode->omega * dt, growth = method_growth(by->method, by->drag, x, mode->zeta);
+    return isnan(growth) && x > HUGE_STEP ? HUGE_VAL : growth;
 }
 
 double mode_limit(const struct contender *by, const struct mode *mode)
@@ -43,12 +47,12 @@ double stability_growth(const struct contender *by, double re, double im)
 }
 
 /* y'' + 2 zeta omega y' + omega^2 y = 0 as a scene. */
-static bool mode_system(const struct mode *mode, struct system *system)
+static bool mode_system(double omega, double zeta, struct system *system)
 {
     const struct {
         const char *name;
         double value;
-    } set[] = {{"m", 1}, {"k", mode->omega * mode->omega}, {"gamma", 2 * mode->zeta * mode->omega}, {"y0", 1}};
+    } set[] = {{"m", 1}, {"k", omega * omega}, {"gamma", 2 * zeta * omega}, {"y0", 1}};
     struct scene scene;
     struct error ignored;
     scene_init(&scene, NULL);
@@ -65,19 +69,22 @@ static bool mode_system(const struct mode *mode, struct system *system)
 void mode_check(const struct contender *by, const struct mode *mode, double dt, struct stability_check *check)
 {
     struct system system;
+    /* Extremes of scale leave no room for growth: then in units of the frequency. */
+    const double unit = mode->omega > EXTREME || mode->omega < 1 / EXTREME ? mode->omega : 1,
+                 omega = mode->omega / unit;
     const double expected = log(mode_growth(by, mode, dt));
     const double room = expected == 0 ? STEPS_MOST : LOG_ROOM / fabs(expected);
     const int64_t quarter = (int64_t)fmax(4, fmin(STEPS_MOST, room) / 4);
     *check = (struct stability_check){.dt = dt, .predicted = exp(expected), .measured = NAN, .steps = 4 * quarter};
-    if (isnan(expected) || !mode_system(mode, &system))
+    if (isnan(expected) || !mode_system(omega, mode->zeta, &system))
         return;
     double *work = malloc((method_work_size(by->method, system.n) + 1) * sizeof *work);
     if (!work)
         return;
     /* Both eigenvectors take part; what grows starts small, what decays starts large. */
     const double start = expected > 0 ? exp(-LOG_ROOM / 2) : exp(LOG_ROOM / 2);
-    double y[2] = {start, 0.5 * mode->omega * start}, most[4] = {0};
-    struct step step = {.system = &system, .drag = by->drag, .h = dt, .y = y, .work = work};
+    double y[2] = {start, 0.5 * omega * start}, most[4] = {0};
+    struct step step = {.system = &system, .drag = by->drag, .h = dt * unit, .y = y, .work = work};
     enum step_status status = STEP_OK;
     for (int64_t i = 0; i < 4 * quarter && status == STEP_OK; i++) {
         /* A method that remembers must not only see its own start: a jump that the past knows nothing of sets off the
@@ -85,10 +92,16 @@ void mode_check(const struct contender *by, const struct mode *mode, double dt, 
         if (i == PAST && by->method->flags & METHOD_MULTISTEP)
             y[0] += 0.5 * start;
         status = method_step(by->method, &step);
-        most[i / quarter] = fmax(most[i / quarter], hypot(y[0], y[1] / mode->omega));
+        most[i / quarter] = fmax(most[i / quarter], hypot(y[0], y[1] / omega));
     }
     free(work);
-    check->measured = status == STEP_OK ? exp(log(most[3] / most[1]) / (double)(2 * quarter)) : HUGE_VAL;
+    check->measured = status != STEP_OK ? HUGE_VAL
+                      : most[3] > 0     ? exp(log(most[3] / most[1]) / (double)(2 * quarter))
+                                        : 0;
+    if (isinf(check->measured) || check->measured == 0) { /* so few steps that the numbers do not hold them */
+        check->agrees = fabs(expected) * (double)(4 * quarter) >= LOG_ROOM && (expected > 0) == (check->measured > 0);
+        return;
+    }
     /* Envelopes are sampled to a few per cent; a double root grows like n mu^n, which shows as log 2 / (2 quarter). */
     const double root = fabs(mode->zeta - 1) < 1e-3 ? 1 : 0.1;
     check->agrees = fabs(log(check->measured) - expected) <= 0.1 * fabs(expected) + root / (double)(2 * quarter);
@@ -105,6 +118,12 @@ static void add_mode(struct mode *mode, int *count, int most, double omega, doub
 {
     if (*count < most && omega > 0 && isfinite(omega) && isfinite(zeta))
         mode[(*count)++] = (struct mode){omega, zeta, t};
+}
+
+/* Of an eigenvalue: rounding leaves a little of what is none. */
+static double damping_ratio(double zeta)
+{
+    return zeta < 1e-12 ? 0 : fmin(1, zeta);
 }
 
 /* Rounding leaves zeros of the order of eps times the largest; they are no rates of their own. */
@@ -126,7 +145,7 @@ static int modes_of_matrix(const struct system *system, double t, const double *
         if (value[i].re > rounding)
             grows++;
         else
-            add_mode(mode, count, most, size, fmin(1, fmax(0, -value[i].re / size)), t);
+            add_mode(mode, count, most, size, damping_ratio(-value[i].re / size), t);
     }
     return grows;
 }
@@ -157,7 +176,7 @@ static void modes_along(const struct system *system, const struct stability_requ
 {
     static const char *const able[] = {"rodas5p", "radau5", "dop853", "dopri5"};
     const int n = system->n, stride = (STUDY_TIMES - 1) / ALONG;
-    const struct run_settings settings = {.dt = request->duration, .tol = 1e-6};
+    const struct run_settings settings = {.tol = 1e-6}; /* chooses its first step */
     double *grid = malloc((size_t)STUDY_TIMES * (size_t)n * sizeof *grid);
     for (size_t i = 0; grid && i < COUNT_OF(able); i++) {
         const struct method *method =
@@ -202,7 +221,8 @@ static void find_limit(struct stability *s)
 {
     s->dt_max = NAN;
     for (int i = 0; i < s->modes; i++) {
-        if (!isnan(s->dt_max) && (s->dt_max == 0 || !may_limit(&s->by, &s->mode[i], fmin(s->dt_max, 1e4 / s->mode[i].omega))))
+        if (!isnan(s->dt_max) &&
+            (s->dt_max == 0 || !may_limit(&s->by, &s->mode[i], fmin(s->dt_max, 1e4 / s->mode[i].omega))))
             continue;
         const double limit = mode_limit(&s->by, &s->mode[i]);
         if (isnan(s->dt_max) || limit < s->dt_max) {
@@ -301,9 +321,18 @@ static enum stability_verdict judge(const struct stability *s)
 bool study_stability(const struct stability_request *request, struct stability *s, struct error *error)
 {
     struct system system;
-    *s = (struct stability){.by = request->by, .dt = request->dt, .dt_max = NAN, .growth_predicted = NAN,
-                            .growth_measured = NAN, .growth_exact = NAN, .energy_factor = NAN, .doubling = NAN,
-                            .weak = {NAN, NAN}, .window = {NAN, NAN, NAN}, .reached = NAN, .largest = NAN};
+    *s = (struct stability){.by = request->by,
+                            .dt = request->dt,
+                            .dt_max = NAN,
+                            .growth_predicted = NAN,
+                            .growth_measured = NAN,
+                            .growth_exact = NAN,
+                            .energy_factor = NAN,
+                            .doubling = NAN,
+                            .weak = {NAN, NAN},
+                            .window = {NAN, NAN, NAN},
+                            .reached = NAN,
+                            .largest = NAN};
     if (!(request->dt > 0) || !isfinite(request->dt))
         return error_set(error, ERROR_COMMAND, "dt must be > 0 (got %.6g s)", request->dt);
     if (!scene_bind(request->scene, &system, error) ||

@@ -16,7 +16,8 @@ struct sweep_target {
     const struct cancel *cancel;
 };
 
-/* Fills points, slope, guard, r2, fitted and verdict; by, claimed and floor are given. False: no memory or cancelled. */
+/* Fills points, slope, guard, r2, fitted and verdict; by, claimed and floor are given. False: no memory or cancelled.
+ */
 bool order_sweep(const struct sweep_target *target, struct order *order, struct error *error);
 
 struct eigenvalue {

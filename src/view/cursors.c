@@ -80,7 +80,7 @@ static void put_interval(struct buffer *out, const struct cursor_reading *readin
 
 static void put_theory(struct buffer *out, const struct cursor_reading *reading)
 {
-    const char *name = reading->damped ? "T_d" : "T0";
+    const char *name = reading->theory_name;
     if (isfinite(reading->theory))
         buffer_format(out, " theory %s = %.4f s", name, reading->theory);
     if (isfinite(reading->deviation))

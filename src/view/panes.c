@@ -52,17 +52,17 @@ static bool has_time_range(const struct view *view)
 /* The present run, then those laid over it. */
 static int shown_runs(const struct session *session, int place[1 + LIMIT_OVERLAY])
 {
+    const struct run *present = session_run(session);
     int count = 0;
-    if (session_run(session)) {
-        place[count++] = session->current_run;
-    }
-    for (int i = 0; count > 0 && i < session->view.overlays; i++) {
+    if (!present)
+        return 0;
+    place[count++] = session->current_run;
+    for (int i = 0; i < session->view.overlays; i++) {
         for (int r = 0; r < session->runs; r++) {
             const struct run *run = session->run[r]->run;
-            if (run->number == session->view.overlay[i] && r != session->current_run &&
-                run->system.model == session_run(session)->system.model) {
+            if (run->number == session->view.overlay[i] && run != present &&
+                run->system.model == present->system.model) /* another has other variables */
                 place[count++] = r;
-            }
         }
     }
     return count;

@@ -38,15 +38,14 @@ static void put_parameter(struct buffer *out, const struct scene *scene, int i, 
         buffer_quantity(out, scene->value[i], param->quantity, 3);
 }
 
-/* Those that matter and are not 0, `most` in all; where it starts only on request. */
+/* Those that matter, `most` in all; where it starts only on request. */
 static void put_parameters(struct buffer *out, const struct scene *scene, int most, bool start)
 {
     const int count = (int)scene_params(scene)->count, t0 = scene_param(scene, "t0");
     bool is_start[PARAM_MAX];
     for (int i = 0; i < count; i++) {
-        is_start[i] = scene_param_is_start(scene, i);
-        if (is_start[i] || most <= 0 || !scene_param_matters(scene, i) ||
-            (scene->value[i] == 0 && !scene_param_always(scene, i)))
+        is_start[i] = param_is_start(scene, i);
+        if (is_start[i] || most <= 0 || !param_matters(scene, i))
             continue;
         put_parameter(out, scene, i, "  ");
         most--;

@@ -11,6 +11,24 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
+static void analyse(struct recording *recording)
+{
+    struct arena arena = {0};
+    struct series series;
+    struct error error = {0};
+    struct buffer text = {0};
+    recording_describe(recording, &text);
+    if (recording_series(recording, &arena, 8, &series, &error)) {
+        struct overview overview;
+        series_overview(&series, &arena, &overview);
+        struct period period;
+        series_period(&series, &arena, &period, &error);
+    }
+    buffer_free(&text);
+    arena_reset(&arena);
+    recording_destroy(recording);
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     int fd = memfd_create("recording", MFD_CLOEXEC);
@@ -19,23 +37,13 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     }
     char path[64];
     snprintf(path, sizeof path, "/proc/self/fd/%d", fd);
-    struct load_options options = {.rate = 100};
-    struct error error = {0};
-    struct recording *recording = recording_load(path, &options, &error);
-    if (recording) {
-        struct arena arena = {0};
-        struct series series;
-        struct buffer text = {0};
-        recording_describe(recording, &text);
-        if (recording_series(recording, &arena, 8, &series, &error)) {
-            struct overview overview;
-            series_overview(&series, &arena, &overview);
-            struct period period;
-            series_period(&series, &arena, &period, &error);
-        }
-        buffer_free(&text);
-        arena_reset(&arena);
-        recording_destroy(recording);
+    /* As it is; by index; another run than the first. */
+    static const struct load_options options[] = {{.rate = 0}, {.rate = 100}, {.run = {"2", 1}}};
+    for (size_t i = 0; i < COUNT_OF(options); i++) {
+        struct error error = {0};
+        struct recording *recording = recording_load(path, &options[i], &error);
+        if (recording)
+            analyse(recording);
     }
     close(fd);
     return 0;

@@ -81,7 +81,7 @@ static void test_error_follows_tolerance(void **state)
     (void)state;
     struct system system = SPRING({NULL, 0});
     int wrong = 0;
-    for (size_t m = 0; m < method_catalog.count; m++) {
+    for (size_t m = 0; m < own_methods(); m++) {
         const struct method *method = method_at(m);
         if (!(method->flags & METHOD_ADAPTIVE))
             continue;
@@ -246,7 +246,7 @@ static void test_no_growth_after_a_rejection(void **state)
     assert_int_equal(shared.step.cost.rejected, 1);
     assert_near("step", shared.step.h, 0.2, 0);
     assert_near("proposal", shared.controller.h, 0.2, 0);
-    assert_int_equal(method_adapt(method_named("dopri5"), &shared.step, &shared.controller, 0.3), STEP_OK);
+    assert_int_equal(method_adapt(method_named("dopri5"), &shared.step, &shared.controller, 0.4), STEP_OK);
     assert_above("then it grows again", shared.controller.h, 0.22);
 }
 
@@ -370,7 +370,7 @@ static void test_dense_orders(void **state)
     (void)state;
     const struct system systems[] = {SPRING({"gamma", 2}, {"v0", 0.3}, {"F0", 0.2}, {"omega", 5}),
                                      SPRING({"v0", 0.3}, {"F0", 0.2}, {"omega", 5}), SPRING({"v0", 0.3})};
-    for (size_t m = 0; m < method_catalog.count; m++) {
+    for (size_t m = 0; m < own_methods(); m++) {
         const struct method *method = method_at(m);
         const struct system system = first_fit(method, systems, 3);
         const int p = method->order;
@@ -389,7 +389,7 @@ static void test_dense_meets_both_ends(void **state)
     (void)state;
     static double work[WORK_ROOM];
     const struct system systems[] = {SPRING({"gamma", 2}, {"v0", 0.3}), SPRING({"v0", 0.3})};
-    for (size_t m = 0; m < method_catalog.count; m++) {
+    for (size_t m = 0; m < own_methods(); m++) {
         const struct method *method = method_at(m);
         const struct system system = first_fit(method, systems, 2);
         for (int sign = -1; sign <= 1; sign += 2) {

@@ -24,6 +24,15 @@ static inline const struct method *method_named(const char *name)
     return method;
 }
 
+/* Rows that take steps of a given size: yardsticks do not, and stand last. */
+static inline size_t own_methods(void)
+{
+    size_t count = method_catalog.count;
+    while (count > 0 && method_at(count - 1)->flags & METHOD_YARDSTICK)
+        count--;
+    return count;
+}
+
 struct setting {
     const char *param;
     double value;

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The table of reference solutions, references.csv beside the recordings. */
+/*
+ * The table of reference solutions, references.csv beside the recordings, and which families of methods have reached
+ * each of its rows.
+ */
 #ifndef HOOKE_TESTS_REFERENCES_H
 #define HOOKE_TESTS_REFERENCES_H
 
@@ -10,8 +13,59 @@
 
 struct reference {
     char problem[40], parameters[160], component[16];
-    double t, value;
+    double t; /* NAN: the value is a period */
+    double value;
+    unsigned reached; /* 1 << family_of() the method */
 };
+
+/* Methods that have no code of their steps in common. */
+static inline int family_of(const struct method *method)
+{
+    const bool is[] = {method->flags & METHOD_YARDSTICK,
+                       method->tableau,
+                       method->splitting,
+                       method->nystrom,
+                       method->implicit,
+                       method->rosenbrock,
+                       method->multistep};
+    int family = 0;
+    while (family < (int)COUNT_OF(is) && !is[family])
+        family++;
+    return family; /* the last: algorithms */
+}
+
+static inline int families(unsigned reached)
+{
+    int count = 0;
+    for (; reached; reached &= reached - 1)
+        count++;
+    return count;
+}
+
+/* A method of the table, with a tolerance where it is adaptive, else a step. */
+struct attempt {
+    const char *method;
+    double by;
+    double error; /* at most, relative to the size of the solution */
+};
+
+/* False: a yardstick that this build does not have. */
+static inline bool is_there(const struct attempt *attempt)
+{
+    struct error ignored;
+    return catalog_find(&method_catalog, text_of(attempt->method)) ||
+           !catalog_absent(&method_catalog, text_of(attempt->method), &ignored);
+}
+
+static inline struct run_settings settings_of(const struct attempt *attempt)
+{
+    struct run_settings settings = {.dt = attempt->by, .record = {RECORD_EVERY, INT64_MAX}};
+    if (method_named(attempt->method)->flags & METHOD_ADAPTIVE) {
+        settings.dt = 1e-6;
+        settings.tol = attempt->by;
+    }
+    return settings;
+}
 
 /* One field, without its quotes; *rest moves past the comma. */
 static inline struct text field(struct text *rest)
@@ -52,13 +106,17 @@ static inline struct reference *read_table(size_t *count)
     for (text_split(&rest, '\n', &line); text_split(&rest, '\n', &line) && *count < 2000;) {
         struct reference *row = &table[*count];
         size_t used;
+        if (line.len == 0)
+            continue;
         keep(row->problem, sizeof row->problem, field(&line));
         keep(row->parameters, sizeof row->parameters, field(&line));
         struct text t = field(&line);
         keep(row->component, sizeof row->component, field(&line));
         struct text value = field(&line);
-        if (real_parse(t, &row->t) == REAL_OK && real_scan(value, '.', &row->value, &used) == REAL_OK)
-            ++*count;
+        if (real_parse(t, &row->t) != REAL_OK)
+            row->t = NAN;
+        assert_int_equal(real_scan(value, '.', &row->value, &used), REAL_OK);
+        ++*count;
     }
     buffer_free(&content);
     return table;
@@ -71,6 +129,29 @@ static inline int place_of(const struct reference *row)
     if (name[0] == 'y' && name[1])
         return name[1] - '1' + (name[2] ? 9 : 0);
     return text_is(text_of(name), "v") || text_is(text_of(name), "omega");
+}
+
+/* The problems that hooke has no scenes for: run_detest.c makes models of them, run_reference.c runs the others. */
+static inline bool is_foreign(const struct reference *row)
+{
+    return text_starts(text_of(row->problem), TEXT("arenstorf")) ||
+           (text_starts(text_of(row->problem), TEXT("DETEST-")) && strchr("ABC", row->problem[7]));
+}
+
+/* Of the rows that are foreign or are not, none was reached by fewer than two families. */
+static inline void assert_all_reached(const struct reference *table, size_t count, bool foreign)
+{
+    size_t seen = 0;
+    for (size_t i = 0; i < count; i++) {
+        if (is_foreign(&table[i]) != foreign)
+            continue;
+        seen++;
+        if (families(table[i].reached) < 2)
+            fail_msg("%s, %s, t = %g, %s: reached by %d famil%s of methods", table[i].problem, table[i].parameters,
+                     table[i].t, table[i].component, families(table[i].reached),
+                     families(table[i].reached) == 1 ? "y" : "ies");
+    }
+    assert_true(seen > 50);
 }
 
 #endif

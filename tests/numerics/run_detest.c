@@ -99,32 +99,64 @@ SYSTEM(arenstorf)
     f[1] += y[1] - 2 * y[2] - rest * y[1] / d1 - mu * y[1] / d2;
 }
 
+#define SMOOTH(bound)                                                                                                  \
+    {                                                                                                                  \
+        {"dop853", 1e-14, bound}, {"gauss6", 0.01, bound}, {"odex", 1e-14, bound},                                     \
+        {                                                                                                              \
+            "cvode-adams", 1e-13, 1000 * (bound)                                                                       \
+        }                                                                                                              \
+    }
+#define CLOSE(bound)                                                                                                   \
+    {                                                                                                                  \
+        {"dop853", 1e-14, bound}, {"odex", 1e-14, bound}, {"radau5", 1e-14, bound},                                    \
+        {                                                                                                              \
+            "cvode-adams", 1e-13, 1000 * (bound)                                                                       \
+        }                                                                                                              \
+    }
+
+/* Errors are absolute where a solution is below 1: A1, B3 and C2 decay. */
 static const struct problem {
     const char *name;
     void (*f)(const double *c, double t, const double *y, double *f);
     int order, n;
     double start[10];
-    double tolerance;
+    struct attempt by[5];
 } problems[] = {
-    {"DETEST-A1", a1, 1, 1, {1}, 1e-12},
-    {"DETEST-A2", a2, 1, 1, {1}, 1e-12},
-    {"DETEST-A3", a3, 1, 1, {1}, 1e-11},
-    {"DETEST-A4", a4, 1, 1, {1}, 1e-12},
-    {"DETEST-A5", a5, 1, 1, {4}, 1e-10},
-    {"DETEST-B1", b1, 1, 2, {1, 3}, 1e-10},
-    {"DETEST-B2", b2, 1, 3, {2, 0, 1}, 1e-11},
-    {"DETEST-B3", b3, 1, 3, {1, 0, 0}, 1e-11},
-    {"DETEST-B4", b4, 1, 3, {3, 0, 0}, 1e-11},
-    {"DETEST-B5", b5, 1, 3, {0, 1, 1}, 1e-10},
-    {"DETEST-C1", c1, 1, 10, {1}, 1e-11},
-    {"DETEST-C2", c2, 1, 10, {1}, 1e-11},
-    {"DETEST-C3", c3, 1, 10, {1}, 1e-11},
-    {"arenstorf", arenstorf, 2, 4, {0.994, 0, 0, -2.00158510637908252}, 1e-6}, /* close encounters magnify every error
-                                                                                */
-    {"arenstorf_t10", arenstorf, 2, 4, {0.994, 0, 0, -2.00158510637908252}, 1e-9},
+    {"DETEST-A1", a1, 1, 1, {1}, SMOOTH(1e-15)},
+    {"DETEST-A2", a2, 1, 1, {1}, SMOOTH(2e-15)},
+    {"DETEST-A3", a3, 1, 1, {1}, SMOOTH(2e-13)},
+    {"DETEST-A4", a4, 1, 1, {1}, SMOOTH(4e-15)},
+    {"DETEST-A5", a5, 1, 1, {4}, SMOOTH(2e-13)},
+    {"DETEST-B1", b1, 1, 2, {1, 3}, SMOOTH(1e-12)},
+    {"DETEST-B2", b2, 1, 3, {2, 0, 1}, SMOOTH(2e-14)},
+    {"DETEST-B3", b3, 1, 3, {1, 0, 0}, SMOOTH(1e-15)},
+    {"DETEST-B4", b4, 1, 3, {3, 0, 0}, SMOOTH(8e-13)},
+    {"DETEST-B5", b5, 1, 3, {0, 1, 1}, SMOOTH(1e-13)},
+    {"DETEST-C1", c1, 1, 10, {1}, SMOOTH(1e-14)},
+    {"DETEST-C2", c2, 1, 10, {1}, SMOOTH(6e-14)},
+    {"DETEST-C3", c3, 1, 10, {1}, SMOOTH(4e-15)},
+    /* Close encounters with the moon magnify every error, three of them by 1e6 together; till t = 10 there is one. */
+    {"arenstorf", arenstorf, 2, 4, {0.994, 0, 0, -2.00158510637908252}, CLOSE(2e-9)},
+    {"arenstorf_t10", arenstorf, 2, 4, {0.994, 0, 0, -2.00158510637908252}, CLOSE(4e-12)},
 };
 
 static const struct problem *current; /* what the model below is */
+
+/* By central differences: methods iterate with it, so that it decides how fast they get there, not where. */
+static void jacobian(const double *c, double t, const double *y, double *jac)
+{
+    const int n = current->n, rows = current->order == 2 ? n / 2 : n;
+    for (int j = 0; j < n; j++) {
+        double at[2][10], f[2][10] = {{0}}, away = 1e-6 * fmax(1, fabs(y[j]));
+        for (int side = 0; side < 2; side++) {
+            memcpy(at[side], y, (size_t)n * sizeof *y);
+            at[side][j] += side ? away : -away;
+            current->f(c, t, at[side], f[side]);
+        }
+        for (int i = 0; i < rows; i++)
+            jac[i * n + j] += (f[1][i] - f[0][i]) / (at[1][j] - at[0][j]);
+    }
+}
 
 static bool bind(const double *param, double *c, struct oscillator *oscillator)
 {
@@ -146,7 +178,8 @@ static void begin(const double *param, struct system *system)
 static void test_references_are_reached(void **state)
 {
     (void)state;
-    size_t count = 0, seen = 0;
+    size_t count = 0;
+    int wrong = 0;
     struct reference *table = read_table(&count);
     if (!table) {
         print_message("no references.csv beside HOOKE_DATA: nothing to compare with\n");
@@ -157,15 +190,15 @@ static void test_references_are_reached(void **state)
         variable[i] = variable[0];
         snprintf(variable[i].name, sizeof variable[i].name, "y%d", i + 1);
     }
-    static const struct {
-        const char *method;
-        struct run_settings settings;
-    } tries[] = {{"dopri5", {.dt = 1e-6, .tol = 1e-12}}, {"rk4", {.dt = 1e-3}}};
     for (size_t i = 0; i < COUNT_OF(problems); i++) {
         const struct problem *p = current = &problems[i];
-        const struct term_row term = {
-            .row = {p->name, "", "", "", NULL}, .flags = TERM_VELOCITY | TERM_TIME, .bind = bind, .add = p->f};
-        const struct catalog terms = {"term", &term, 1, sizeof term}, none = {"parameter", NULL, 0, 1};
+        const struct term_row term = {.row = {p->name, "", "", "", NULL},
+                                      .flags = TERM_VELOCITY | TERM_TIME,
+                                      .bind = bind,
+                                      .add = p->f,
+                                      .jacobian = jacobian};
+        const struct catalog terms = {"term", &term, 1, sizeof term, NULL, 0},
+                             none = {"parameter", NULL, 0, 1, NULL, 0};
         const struct model model = {.row = {p->name, "", "", "", NULL},
                                     .order = p->order,
                                     .n = p->n,
@@ -177,10 +210,11 @@ static void test_references_are_reached(void **state)
         const struct preset preset = {.row = {p->name, "", "", "", NULL}, .model = &model};
         struct scene scene;
         scene_init(&scene, &preset);
-        for (size_t k = 0; k < COUNT_OF(tries); k++) {
-            if (p->order == 2 && k > 0)
-                continue; /* a close encounter asks for step control */
-            struct run *run = start(&scene, tries[k].method, tries[k].settings, HUGE_VAL);
+        for (size_t k = 0; k < COUNT_OF(p->by) && p->by[k].method; k++) {
+            const struct attempt *by = &p->by[k];
+            if (!is_there(by))
+                continue;
+            struct run *run = start(&scene, by->method, settings_of(by), HUGE_VAL);
             double worst = -1;
             for (size_t row = 0; row < count; row++) {
                 if (!text_is(text_of(p->name), table[row].problem))
@@ -190,16 +224,18 @@ static void test_references_are_reached(void **state)
                 int at = place_of(&table[row]);
                 assert_true(at < p->n);
                 worst = fmax(worst, fabs(run->y[at] - table[row].value) / fmax(1, fabs(table[row].value)));
-                seen++;
+                table[row].reached |= 1u << family_of(run->method);
             }
-            if (getenv("VERBOSE"))
-                print_message("%s by %s: %.2g\n", p->name, tries[k].method, worst);
-            if (!(worst >= 0 && worst <= p->tolerance))
-                fail_msg("%s by %s: error %.3g, allowed %.3g", p->name, tries[k].method, worst, p->tolerance);
+            const bool good = worst >= 0 && worst <= by->error;
+            if (!good || getenv("VERBOSE"))
+                print_message("%-14s %-12s %6.0e  %.1e (%.0e)%s\n", p->name, by->method, by->by, worst, by->error,
+                              good ? "" : ": wrong");
+            wrong += !good;
             run_destroy(run);
         }
     }
-    assert_true(seen > 80);
+    assert_int_equal(wrong, 0);
+    assert_all_reached(table, count, true);
     free(table);
 }
 

@@ -37,6 +37,8 @@ struct truth {
     double dropouts; /* share of samples that read 0 */
     double drift;    /* of the offset over the whole span */
     double clip;     /* values above offset + clip are cut; 0: none */
+    double sway, sway_period, sway_phase; /* relative modulation of the amplitude, [s] */
+    double quantum;                       /* values are rounded to multiples of it; 0: not */
 };
 
 struct synthetic {
@@ -55,10 +57,13 @@ static inline struct synthetic synthetic_make(const struct truth *truth)
         double t = (double)i / truth->rate, g = truth->gamma;
         double phi = fabs(g) > 1e-12 ? -expm1(-0.5 * g * t) * 2 / g : t;
         double envelope = truth->amplitude * exp(-0.5 * g * t) / (1 + truth->quadratic * phi);
+        if (truth->sway > 0)
+            envelope *= 1 + truth->sway * cos(6.283185307179586 * t / truth->sway_period + truth->sway_phase);
         double y = truth->offset + truth->drift * t / truth->span +
                    envelope * cos(6.283185307179586 / truth->period * t + truth->phase);
         y = truth->clip > 0 ? fmin(y, truth->offset + truth->clip) : y;
         y += truth->noise * random_normal();
+        y = truth->quantum > 0 ? nearbyint(y / truth->quantum) * truth->quantum : y;
         s.t[i] = truth->t0 + t;
         s.y[i] = random_uniform() < truth->dropouts ? 0 : y;
     }

@@ -116,23 +116,31 @@ static void every_command_is_suggested_and_completed(void **state)
     bench_close(&b);
 }
 
+static void every_row_is_explained(struct bench *b, const struct catalog *catalog)
+{
+    for (size_t i = 0; i < catalog->count; i++) {
+        char line[80];
+        snprintf(line, sizeof line, "help %s", catalog_row(catalog, i)->name);
+        type_ok(b, line);
+        assert_says(&b->out, catalog_row(catalog, i)->brief);
+    }
+}
+
 /* Every name that can be chosen is found by help, completion and apropos. */
 static void every_row_has_help(void **state)
 {
     (void)state;
-    const struct catalog *const catalogs[] = {&param_catalog,      &derived_catalog, &setting_catalog,
-                                              &method_catalog,     &preset_catalog,  &unit_catalog,
-                                              &observable_catalog, &function_catalog};
+    const struct catalog *const catalogs[] = {&setting_catalog, &method_catalog,     &preset_catalog,
+                                              &unit_catalog,    &observable_catalog, &function_catalog};
     struct bench b;
     bench_open(&b, false);
     b.session->front.watched = true; /* long lines are broken by the log, not by help */
     for (size_t c = 0; c < COUNT_OF(catalogs); c++)
-        for (size_t i = 0; i < catalogs[c]->count; i++) {
-            char line[80];
-            snprintf(line, sizeof line, "help %s", catalog_row(catalogs[c], i)->name);
-            type_ok(&b, line);
-            assert_says(&b.out, catalog_row(catalogs[c], i)->brief);
-        }
+        every_row_is_explained(&b, catalogs[c]);
+    for (const struct model *const *model = scene_models; *model; model++) {
+        every_row_is_explained(&b, (*model)->params);
+        every_row_is_explained(&b, (*model)->derived);
+    }
     bench_close(&b);
 }
 

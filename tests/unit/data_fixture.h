@@ -58,7 +58,7 @@ static const char *fixture_file(const char *name, const char *text, size_t len)
     return path;
 }
 
-/* "t=2 y=x unit=cm tunit=ms rate=100 decimal=, sep=;" with sep=tab and sep=blank for what cannot be written. */
+/* "t=2 y=x unit=cm tunit=ms rate=100 decimal=, sep=; run=2" with sep=tab and sep=blank for what cannot be written. */
 static struct load_options fixture_options(const char *written)
 {
     struct load_options options = {0};
@@ -72,6 +72,8 @@ static struct load_options fixture_options(const char *written)
             options.time = value;
         else if (text_is(key, "y"))
             options.value = value;
+        else if (text_is(key, "run"))
+            options.run = value;
         else if (text_is(key, "as"))
             options.name = value;
         else if (text_is(key, "unit"))

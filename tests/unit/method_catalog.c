@@ -47,7 +47,27 @@ static void test_rows_are_complete(void **state)
         assert_true(m->drag == DRAG_DEFAULT || m->drags & 1u << m->drag);
         assert_false(m->flags & METHOD_L_STABLE && !(m->flags & METHOD_A_STABLE));
         assert_in_range(method_work_size(m, LIMIT_VARIABLES), LIMIT_VARIABLES, 1 << 20);
+        const bool yardstick = m->flags & METHOD_YARDSTICK;
+        assert_true(yardstick == (m->adapt != NULL) && yardstick == (m->begin && m->end) &&
+                    yardstick == (i >= own_methods()));
     }
+}
+
+/* What this build was made without is known by name, and nowhere else. */
+static void test_absent_names(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        const struct text name = i ? TEXT("cvode-bdf") : TEXT("cvode-adams");
+        struct error error = {0};
+        const bool absent = catalog_absent(&method_catalog, name, &error);
+        assert_true(absent == (catalog_find(&method_catalog, name) == NULL));
+        assert_true(absent == (strstr(error.text, "libsundials-dev") != NULL));
+        assert_false(catalog_unknown(&method_catalog, name, &error));
+        assert_true(absent == (strstr(error.text, "libsundials-dev") != NULL));
+    }
+    struct error error = {0};
+    assert_false(catalog_absent(&method_catalog, TEXT("rk4"), &error) || error.text[0]);
 }
 
 static void test_drag_names(void **state)
@@ -173,9 +193,13 @@ static void test_splittings_of_higher_order(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_names_and_aliases), cmocka_unit_test(test_rows_are_complete),
-        cmocka_unit_test(test_drag_names),        cmocka_unit_test(test_default_drag),
-        cmocka_unit_test(test_refusals),          cmocka_unit_test(test_splittings_of_higher_order),
+        cmocka_unit_test(test_names_and_aliases),
+        cmocka_unit_test(test_rows_are_complete),
+        cmocka_unit_test(test_absent_names),
+        cmocka_unit_test(test_drag_names),
+        cmocka_unit_test(test_default_drag),
+        cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_splittings_of_higher_order),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

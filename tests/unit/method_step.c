@@ -85,7 +85,7 @@ static void test_nothing_is_allocated(void **state)
         print_message("another tool (valgrind) owns the allocator\n");
         skip();
     }
-    for (size_t m = 0; m < method_catalog.count; m++) {
+    for (size_t m = 0; m < own_methods(); m++) {
         const struct method *method = method_at(m);
         struct system systems[] = {rich_system(method), duffing(1)};
         for (size_t s = 0; s < COUNT_OF(systems); s++) {
@@ -111,7 +111,7 @@ static void test_costs(void **state)
 {
     (void)state;
     static double work[WORK_ROOM];
-    for (size_t m = 0; m < method_catalog.count; m++) {
+    for (size_t m = 0; m < own_methods(); m++) {
         const struct method *method = method_at(m);
         /* Implicit methods need one solve where the scene is linear. */
         struct system system =
@@ -156,7 +156,7 @@ static void test_work_memory(void **state)
 {
     (void)state;
     static double work[2][WORK_ROOM];
-    for (size_t m = 0; m < method_catalog.count; m++) {
+    for (size_t m = 0; m < own_methods(); m++) {
         const struct method *method = method_at(m);
         struct system systems[] = {rich_system(method), duffing(1)};
         for (size_t s = 0; s < COUNT_OF(systems); s++) {
@@ -204,7 +204,7 @@ static void test_warm_equals_cold(void **state)
     static double work[2][WORK_ROOM];
     const struct system systems[] = {SPRING({"gamma", 0.4}, {"C", 2}, {"area", 0.1}, {"g", 0.3}),
                                      SPRING({"gamma", 0.4}, {"g", 0.3}), SPRING({"g", 0.3})};
-    for (size_t m = 0; m < method_catalog.count; m++)
+    for (size_t m = 0; m < own_methods(); m++)
         for (int variant = DRAG_DEFAULT; variant < DRAG_COUNT; variant++) {
             const struct method *method = method_at(m);
             const struct system system = first_fit(method, systems, COUNT_OF(systems));
@@ -286,7 +286,7 @@ static void test_failure_restores(void **state)
     (void)state;
     struct system wall = other_system(&wall_row, 1);
     struct system spring_system = SPRING({NULL, 0});
-    for (size_t m = 0; m < method_catalog.count; m++) {
+    for (size_t m = 0; m < own_methods(); m++) {
         const struct method *method = method_at(m);
         if (!(method->flags & METHOD_EXACT)) {
             assert_failure_restores(method, &wall, DRAG_DEFAULT, 0, (double[]){0.03, 1}, true);
@@ -327,7 +327,7 @@ static void test_no_solution(void **state)
 static void test_symmetries(void **state)
 {
     (void)state;
-    for (size_t m = 0; m < method_catalog.count; m++) {
+    for (size_t m = 0; m < own_methods(); m++) {
         const struct method *method = method_at(m);
         const struct system kinds[] = {SPRING({"gamma", 0.4}, {"C", 2}, {"area", 0.1}), SPRING({"gamma", 0.4}),
                                        SPRING({NULL, 0})};
@@ -356,7 +356,7 @@ static void test_error_estimate(void **state)
 {
     (void)state;
     static double work[WORK_ROOM];
-    for (size_t m = 0; m < method_catalog.count; m++) {
+    for (size_t m = 0; m < own_methods(); m++) {
         const struct method *method = method_at(m);
         struct system system = rich_system(method);
         double size[2];

@@ -99,7 +99,7 @@ static void the_focused_pane_is_shown(void **state)
         static const char *const title[] = {
             [PANE_POSITION] = "- y [",      [PANE_ENERGY] = "- energy [", [PANE_PHASE] = "- phase ",
             [PANE_VELOCITY] = "- v [",      [PANE_ERROR] = "- error [",   [PANE_RESIDUAL] = "- residual [",
-            [PANE_SPECTRUM] = "- spectrum "};
+            [PANE_SPECTRUM] = "- spectrum ", [PANE_ORBIT] = "- orbit "};
         session->view.focus = (enum pane)i;
         session->view.full = false;
         bool offered = pane->offered(session);

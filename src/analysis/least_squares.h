@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Least squares for any curve: what iteration and judgement share. */
+#ifndef HOOKE_ANALYSIS_LEAST_SQUARES_H
+#define HOOKE_ANALYSIS_LEAST_SQUARES_H
+
+#include "internal.h"
+
+struct problem {
+    const struct fit_curve *curve;
+    const double *t, *y, *low, *high;
+    size_t n;
+    double unit[CURVE_PARAMETERS]; /* of the change of variables at a bound: the start's distance from it */
+    double *value, *scratch, *weight; /* [n] */
+    double *derivative;               /* [n][parameters] */
+    double size;                      /* length of y: rounding */
+    double scale;                     /* robust standard deviation the weights were set with */
+    bool robust;
+    /* what judge() leaves: the full Gauss-Newton step from there, and its length relative to value or uncertainty */
+    double step[CURVE_PARAMETERS], length;
+    const struct cancel *cancel;
+};
+
+/* The parameter for the unbounded variable u, and its slope. */
+double inside(const struct problem *p, int j, double u, double *slope);
+
+/* ---- judgement.c: what an answer is worth ---- */
+
+/* Fills values, covariance (not widened), what is determined, the two criteria, residual and rss. False: no memory. */
+bool judge(struct problem *p, const double *x, struct curve_fit *fit);
+/* Diagnostics of the residuals, widening, intervals, words. */
+void conclude(const struct problem *p, struct curve_fit *fit);
+/* Intervals from fits to the fitted curve with new noise of the same size and autocorrelation. */
+bool bootstrap(const struct problem *p, const struct series *series, const struct curve_options *options,
+               struct arena *arena, struct curve_fit *fit, struct error *error);
+
+#endif

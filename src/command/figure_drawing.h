@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A figure of the session while it is built up. */
+#ifndef HOOKE_COMMAND_FIGURE_DRAWING_H
+#define HOOKE_COMMAND_FIGURE_DRAWING_H
+
+#include "figure_curves.h"
+
+#define PERIOD_COLUMNS_ASCII 8 /* least columns a period that can still be followed */
+#define PERIOD_COLUMNS_DOTS 5
+#define FRAME_COLUMNS 10 /* [cell] of the width that labels and frame take */
+
+struct plot_row {
+    struct row row;
+    const char *observable; /* on the vertical axis; NULL: state variables, or something else */
+    const char *label;      /* of that axis, where the names of the variables are not */
+    bool periods;           /* each period has to be seen: the window is limited to what the width can show */
+};
+
+extern const struct plot_row plot_rows[]; /* those of plot_catalog */
+
+/* What is built up. */
+struct drawing {
+    const struct session *session;
+    const struct figure_request *request;
+    struct arena *arena;
+    struct error *error;
+    struct curve *curve;
+    int curves;
+    const struct model *model; /* of the runs; NULL: there are none */
+    int coordinates;           /* curves that one run has */
+    double omega0;             /* [rad/s] that v is divided by; 1: not */
+    double period;             /* [s] of the first run, NAN: none */
+    double window[2];          /* [s] */
+    double shown, total;       /* [s] */
+};
+
+bool plot_is_plane(enum plot_kind kind); /* one part of the state against another */
+/* On the vertical axis: the first of the coordinates that are drawn. */
+const struct variable *vertical_variable(const struct model *model, enum plot_kind kind);
+
+static inline const struct recording *recording_of(const struct drawing *d)
+{
+    return d->request->recording >= 0 ? d->session->recording[d->request->recording]->recording : NULL;
+}
+
+/* [s] that the scene, or the sizes of what moves, lead to expect of a run; NAN: none. */
+double run_rhythm(const struct run *run);
+/* Chooses the window of time; the model and the period are known. */
+void drawing_window(struct drawing *d);
+double drawing_trail(const struct drawing *d); /* periods */
+
+#endif

@@ -1,0 +1,144 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The kinds of plots, for which models they are, and which part of the time they show. */
+#include "figure_drawing.h"
+
+#include <math.h>
+
+#define TRAIL_PERIODS 2 /* of the phase plot */
+
+const struct plot_row plot_rows[] = {
+    [PLOT_POSITION] = {{"position", "", "y against t, or all coordinates", "", NULL}, NULL, "y", true},
+    [PLOT_VELOCITY] = {{"velocity", "", "v against t", "", NULL}, NULL, NULL, true},
+    [PLOT_PHASE] = {{"phase", "", "v against y, the last two periods unless a window is given", "", NULL},
+                    NULL,
+                    NULL,
+                    false},
+    [PLOT_ORBIT] = {{"orbit", "", "the second coordinate against the first, as long as phase", "", NULL},
+                    NULL,
+                    NULL,
+                    false},
+    [PLOT_ENERGY] = {{"energy", "", "energy against t", "", NULL}, "energy", "E", false},
+    [PLOT_ERROR] = {{"error", "", "distance from the exact solution against t", "", NULL}, "error", "error", false},
+    [PLOT_RESIDUAL] = {{"residual", "", "the recording minus its fit, or minus the run, against t", "", NULL},
+                       NULL,
+                       "residual",
+                       false},
+    [PLOT_SPECTRUM] = {{"spectrum", "", "amplitude spectrum of y", "", NULL}, NULL, "amplitude", false},
+    [PLOT_PRECISION] = {{"precision", "", "error against run time, of the last 'precision'", "", NULL},
+                        NULL,
+                        "error",
+                        false},
+};
+const struct catalog plot_catalog = CATALOG("plot", plot_rows);
+
+bool plot_is_plane(enum plot_kind kind)
+{
+    return kind == PLOT_PHASE || kind == PLOT_ORBIT;
+}
+
+const struct variable *vertical_variable(const struct model *model, enum plot_kind kind)
+{
+    return &model->variable[kind == PLOT_VELOCITY || kind == PLOT_PHASE ? model->n / 2 : kind == PLOT_ORBIT ? 1 : 0];
+}
+
+int plot_coordinates(const struct model *model)
+{
+    const int all = model->order == 2 ? model->n / 2 : model->n;
+    int n = 1;
+    while (n < all && n <= LIMIT_OVERLAY && model->variable[n].quantity == model->variable[0].quantity)
+        n++;
+    return n;
+}
+
+bool plot_fits(enum plot_kind kind, const struct model *model)
+{
+    if (kind == PLOT_ORBIT)
+        return model->order == 2 && model->n == 4 && plot_coordinates(model) == 2;
+    return model->order == 2 || (kind != PLOT_VELOCITY && kind != PLOT_PHASE && kind != PLOT_ENERGY);
+}
+
+/* ---- which part of the time ---- */
+
+double run_rhythm(const struct run *run)
+{
+    const struct system *system = &run->system;
+    const double period = scene_period(&run->scene);
+    if (isfinite(period) || system->model == &oscillator_model || system->order != 2)
+        return period;
+    return 6.283185307179586 * system->scale[0] / system->scale[system->n / 2];
+}
+
+static void span_of(const struct drawing *d, double *from, double *to)
+{
+    *from = HUGE_VAL;
+    *to = -HUGE_VAL;
+    for (int i = 0; i < d->request->runs; i++) {
+        const struct run *run = d->session->run[d->request->run[i]]->run;
+        const double a = trace_time(run->trace, 0), b = trace_time(run->trace, trace_count(run->trace) - 1);
+        *from = fmin(*from, fmin(a, b));
+        *to = fmax(*to, fmax(a, b));
+    }
+    /* What follows a run shows the part of the recording that lies beside it. */
+    const struct recording *recording = recording_of(d);
+    if (recording && !(d->request->follow && d->request->runs)) {
+        *from = fmin(*from, recording->window[0]);
+        *to = fmax(*to, recording->window[1]);
+    }
+}
+
+/* Down to a length whose quarters are short numbers too: a window that lasts has labels that look the same on each
+ * page. */
+static double short_number(double length)
+{
+    static const double digits[] = {8, 6, 4, 3.2, 2.4, 2, 1.6, 1.2, 1};
+    const double unit = pow(10, floor(log10(length)));
+    for (size_t i = 0; i < COUNT_OF(digits); i++)
+        if (digits[i] * unit <= length)
+            return digits[i] * unit;
+    return length;
+}
+
+/* [s] the longest window in which every period can be seen at this width; NAN: any. */
+static double longest_window(const struct drawing *d)
+{
+    const struct figure_request *request = d->request;
+    const int each = request->charset == CHARSET_ASCII ? PERIOD_COLUMNS_ASCII : PERIOD_COLUMNS_DOTS;
+    const int columns = request->width > 2 * FRAME_COLUMNS ? request->width - FRAME_COLUMNS : FRAME_COLUMNS;
+    const double most =
+        plot_rows[request->kind].periods || (request->follow && !request->alone) ? d->period * columns / each : NAN;
+    return request->follow && d->total > most && isnormal(most) ? short_number(most) : most;
+}
+
+double drawing_trail(const struct drawing *d)
+{
+    return d->request->trail > 0 ? d->request->trail : TRAIL_PERIODS;
+}
+
+void drawing_window(struct drawing *d)
+{
+    const struct figure_request *request = d->request;
+    double from, to;
+    span_of(d, &from, &to);
+    const double now = to;
+    const bool asked = !isnan(request->window[0]) || !isnan(request->window[1]), phase = plot_is_plane(request->kind);
+    if (request->follow && !phase && request->until > to)
+        to = request->until;
+    d->total = to - from;
+    d->window[0] = isnan(request->window[0]) ? from : request->window[0];
+    d->window[1] = isnan(request->window[1]) ? to : request->window[1];
+    const double most = request->span > 0 ? request->span : longest_window(d);
+    if (asked || request->kind == PLOT_SPECTRUM) {
+    } else if (phase) {
+        d->window[0] = fmax(from, to - drawing_trail(d) * d->period);
+    } else if (request->follow && (request->span > 0 || d->total > most)) {
+        /* A moving window starts a whole number of pages, or of columns, after the start: while the curve grows nothing
+         * else moves. */
+        const double turn = most / (request->pages > 0 ? request->pages : 1);
+        const double start = from + turn * fmax(0, ceil((now - from - most) / turn - 1e-6));
+        d->window[0] = start;
+        d->window[1] = start + most;
+    } else if (d->total > most) {
+        d->window[1] = from + most;
+    }
+    d->shown = d->window[1] - d->window[0];
+}

@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* figure: what the two files that draw pictures share. Lengths in points from the upper left corner of the page. */
+#ifndef HOOKE_FIGURE_PICTURE_H
+#define HOOKE_FIGURE_PICTURE_H
+
+#include "cairo_api.h"
+#include "internal.h"
+
+#ifdef HAVE_CAIRO
+#define FONT_SIZE 10 /* [pt] */
+
+struct page {
+    const struct cairo_api *api;
+    cairo_t *cairo;
+    const struct figure *figure;
+    struct figure_layout layout;     /* its columns and rows are cells of CELL_WIDTH x CELL_HEIGHT */
+    double width, height;            /* of the page */
+    double left, top, right, bottom; /* of the plot */
+    uint8_t *ink;                    /* scratch: which grains of the plot a curve has passed through */
+    int grains;                      /* along a point: GRAINS, or a half or a quarter of it */
+    struct buffer text;              /* scratch */
+};
+
+#define GRAINS 4
+
+/* [byte] that `ink` needs for the plot, with so many grains along a point. */
+size_t page_ink_size(const struct page *page, int grains);
+void page_ink_clear(struct page *page, int grains);
+/* Whether a line in the plot passes where there was no ink; then there is. */
+bool page_ink_line(const struct page *page, double x0, double y0, double x1, double y1);
+/* Makes the path of a curve the current one; NAN is a gap. */
+void page_path(struct page *page, const struct curve *curve);
+
+static inline double page_x(const struct page *page, double x)
+{
+    return page->left + fraction_of(&page->layout.x, x) * (page->right - page->left);
+}
+
+static inline double page_y(const struct page *page, double y)
+{
+    return page->bottom - fraction_of(&page->layout.y, y) * (page->bottom - page->top);
+}
+
+/* At (x, y): the baseline, `align` of the width (0: starts there, 1: ends there). Returns the width. */
+double page_text(struct page *page, double x, double y, double align, const char *text);
+double page_text_width(struct page *page, const char *text);
+
+void page_curves(struct page *page);
+/* What stands for a curve in the legend, its middle at height y. Returns its width; only that unless `draw`. */
+double page_sample(struct page *page, int curve, double x, double y, bool draw);
+#endif
+
+#endif

@@ -1,0 +1,127 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Single steps of explicit Runge-Kutta methods with their error estimate: rk_step() again for each row and shape, and
+ * for any forces on two or four variables. Adaptive runs spend their time here.
+ */
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC optimize("no-tree-vectorize") /* pairs of numbers: packing and unpacking them takes longer than it saves   \
+                                           */
+#endif
+#define UNROLL _Pragma("GCC unroll 32")
+#include "kernel.h"
+#include "rk_error.h"
+
+#define MOST 4 /* variables */
+
+INLINE enum step_status one_step(const struct method *method, int n, slope_function *slope, const void *forces,
+                                 struct step *step)
+{
+    const struct tableau *tableau = method->tableau;
+    const int stages = tableau->stages;
+    double k[STAGES_MAX * MOST], z[MOST], y[MOST];
+    if (step->low)
+        return rk_step(method, step);
+    for (int i = 0; i < n; i++)
+        y[i] = step->y[i];
+    const bool known = (tableau->fsal && step->warm) || step->again;
+    const double *first = step->work + (tableau->fsal && step->warm ? (stages - 1) * n : 0);
+    for (int i = 0; i < n; i++)
+        k[i] = first[i];
+    rk_stages(tableau, n, slope, forces, step->t, step->h, y, k, z, NULL, known);
+    step->cost.evals += stages - known;
+    for (int i = 0; i < stages * n; i++)
+        step->work[i] = k[i];
+    step->work[(stages + tableau->extra + 1) * n] = false; /* the interpolant's stages are not there */
+    if (step->error && tableau->companion)
+        rk_estimate(tableau, n, step->system, step->h, k, y, z, step->error);
+    bool finite = true;
+    for (int i = 0; i < n; i++)
+        finite = finite && isfinite(z[i]);
+    if (!finite)
+        return STEP_NONFINITE;
+    for (int i = 0; i < n; i++)
+        step->y[i] = z[i];
+    return STEP_OK;
+}
+
+/* ---- shapes, those of linear scenes too, and any equations of motion ---- */
+
+#define LINEAR_SHAPES(S) S(spring) S(damped)
+#define TERMS_OF_spring(T) T(0, spring)
+#define TERMS_OF_damped(T) T(0, spring) T(1, damping)
+LINEAR_SHAPES(SHAPE_FUNCTIONS)
+
+INLINE void any_slope(const struct system *system, int half, double t, const double *y, double *dydt)
+{
+    for (int i = 0; i < half; i++) {
+        dydt[i] = y[half + i];
+        dydt[half + i] = -0.0;
+    }
+    for (int i = 0; i < system->terms; i++)
+        system->term[i].row->add(system->term[i].c, t, y, dydt + half);
+}
+
+INLINE void line_slope(const void *system, double t, const double *y, double *dydt)
+{
+    any_slope(system, 1, t, y, dydt);
+}
+
+INLINE void plane_slope(const void *system, double t, const double *y, double *dydt)
+{
+    any_slope(system, 2, t, y, dydt);
+}
+
+#define RK_ROW JOIN(rk_, __LINE__)
+#define STEP_NAME(shape) JOIN(shape##_step_, __LINE__)
+#define SHAPE_STEP(shape)                                                                                              \
+    static enum step_status STEP_NAME(shape)(const struct method *method, struct step *step)                           \
+    {                                                                                                                  \
+        struct forces forces;                                                                                          \
+        (void)method;                                                                                                  \
+        forces_take(&forces, step->system);                                                                            \
+        return one_step(&RK_ROW, N, shape##_slope, &forces, step);                                                     \
+    }
+#define ANY_STEP(name, n)                                                                                              \
+    static enum step_status STEP_NAME(name)(const struct method *method, struct step *step)                            \
+    {                                                                                                                  \
+        (void)method;                                                                                                  \
+        return one_step(&RK_ROW, n, name##_slope, step->system, step);                                                 \
+    }
+#define RUNGE_KUTTA(...)                                                                                               \
+    static const struct method RK_ROW = {__VA_ARGS__};                                                                 \
+    SHAPES(SHAPE_STEP)                                                                                                 \
+    LINEAR_SHAPES(SHAPE_STEP)                                                                                          \
+    ANY_STEP(line, 2)                                                                                                  \
+    ANY_STEP(plane, 4)
+#include "rk.def"
+#undef RUNGE_KUTTA
+
+/* ---- the table ---- */
+
+enum { SHAPE_spring = SHAPE_COUNT, SHAPE_damped, SHAPE_LINE, SHAPE_PLANE, STEP_COUNT };
+
+#define STEP_ENTRY(shape) STEP_NAME(shape),
+
+static const struct {
+    const struct method *method;
+    step_function *step[STEP_COUNT];
+} steps[] = {
+#define RUNGE_KUTTA(...) {&RK_ROW, {SHAPES(STEP_ENTRY) LINEAR_SHAPES(STEP_ENTRY) STEP_NAME(line), STEP_NAME(plane)}},
+#include "rk.def"
+};
+
+step_function *method_step_kernel(const struct method *method, const struct system *system)
+{
+    int shape = system->n == 4 ? SHAPE_PLANE : SHAPE_LINE;
+    if (system->order != 2 || system->n > 4)
+        return NULL;
+    if (shape_of(system) >= 0)
+        shape = shape_of(system);
+    else if (system->model == &oscillator_model && system->oscillator.whole && system->oscillator.stiffness != 0 &&
+             system->terms == (system->oscillator.damping != 0) + 1 && system->linear)
+        shape = SHAPE_spring + (system->terms == 2);
+    for (size_t i = 0; i < COUNT_OF(steps); i++)
+        if (method->tableau && strcmp(steps[i].method->row.name, method->row.name) == 0)
+            return steps[i].step[shape];
+    return NULL;
+}

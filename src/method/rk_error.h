@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The error estimate of an explicit Runge-Kutta step, in one text like its stages. */
+#ifndef HOOKE_METHOD_RK_ERROR_H
+#define HOOKE_METHOD_RK_ERROR_H
+
+#include "rk_body.h"
+
+INLINE void rk_difference(int n, double h, const double *w, const double *u, int count, const double *k, double *error)
+{
+    for (int i = 0; i < n; i++) {
+        double sum = -0.0;
+        UNROLL for (int j = 0; j < count; j++) if (w[j] != u[j]) sum += (w[j] - u[j]) * k[j * n + i];
+        error[i] = h * sum;
+    }
+}
+
+/* The difference from the companion; with a rough one too, that of DOP853 (II.10, eq. 10.17). */
+INLINE void rk_estimate(const struct tableau *tableau, int n, const struct system *system, double h, const double *k,
+                        const double *y, const double *z, double *error)
+{
+    rk_difference(n, h, tableau->b, tableau->companion, tableau->stages, k, error);
+    if (!tableau->rough)
+        return;
+    double rough[LIMIT_VARIABLES];
+    rk_difference(n, h, tableau->b, tableau->rough, tableau->stages, k, rough);
+    double square = scaled_square(system, error, y, z);
+    double share = square > 0 ? sqrt(square / (square + 0.01 * scaled_square(system, rough, y, z))) : 0;
+    for (int i = 0; i < n; i++)
+        error[i] *= share;
+}
+
+#endif

@@ -1,0 +1,72 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the benchmarks share: contests between arms, tables of ratios, the hand-written competitors. */
+#ifndef BENCH_H
+#define BENCH_H
+
+#include <hooke/hooke.h>
+
+#include "problem.h"
+
+/* ---- a contest: several arms, interleaved in random order, so that whatever disturbs the machine meets all alike ---- */
+
+#define ROUNDS 25
+
+struct arm {
+    double (*run)(void *self); /* one sample: ns a unit (step, solve, number); NAN: it cannot */
+    void *self;
+    double minimum, median;
+};
+
+void contest(struct arm *arm, int count);
+double arm_spread(const struct arm *a, const struct arm *b); /* the larger median/minimum - 1 of both */
+
+/* ---- tables: 98 columns ---- */
+
+void table_begin(const char *title, const char *unit); /* unit: of the times */
+/* ratio = hooke/other; goal NAN: none. A verdict on times that wander by more than 10 % has a ~. */
+void table_row(const char *what, const struct arm *hooke, const char *other_name, const struct arm *other, double goal);
+void table_absent(const char *other_name, const char *why);
+void table_note(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+/* ---- scenes and methods by name; the benchmark ends where one is missing ---- */
+
+const struct method *bench_method(const char *name);
+struct scene bench_scene(const char *preset, const char *setting, double value); /* setting NULL: none */
+struct run *bench_run(const struct scene *scene, const struct method *method, const struct run_settings *settings,
+                      double span);
+void bench_die(const char *what, const char *why) __attribute__((noreturn));
+void memory_cold(void); /* what is free goes back to the system */
+
+/* ---- fixed steps by hand ---- */
+
+/* The presets with their forces, each with a loop for every method that is written out for it. */
+struct hand_scene {
+    const char *name, *preset, *setting;
+    double value;
+    int n;
+    struct known known;
+    struct {
+        const char *method; /* NULL: end */
+        hand_loop *loop;
+    } loop[8];
+};
+extern const struct hand_scene hand_scenes[]; /* name NULL: end */
+const struct hand_scene *hand_scene(const char *name);
+hand_loop *hand_find(const struct hand_scene *scene, const char *method);
+
+/* ---- adaptive solves: hooke, by hand, and by libraries ---- */
+
+solve_function hand_dop853_oscillator, hand_dop853_kepler, hand_rodas5p_vanderpol, hand_rodas5p_robertson;
+solve_function gsl_rk8pd, gsl_msbdf, gsl_bsimp;
+hand_loop gsl_rk4_loop;
+
+/* ---- topics ---- */
+
+void bench_fixed(void);
+void bench_linear(void);
+void bench_cost(void);
+void bench_adaptive(void);
+void bench_stiff(void);
+void bench_text(void);
+
+#endif

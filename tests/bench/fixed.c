@@ -1,0 +1,234 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Steps of fixed size, recording y and v: each method on each scene against the loop by hand, and against libraries. */
+#include "bench.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define STEPS 60000 /* at most: what they leave behind fits into the second cache, for the loops as for hooke */
+#define SAMPLE_NS 4e5 /* short, so that some samples of a round meet nobody else */
+#define DT 0.01
+
+/* A recorded run: time of the steps alone. */
+struct recorded {
+    struct scene scene;
+    const struct method *method;
+    struct run_settings settings;
+    int64_t steps;
+    bool cold;
+    double end[LIMIT_VARIABLES];
+    bool propagated, specialised;
+};
+
+static double run_recorded(void *self)
+{
+    struct recorded *r = self;
+    struct run *run = bench_run(&r->scene, r->method, &r->settings, (double)r->steps * r->settings.dt);
+    if (!run)
+        return NAN;
+    if (r->cold)
+        memory_cold();
+    const struct run_target target = {.t = HUGE_VAL, .steps = r->steps};
+    const int64_t begin = clock_ns();
+    while (run_advance(run, &target, 0, NULL)) {
+    }
+    const double ns = (double)(clock_ns() - begin) / (double)run->steps;
+    memcpy(r->end, run->y, sizeof r->end);
+    r->propagated = run->plan.propagates;
+    r->specialised = !r->propagated && method_kernel(r->method, &run->system, run->settings.drag) &&
+                     !method_turns(r->method, &run->system);
+    run_destroy(run);
+    return ns;
+}
+
+/* A loop by hand or by a library, into memory that is warm, or from the system. */
+struct looped {
+    const struct hand_scene *scene;
+    hand_loop *loop;
+    double start[LIMIT_VARIABLES], end[LIMIT_VARIABLES];
+    double *row;
+    int64_t steps;
+    bool cold;
+};
+
+static double run_looped(void *self)
+{
+    struct looped *l = self;
+    const size_t size = (size_t)(l->steps * l->scene->n) * sizeof(double);
+    double state[LIMIT_VARIABLES];
+    double *row = l->row;
+    memcpy(state, l->start, sizeof state);
+    if (l->cold) {
+        memory_cold();
+        row = malloc(size);
+    }
+    if (!row)
+        return NAN;
+    const int64_t begin = clock_ns();
+    l->loop(&l->scene->known, DT, 0, l->steps, state, row);
+    const double ns = (double)(clock_ns() - begin) / (double)l->steps;
+    memcpy(l->end, state, sizeof state);
+    if (l->cold)
+        free(row);
+    return ns;
+}
+
+static struct looped looped(const struct hand_scene *scene, hand_loop *loop, double *row)
+{
+    struct looped l = {.scene = scene, .loop = loop, .row = row, .steps = STEPS};
+    const struct scene bound = bench_scene(scene->preset, scene->setting, scene->value);
+    struct system system;
+    struct error error = {0};
+    if (!scene_bind(&bound, &system, &error))
+        bench_die(scene->name, error.text);
+    memcpy(l.start, system.start, sizeof l.start);
+    return l;
+}
+
+static struct recorded recorded(const struct hand_scene *scene, const char *method, enum kernel kernel)
+{
+    return (struct recorded){.scene = bench_scene(scene->preset, scene->setting, scene->value),
+                             .method = bench_method(method),
+                             .settings = {.dt = DT, .kernel = kernel},
+                             .steps = STEPS};
+}
+
+/* Both must do the same. Steps cut at turning points are another method, and a propagator rounds differently. */
+static double apart(const struct hand_scene *scene, const double *a, const double *b)
+{
+    double most = 0;
+    for (int i = 0; i < scene->n; i++)
+        most = fmax(most, fabs(a[i] - b[i]) / (1 + fabs(a[i])));
+    return most;
+}
+
+/* So many steps that a sample is short. */
+static int64_t few_steps(double ns)
+{
+    return SAMPLE_NS / ns < STEPS ? (int64_t)(SAMPLE_NS / ns) : STEPS;
+}
+
+static double *rows(int n)
+{
+    double *row = malloc((size_t)(STEPS * n) * sizeof *row);
+    if (!row)
+        bench_die("rows", "out of memory");
+    memset(row, 0, (size_t)(STEPS * n) * sizeof *row);
+    return row;
+}
+
+static void against_hand(const char *method, const struct hand_scene *scene, double *row)
+{
+    hand_loop *loop = hand_find(scene, method);
+    struct recorded best = recorded(scene, method, KERNEL_PROPAGATOR);
+    struct recorded general = recorded(scene, method, KERNEL_GENERAL);
+    if (!loop || isnan(run_recorded(&best))) /* warm from now on */
+        return;
+    struct looped hand = looped(scene, loop, row);
+    struct arm arm[] = {{run_recorded, &best}, {run_recorded, &general}, {run_looped, &hand}};
+    general.steps = hand.steps = few_steps(run_recorded(&general));
+    run_recorded(&general);
+    run_looped(&hand);
+    const double distance = apart(scene, general.end, hand.end);
+    best.steps = few_steps(run_recorded(&best));
+    hand.steps = few_steps(run_looped(&hand));
+    contest(arm, 3);
+    char what[64], other[64];
+    snprintf(what, sizeof what, "%s, %s: %s", method, scene->name,
+             best.propagated ? "propagator" : best.specialised ? "kernel" : "general");
+    snprintf(other, sizeof other, "C loop%s", distance > 1e-6 ? " (differs)" : "");
+    table_row(what, &arm[0], other, &arm[2], 1.05);
+    if (best.propagated || best.specialised) {
+        snprintf(what, sizeof what, "%*sgeneral", (int)(strlen(method) + strlen(scene->name) + 4), "");
+        table_row(what, &arm[1], other, &arm[2], NAN);
+    }
+}
+
+static void against_libraries(double *row)
+{
+    static const struct {
+        const char *method, *name;
+        hand_loop *loop;
+    } rivals[] = {
+#ifdef HAVE_BOOST
+        {"euler", "boost odeint", boost_euler_loop},
+        {"rk4", "boost odeint", boost_rk4_loop},
+        {"dopri5", "boost odeint", boost_dopri5_loop},
+#endif
+        {"rk4", "gsl rk4", gsl_rk4_loop},
+    };
+    static const char *const scenes[] = {"duffing", "quadratic drag", "van der pol"};
+    table_begin("Fixed step, recorded, against libraries", "ns a step");
+    for (size_t i = 0; i < COUNT_OF(rivals); i++)
+        for (size_t s = 0; s < COUNT_OF(scenes); s++) {
+            const struct hand_scene *scene = hand_scene(scenes[s]);
+            struct recorded best = recorded(scene, rivals[i].method, KERNEL_PROPAGATOR);
+            struct looped other = looped(scene, rivals[i].loop, row);
+            struct arm arm[] = {{run_recorded, &best}, {run_looped, &other}};
+            char what[64];
+            run_recorded(&best);
+            best.steps = few_steps(run_recorded(&best));
+            other.steps = few_steps(run_looped(&other));
+            contest(arm, 2);
+            snprintf(what, sizeof what, "%s, %s", rivals[i].method, scene->name);
+            table_row(what, &arm[0], rivals[i].name, &arm[1], 1);
+        }
+#ifndef HAVE_BOOST
+    table_absent("boost odeint", "not installed (libboost-dev)");
+#endif
+}
+
+void bench_fixed(void)
+{
+    static const char *const methods[] = {"euler", "symplectic-euler", "verlet",           "rk4",
+                                          "dopri5", "pefrl",           "implicit-midpoint"};
+    double *row = rows(4);
+    table_begin("Fixed step, y and v recorded into warm memory", "ns a step");
+    for (size_t m = 0; m < COUNT_OF(methods); m++)
+        for (const struct hand_scene *scene = hand_scenes; scene->name; scene++)
+            against_hand(methods[m], scene, row);
+    table_note("C loop: written for this method and scene alone, compiled with the same flags as hooke.");
+    table_note("general: the same run with 'set kernel general'. differs: hooke ends steps of order above 2 at the");
+    table_note("turning points of |v|v and keeps its order; the loop does not.");
+    against_libraries(row);
+
+    struct recorded fresh = recorded(hand_scene("duffing"), "verlet", KERNEL_PROPAGATOR);
+    struct looped hand = looped(hand_scene("duffing"), hand_find(hand_scene("duffing"), "verlet"), row);
+    fresh.cold = hand.cold = true;
+    struct arm arm[] = {{run_recorded, &fresh}, {run_looped, &hand}};
+    contest(arm, 2);
+    table_begin("The same into memory fresh from the system", "ns a step");
+    table_row("verlet, duffing", &arm[0], "C loop", &arm[1], 1.05);
+    free(row);
+}
+
+/* ---- linear scenes ---- */
+
+static double run_constant(void *self)
+{
+    return *(double *)self;
+}
+
+/* What the goal is on this machine [ns a step]. */
+static double linear_goal(void)
+{
+#ifdef __x86_64__
+    return __builtin_cpu_supports("avx512f") ? 0.6 : __builtin_cpu_supports("avx2") ? 1.2 : 2.2;
+#else
+    return 2.2;
+#endif
+}
+
+void bench_linear(void)
+{
+    static const char *const methods[] = {"symplectic-euler", "verlet", "rk4", "dop853", "implicit-midpoint", "gauss6"};
+    double goal = linear_goal();
+    table_begin("A linear scene by its propagator, recorded, against the goal for this machine", "ns a step");
+    for (size_t i = 0; i < COUNT_OF(methods); i++) {
+        struct recorded best = recorded(hand_scene("linear drag"), methods[i], KERNEL_PROPAGATOR);
+        struct arm arm[] = {{run_recorded, &best}, {run_constant, &goal}};
+        contest(arm, 2);
+        table_row(methods[i], &arm[0], "goal", &arm[1], 1);
+    }
+}
