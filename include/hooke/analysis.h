@@ -108,34 +108,34 @@ struct fit_curve {
 
 struct curve_options {
     const double *low, *high; /* [parameters] bounds, NULL: none; -INFINITY and INFINITY: none on that side */
-    bool robust;              /* soft-L1, then bisquare (4.685 robust sigma): what is far off has no weight, and is counted */
-    int iterations;           /* at most; 0: 500 */
-    int bootstrap;            /* parametric bootstrap samples for the intervals, 0: none */
-    uint64_t seed;            /* of the bootstrap */
+    bool robust;    /* soft-L1, then bisquare (4.685 robust sigma): what is far off has no weight, and is counted */
+    int iterations; /* at most; 0: 500 */
+    int bootstrap;  /* parametric bootstrap samples for the intervals, 0: none */
+    uint64_t seed;  /* of the bootstrap */
     const struct cancel *cancel;
 };
 
 struct curve_fit {
     int parameters;
-    struct measured value[CURVE_PARAMETERS];  /* uncertainty: widened for correlated residuals; NAN: not determined */
-    double formal[CURVE_PARAMETERS];          /* the same as if residuals were independent */
-    double interval[CURVE_PARAMETERS][2];     /* 95 % (Student's t; of the bootstrap where it was asked for) */
+    struct measured value[CURVE_PARAMETERS]; /* uncertainty: widened for correlated residuals; NAN: not determined */
+    double formal[CURVE_PARAMETERS];         /* the same as if residuals were independent */
+    double interval[CURVE_PARAMETERS][2];    /* 95 % (Student's t; of the bootstrap where it was asked for) */
     double covariance[CURVE_PARAMETERS][CURVE_PARAMETERS]; /* widened */
     double correlation[CURVE_PARAMETERS][CURVE_PARAMETERS];
     bool determined[CURVE_PARAMETERS]; /* by the data */
     bool bound[CURVE_PARAMETERS];      /* lies on its bound: no uncertainty */
     bool converged;                    /* small_step, small_gradient, everything determined */
-    bool small_step;     /* the next full step would change no parameter by more than 1e-8 of itself or its uncertainty */
+    bool small_step; /* the next full step would change no parameter by more than 1e-8 of itself or its uncertainty */
     bool small_gradient; /* the residuals are orthogonal to the derivatives to 1e-6, or to rounding */
     int iterations;
-    double rss, sigma;        /* (weighted) sum of squares; standard deviation of the residuals */
+    double rss, sigma; /* (weighted) sum of squares; standard deviation of the residuals */
     size_t used, rejected;
-    double autocorrelation;   /* lag 1 of the residuals */
-    double runs;              /* runs of equal sign: standard deviations from what chance gives; < -3: systematic */
-    int bootstrapped;         /* samples that converged */
-    double *residual;         /* [n] y - f, from the arena */
-    double *weight;           /* [n] 1, or the robust ones */
-    char said[200];           /* in words: "converged: …", "did not converge: …" */
+    double autocorrelation; /* lag 1 of the residuals */
+    double runs;            /* runs of equal sign: standard deviations from what chance gives; < -3: systematic */
+    int bootstrapped;       /* samples that converged */
+    double *residual;       /* [n] y - f, from the arena */
+    double *weight;         /* [n] 1, or the robust ones */
+    char said[200];         /* in words: "converged: …", "did not converge: …" */
 };
 
 /*
@@ -159,19 +159,20 @@ struct formula_column {
 struct formula {
     const struct expr *expr;
     int parameters;
-    const char *name[CURVE_PARAMETERS];   /* in the order in which they first appear */
-    bool linear[CURVE_PARAMETERS];        /* the formula is linear in these together */
-    bool given[CURVE_PARAMETERS];         /* a start was given */
+    const char *name[CURVE_PARAMETERS]; /* in the order in which they first appear */
+    bool linear[CURVE_PARAMETERS];      /* the formula is linear in these together */
+    bool given[CURVE_PARAMETERS];       /* a start was given */
     double start[CURVE_PARAMETERS];
     double low[CURVE_PARAMETERS], high[CURVE_PARAMETERS]; /* bounds */
-    const struct formula_column *column;  /* variables; t is always one */
+    const struct formula_column *column;                  /* variables; t is always one */
     int columns;
     double *constant; /* values of the known names, from the arena */
 };
 
 /*
- * Compiles the longest formula at the start of `text` (see expr_compile). `known`, or NULL: names that are constants, with
- * their present values. columns: more variables than t, or NULL. At least one parameter and at most CURVE_PARAMETERS.
+ * Compiles the longest formula at the start of `text` (see expr_compile). `known`, or NULL: names that are constants,
+ * with their present values. columns: more variables than t, or NULL. At least one parameter and at most
+ * CURVE_PARAMETERS.
  */
 bool formula_compile(struct text text, const struct expr_scope *known, const struct formula_column *column, int columns,
                      struct arena *arena, struct formula *formula, size_t *used, struct error *error);
@@ -191,14 +192,14 @@ void formula_values(const struct formula *formula, const double *parameter, cons
 
 enum drag_law { LAW_NONE, LAW_LINEAR, LAW_QUADRATIC, LAW_MIXED, LAW_UNDECIDED, LAW_FRICTION };
 
-const char *
-drag_law_name(enum drag_law law); /* "linear", "quadratic", "mixed", "not distinguishable", "dry friction", NULL for LAW_NONE */
+const char *drag_law_name(
+    enum drag_law law); /* "linear", "quadratic", "mixed", "not distinguishable", "dry friction", NULL for LAW_NONE */
 
 #define DRAG_LAWS 4
 
 /*
- * The whole oscillation under each law of y'' + gamma y' + b|y'|y' + f sign(y') + Omega^2 y = 0: linear, quadratic, mixed,
- * dry friction. The envelope is that of averaging: A' = -(gamma/2) A - (4 b Omega/(3 pi)) A^2 - 2 f/(pi Omega).
+ * The whole oscillation under each law of y'' + gamma y' + b|y'|y' + f sign(y') + Omega^2 y = 0: linear, quadratic,
+ * mixed, dry friction. The envelope is that of averaging: A' = -(gamma/2) A - (4 b Omega/(3 pi)) A^2 - 2 f/(pi Omega).
  */
 struct drag_fit {
     struct drag_candidate {
@@ -211,9 +212,10 @@ struct drag_fit {
     } candidate[DRAG_LAWS];
     int candidates;     /* 0: the fit was not one of drag */
     double independent; /* residuals, after allowing for their correlation in the amplitude */
-    double delta;       /* BIC of the next best single law, or of the best one for the mixed law, less that of the preferred one */
-    double p_value;     /* F-test of the mixed law against the best single one */
-    char said[240];     /* the choice in words, with the numbers */
+    double delta;   /* BIC of the next best single law, or of the best one for the mixed law, less that of the preferred
+                       one */
+    double p_value; /* F-test of the mixed law against the best single one */
+    char said[240]; /* the choice in words, with the numbers */
 };
 
 struct fit {
@@ -231,10 +233,10 @@ struct fit {
     double autocorrelation; /* lag 1 of the residuals */
     char warning[8][200];
     int warnings;
-    double t0; /* [s] time of the first sample: t in the model counts from here */
+    double t0;             /* [s] time of the first sample: t in the model counts from here */
     struct measured drift; /* [y/s] of the offset, which is that at t0; 0: it stands still */
-    /* The amplitude also falls by 1/(1 + quadratic_rate (1 - exp(-gamma t/2)) 2/gamma) and to 1 - friction_rate t: 0 but
-     * in fits of drag. */
+    /* The amplitude also falls by 1/(1 + quadratic_rate (1 - exp(-gamma t/2)) 2/gamma) and to 1 - friction_rate t: 0
+     * but in fits of drag. */
     double quadratic_rate, friction_rate; /* [1/s] */
     struct drag_fit drag;
 };
@@ -246,11 +248,11 @@ struct fit_model {
 };
 
 /*
- * Rows damped, sine and drag need no guess. drag: the fit's values are those of the best law (by BIC), `preferred` is LAW_UNDECIDED
- * where the data do not decide. Uncertainties: least squares, widened for what the residuals share
- * with each parameter (sway, wandering); of period, omega and gamma also half the difference of the window's halves where these differ by more
- * than 2.5 standard deviations. ERROR_COMMAND: does not oscillate; ERROR_NUMERICAL: did not converge. A fit switches
- * GSL's error handler off (process-wide: GSL has no other way).
+ * Rows damped, sine and drag need no guess. drag: the fit's values are those of the best law (by BIC), `preferred` is
+ * LAW_UNDECIDED where the data do not decide. Uncertainties: least squares, widened for what the residuals share with
+ * each parameter (sway, wandering); of period, omega and gamma also half the difference of the window's halves where
+ * these differ by more than 2.5 standard deviations. ERROR_COMMAND: does not oscillate; ERROR_NUMERICAL: did not
+ * converge. A fit switches GSL's error handler off (process-wide: GSL has no other way).
  */
 extern const struct catalog fit_catalog;
 

@@ -56,6 +56,11 @@ struct recording {
     int unsaid;         /* these */
     double window[2];   /* [s] the part in use, in the file's time; the whole file by default */
     double zero;        /* SI, subtracted from the value; 0 by default */
+    struct measured mass;            /* [kg] of what hung on the spring; 0: nobody has said */
+    char velocity[LIMIT_NAME + 1];   /* name of the recording that holds the sensor's velocities; "": none */
+    size_t repeated, backward;       /* rows among the dropped ones whose time repeats or goes back */
+    const struct findings *findings; /* NULL: nobody has looked yet */
+    bool cleaned;                    /* what the findings mask is left out */
     double *t;          /* [rows] time [s], rising; NAN never */
     double *y;          /* [rows] chosen value in SI, zero not yet subtracted; NAN: missing */
     uint32_t *line;     /* [rows] line of the file, counted from 1 */
@@ -89,11 +94,65 @@ void recording_destroy(struct recording *recording);
 /* "swing3.txt: distance [cm], 480 rows, 0..9.58 s, 50 Hz; tab, 2 header lines" and the warnings, a line each. */
 void recording_describe(const struct recording *recording, struct buffer *text);
 bool recording_window(struct recording *recording, double from, double to, struct error *error);
-void recording_restore(struct recording *recording); /* whole file, zero 0 */
-/* The part in use without missing values, zero subtracted; arrays from `arena`. At least `least` samples or an error.
- */
+void recording_restore(struct recording *recording); /* whole file, every sample, zero 0 */
+/* The part in use without missing or masked values, zero subtracted; arrays from `arena`. At least `least` samples or an
+ * error. */
 bool recording_series(const struct recording *recording, struct arena *arena, size_t least, struct series *series,
                       struct error *error);
+
+/* ---- what is wrong with a recording ---- */
+
+enum finding_kind {
+    FINDING_SPIKES,    /* missed echoes: one or two samples far from their neighbours */
+    FINDING_SHOULDERS, /* double echoes: more of them in a row, on one side */
+    FINDING_STUCK,     /* the same value again and again while it should move */
+    FINDING_CLIPPED,   /* flat tops */
+    FINDING_QUANTISED, /* few different values */
+    FINDING_START,     /* rest, hand or release before the free oscillation */
+    FINDING_END,       /* rest or a hand after it */
+    FINDING_GAPS,
+    FINDING_MISSING, /* rows without a value */
+    FINDING_REPEATED,
+    FINDING_BACKWARD,
+    FINDING_SWAY, /* the amplitude goes up and down */
+    FINDINGS
+};
+
+enum remedy { REMEDY_MASK, REMEDY_WINDOW, REMEDY_KEEP, REMEDY_DROPPED /* when the file was read */ };
+
+struct finding_row {
+    struct row row; /* name, unit "", what it is, what is done about it */
+    enum remedy remedy;
+};
+
+extern const struct catalog finding_catalog; /* at the enum's place */
+
+#define FINDING_PLACES 3
+
+struct finding {
+    size_t count;                 /* samples; of gaps and times: rows */
+    size_t places;                /* stretches that they form */
+    double first[FINDING_PLACES]; /* [s] where the first of these begin; NAN where there are fewer */
+    double size;                  /* SI: largest deviation; of a clipped top its level, of steps their size, of a gap its
+                                     length [s], of sway the modulation (rms, relative); NAN: does not apply */
+};
+
+struct findings {
+    struct finding of[FINDINGS];
+    unsigned char *mask; /* [rows] 0: fine; else 1 + the kind that masks it */
+    size_t masked;
+    double window[2];   /* [s] the part in which it swings freely */
+    double period;      /* [s] it was inspected with; NAN: none */
+    double sway_period; /* [s] NAN: not known */
+};
+
+/*
+ * Looks at the whole file, whatever its window is, once; the result belongs to the recording. period [s]: about that of
+ * the oscillation (to a few percent); NAN: it has none, then only what needs none is looked for. False: no memory.
+ */
+bool recording_inspect(struct recording *recording, double period, struct error *error);
+/* Masks what the findings say; the window becomes theirs, unless somebody has chosen one. Values are never invented. */
+void recording_clean(struct recording *recording);
 
 /* ---- tables out ---- */
 

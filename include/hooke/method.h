@@ -177,8 +177,8 @@ int64_t method_march(const struct method *method, march_function *kernel, const 
  * periods of an oscillation the error that has added up is at most ten times tol.
  *
  * Steps towards t_end (either side of t), never past it; a step that reaches it sets t = t_end exactly and leaves the
- * proposal as it was, and so does one to a turning point. step->h is then the step taken. A state that is not finite is retried with h/4, up to 20 times.
- * Anything but STEP_OK leaves y and t as they were.
+ * proposal as it was, and so does one to a turning point. step->h is then the step taken. A state that is not finite is
+ * retried with h/4, up to 20 times. Anything but STEP_OK leaves y and t as they were.
  */
 struct controller {
     double tol;       /* at least 10 eps */

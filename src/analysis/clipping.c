@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Clipped tops (a nearer object echoes, the sensor's range ends): y = min(level, model) + noise. Samples at which the model
- * lies beyond the level are censored, whatever they read themselves: were they judged by their reading, those that noise
- * carries one way would be kept and the others dropped, and amplitude and decay would be wrong by many standard deviations.
+ * Clipped tops (a nearer object echoes, the sensor's range ends): y = min(level, model) + noise. Samples at which the
+ * model lies beyond the level are censored, whatever they read themselves: were they judged by their reading, those
+ * that noise carries one way would be kept and the others dropped, and amplitude and decay would be wrong by many
+ * standard deviations.
  */
 #include "internal.h"
 
@@ -11,9 +12,9 @@
 
 enum { CENSORED_LEAST = 6, ROUNDS = 25 };
 
-#define HARMONICS 2.5    /* standard deviations of the second or third harmonic that make it worth a look */
+#define HARMONICS 2.5   /* standard deviations of the second or third harmonic that make it worth a look */
 #define GAIN_LEAST 9.0  /* chi-square by which a ceiling must explain the samples better */
-#define SLOPE_MOST 0.35  /* of reading against model beyond the level: 0 where it is flat, 1 where it is not */
+#define SLOPE_MOST 0.35 /* of reading against model beyond the level: 0 where it is flat, 1 where it is not */
 
 /* A flat top has harmonics; noise has none at all. */
 static bool has_harmonics(const struct motion *m)
@@ -36,8 +37,8 @@ static bool has_harmonics(const struct motion *m)
 
 struct censoring {
     struct harmonic harmonic;
-    unsigned char *use;   /* [n] without the censored ones */
-    double *residual;     /* [n] */
+    unsigned char *use; /* [n] without the censored ones */
+    double *residual;   /* [n] */
     double level, rss, slope;
     size_t censored;
 };

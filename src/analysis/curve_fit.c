@@ -13,8 +13,8 @@
 
 enum { ITERATIONS = 500, ROBUST_ROUNDS = 40, SOFT_ROUNDS = 5 };
 
-#define NO_VALUE 1e140  /* residual where the curve has none: the step is refused */
-#define BISQUARE 4.685  /* robust standard deviations: 95 % efficient for normal noise */
+#define NO_VALUE 1e140 /* residual where the curve has none: the step is refused */
+#define BISQUARE 4.685 /* robust standard deviations: 95 % efficient for normal noise */
 #define SOFT_L1 1.345
 
 /* ---- bounds: x = low + (high - low)(1 + sin u)/2, or low - 1 + sqrt(u^2 + 1) in units of the start ---- */
@@ -94,7 +94,8 @@ static bool settled(const gsl_multifit_nlinear_workspace *work, const struct pro
         gsl_vector_const_view column = gsl_matrix_const_column(jacobian, j);
         double norm = gsl_blas_dnrm2(&column.vector), at = fabs(gsl_vector_get(x, j));
         double scale = fmax(at, norm > 0 ? size / sqrt((double)p->n) / norm : 0);
-        if (fabs(gsl_vector_get(dx, j)) > 1e-11 * scale || fabs(gsl_vector_get(g, j)) > fmax(1e-11, rounding) * norm * size)
+        if (fabs(gsl_vector_get(dx, j)) > 1e-11 * scale ||
+            fabs(gsl_vector_get(g, j)) > fmax(1e-11, rounding) * norm * size)
             return false;
     }
     return true;
@@ -265,6 +266,12 @@ static bool prepare(struct problem *p, const struct series *series, const double
     return true;
 }
 
+bool enough_samples(const struct series *series, int parameters, struct error *error)
+{
+    return series->n > (size_t)parameters ||
+           error_set(error, ERROR_COMMAND, "%zu samples cannot determine %d parameters", series->n, parameters);
+}
+
 bool curve_fit(const struct fit_curve *curve, const struct series *series, const double *start,
                const struct curve_options *options, struct arena *arena, struct curve_fit *fit, struct error *error)
 {
@@ -275,8 +282,8 @@ bool curve_fit(const struct fit_curve *curve, const struct series *series, const
     int count = curve->parameters, most = o->iterations > 0 ? o->iterations : ITERATIONS, iterations = 0;
     *fit = (struct curve_fit){.parameters = count};
     gsl_set_error_handler_off(); /* GSL's default ends the program; statuses are checked here */
-    if (series->n <= (size_t)count)
-        return error_set(error, ERROR_COMMAND, "%zu samples cannot determine %d parameters", series->n, count);
+    if (!enough_samples(series, count, error))
+        return false;
     fit->residual = arena_array(arena, series->n, sizeof(double));
     if (!fit->residual || !prepare(&p, series, start, arena))
         return error_memory(error);

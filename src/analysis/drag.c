@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Which drag makes the oscillation die out: y = c + E(s) (p cos(omega s) + q sin(omega s)) with the averaged envelope E of
- * each law, fitted to all samples, and the choice between them. Averaging is good to the square of the relative loss in
- * a period.
+ * Which drag makes the oscillation die out: y = c + E(s) (p cos(omega s) + q sin(omega s)) with the averaged envelope E
+ * of each law, fitted to all samples, and the choice between them. Averaging is good to the square of the relative loss
+ * in a period.
  */
 #include "internal.h"
 
@@ -11,9 +11,10 @@
 
 enum { P, Q, OFFSET, OMEGA, FIRST_RATE, WINDOWS_LEAST = 8, WINDOWS_MOST = 256 };
 
-#define DELTA_LEAST 6.0   /* of BIC, and */
-#define CHANCE_MOST 0.01  /* of the F-test, for a second term */
-#define AVERAGED 1e-10    /* mean square to which averaging is good: no law is better than that */
+#define DELTA_LEAST 6.0  /* of BIC, and */
+#define CHANCE_MOST 0.01 /* of the F-test, for a second term */
+#define HIDDEN 0.1       /* chance below which a second term may be there although it is not shown to be */
+#define AVERAGED 1e-10   /* mean square to which averaging is good: no law is better than that */
 
 static const struct law {
     enum drag_law law;
@@ -154,12 +155,16 @@ static int choose(const struct curve_fit *fit, double variance, struct fit *out)
         return MIXED;
     }
     drag->delta = over_next;
-    bool alone = over_next >= DELTA_LEAST && !(physical && over_single > 0);
+    bool alone = over_next >= DELTA_LEAST && !(physical && drag->p_value < HIDDEN);
     out->preferred = alone ? laws[best].law : LAW_UNDECIDED;
-    snprintf(drag->said, sizeof drag->said,
-             "%s: BIC of %s is lower by %.3g than that of %s (%g needed); a second term %s (BIC %+.3g, F-test p = %.1g)",
-             drag_law_name(out->preferred), name, over_next, other, DELTA_LEAST,
-             !physical ? "would be negative" : over_single > 0 ? "may be there" : "is not needed", -over_single, drag->p_value);
+    snprintf(
+        drag->said, sizeof drag->said,
+        "%s: BIC of %s is lower by %.3g than that of %s (%g needed); a second term %s (BIC %+.3g, F-test p = %.1g)",
+        drag_law_name(out->preferred), name, over_next, other, DELTA_LEAST,
+        !physical                ? "would be negative"
+        : drag->p_value < HIDDEN ? "may be there"
+                                 : "is not needed",
+        -over_single, drag->p_value);
     return best;
 }
 
@@ -197,10 +202,9 @@ static void report(const struct curve_fit *f, const struct law *law, double fact
 {
     double p = f->value[P].value, q = f->value[Q].value, a = hypot(p, q);
     double of_amplitude[CURVE_PARAMETERS] = {p / a, q / a}, of_phase[CURVE_PARAMETERS] = {q / (a * a), -p / (a * a)};
-    struct envelope_rates rates = rates_of(law, (const double[]){f->value[FIRST_RATE].value,
-                                                                 f->parameters > FIRST_RATE + 1
-                                                                     ? f->value[FIRST_RATE + 1].value
-                                                                     : 0});
+    struct envelope_rates rates =
+        rates_of(law, (const double[]){f->value[FIRST_RATE].value,
+                                       f->parameters > FIRST_RATE + 1 ? f->value[FIRST_RATE + 1].value : 0});
     out->amplitude = (struct measured){a, deviation(f, of_amplitude, factor)};
     out->phase = (struct measured){atan2(-q, p), deviation(f, of_phase, factor)};
     out->offset = (struct measured){f->value[OFFSET].value, f->value[OFFSET].uncertainty};

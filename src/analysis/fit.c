@@ -22,8 +22,8 @@ static double variance(const struct harmonic *h, const double g[HARMONIC_PARAMET
 /*
  * From the parameters at the origin to those of y = c + A exp(-gamma t/2) cos(omega t + phi), t from t0, A >= 0, phi in
  * (-pi, pi]. Uncertainties: covariance of the least-squares problem times the variance of the residuals, widened for
- * what the residuals have in common with each parameter (sway, drift). To that the caller adds what two halves tell. Not
- * included: other ways in which the model itself may miss (see the warnings).
+ * what the residuals have in common with each parameter (sway, drift). To that the caller adds what two halves tell.
+ * Not included: other ways in which the model itself may miss (see the warnings).
  */
 static void report(const struct samples *x, const double *residual, const struct harmonic *h, int unknowns, double t0,
                    struct fit *fit)

@@ -182,9 +182,9 @@ bool formula_evaluate(void *context, const double *parameter, const double *t, s
     for (size_t i = 0; i < n; i++) {
         place.t = t[i];
         place.i = i;
-        value[i] = derivative ? expr_gradient(f->expr, &scope, slot, f->parameters,
-                                              derivative + i * (size_t)f->parameters)
-                              : expr_value(f->expr, &scope);
+        value[i] = derivative
+                       ? expr_gradient(f->expr, &scope, slot, f->parameters, derivative + i * (size_t)f->parameters)
+                       : expr_value(f->expr, &scope);
         if (!isfinite(value[i]))
             return false;
     }

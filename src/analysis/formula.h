@@ -21,8 +21,8 @@ struct projection {
 bool projection_init(struct projection *v, const struct formula *formula, const struct series *series,
                      struct arena *arena); /* false: no memory */
 /*
- * Sets the linear parameters in x [parameters] to the best for the others there. value [n] and derivative [n][others] of
- * the formula with them, or NULL. False: no finite values there, or linear parameters that are not determined.
+ * Sets the linear parameters in x [parameters] to the best for the others there. value [n] and derivative [n][others]
+ * of the formula with them, or NULL. False: no finite values there, or linear parameters that are not determined.
  */
 bool project(struct projection *v, double *x, double *value, double *derivative, double *rss);
 /* The same (the context) as struct fit_curve wants it: a curve of the other parameters alone. */

@@ -13,8 +13,8 @@ enum { THIN = 400, TRIALS = 3000, REFINED = 12, SCALES_MOST = 40 };
 struct search {
     struct formula formula; /* with its columns thinned like the series */
     struct series thin;
-    struct projection projection;                /* of these */
-    int unknown[CURVE_PARAMETERS], unknowns;     /* neither linear nor given */
+    struct projection projection;            /* of these */
+    int unknown[CURVE_PARAMETERS], unknowns; /* neither linear nor given */
     double scale[SCALES_MOST];
     int scales;
     uint64_t state;
@@ -64,10 +64,28 @@ static void find_scales(struct search *s, const struct series *series, struct ar
         last = fmax(last, series->t[i]);
     }
     double span = last - first, omega = series->n >= 8 ? series_peak_frequency(series, arena) : NAN;
-    const double sizes[] = {1,          2,           0.5,       omega,      omega / TWO_PI, TWO_PI / omega,
-                            0.1 / span, 1 / span,    3 / span,  10 / span,  30 / span,      100 / span,
-                            0.1 * span, 0.3 * span,  span,      3 * span,   first,          last,
-                            high,       high - low,  low,       0.5 * (first + last)};
+    const double sizes[] = {1,
+                            2,
+                            0.5,
+                            omega,
+                            omega / TWO_PI,
+                            TWO_PI / omega,
+                            0.1 / span,
+                            1 / span,
+                            3 / span,
+                            10 / span,
+                            30 / span,
+                            100 / span,
+                            0.1 * span,
+                            0.3 * span,
+                            span,
+                            3 * span,
+                            first,
+                            last,
+                            high,
+                            high - low,
+                            low,
+                            0.5 * (first + last)};
     for (size_t i = 0; i < COUNT_OF(sizes); i++)
         if (isfinite(sizes[i]) && sizes[i] != 0)
             s->scale[s->scales++] = sizes[i];
@@ -120,6 +138,7 @@ struct refining {
     const struct curve_options *options;
     struct arena *arena;
     struct curve_fit *fit;
+    int spent;           /* iterations that led to the start */
     bool found;          /* fit holds an answer */
     struct error *error; /* why there is none; also of what ends everything: cancelled, no memory */
 };
@@ -135,6 +154,7 @@ static bool refine(struct refining *r, const double *x)
         *r->error = r->found && local.code == ERROR_COMMAND ? *r->error : local;
         return local.code == ERROR_COMMAND;
     }
+    trial.iterations += r->spent;
     if (!r->found || better(&trial, r->fit))
         *r->fit = trial;
     r->found = true;
@@ -148,7 +168,7 @@ static bool refine_projected(struct refining *r, const double *x)
     double start[CURVE_PARAMETERS], all[CURVE_PARAMETERS], rss;
     struct curve_fit reduced;
     struct error local = {0};
-    struct curve_options plain = {.cancel = r->options->cancel};
+    struct curve_options plain = {.iterations = r->options->iterations, .cancel = r->options->cancel};
     if (!projection_init(&projection, r->formula, r->series, r->arena))
         return error_memory(r->error);
     if (projection.linears == 0 || projection.others == 0)
@@ -162,7 +182,12 @@ static bool refine_projected(struct refining *r, const double *x)
     }
     for (int k = 0; k < projection.others; k++)
         all[projection.other[k]] = reduced.value[k].value;
-    return !project(&projection, all, NULL, NULL, &rss) || refine(r, all);
+    if (!project(&projection, all, NULL, NULL, &rss))
+        return true;
+    r->spent = reduced.iterations;
+    bool on = refine(r, all);
+    r->spent = 0;
+    return on;
 }
 
 bool formula_fit(const struct formula *formula, const struct series *series, const struct curve_options *options,
@@ -171,13 +196,15 @@ bool formula_fit(const struct formula *formula, const struct series *series, con
     static const struct curve_options none;
     struct curve_options o = options ? *options : none;
     struct search s = {.formula = *formula, .state = 20180920};
-    struct refining r = {formula, series, &o, arena, fit, false, error};
+    struct refining r = {formula, series, &o, arena, fit, 0, false, error};
     struct trial best[REFINED + 1];
     double answer[CURVE_PARAMETERS];
     bool all = true;
     o.low = formula->low;
     o.high = formula->high;
     o.bootstrap = 0;
+    if (!enough_samples(series, formula->parameters, error))
+        return false;
     gsl_set_error_handler_off(); /* GSL's default ends the program; statuses are checked here */
     for (int j = 0; j < formula->parameters; j++) {
         all = all && formula->given[j];

@@ -17,7 +17,7 @@ struct samples {
     size_t n;
     double t0, dt; /* [s] where uniform: t = t0 + i dt to within the rounding of the times */
     bool uniform;
-    unsigned char *use; /* [n] 1: takes part in fits, 0: rejected */
+    unsigned char *use;          /* [n] 1: takes part in fits, 0: rejected */
     const struct cancel *cancel; /* ends fits; NULL: nobody can */
 };
 
@@ -40,9 +40,9 @@ struct harmonic {
     double a, b, c; /* as y */
     double d;       /* [y/s] drift of the offset, 0 unless it drifts */
     bool drifts;
-    double omega;   /* [rad/s] */
-    double gamma;   /* [1/s] */
-    double origin;  /* [s] */
+    double omega;  /* [rad/s] */
+    double gamma;  /* [1/s] */
+    double origin; /* [s] */
     /* what the fit leaves behind */
     double inverse[HARMONIC_PARAMETERS][HARMONIC_PARAMETERS]; /* (J^T J)^-1 of the free parameters, else 0 */
     double rss;                                               /* sum of squared residuals of the samples used */
@@ -65,8 +65,8 @@ double residual_autocorrelation(const struct samples *samples, const double *res
 /* ---- widening.c ---- */
 
 /*
- * Factors by which variances are larger than independent residuals would make them: of amplitude and decay, of phase and
- * frequency, of the offset.
+ * Factors by which variances are larger than independent residuals would make them: of amplitude and decay, of phase
+ * and frequency, of the offset.
  */
 struct widening {
     double amplitude, phase, offset;
@@ -126,9 +126,14 @@ bool reject_outliers(struct motion *motion, struct arena *arena);
 
 /* ---- clipping.c ---- */
 
-/* Clears `use` of what is censored by a ceiling that the damped sine reveals; updates the harmonic, its residuals and the
- * counts. False: no memory. */
+/* Clears `use` of what is censored by a ceiling that the damped sine reveals; updates the harmonic, its residuals and
+ * the counts. False: no memory. */
 bool censor_clipped(struct motion *motion, struct arena *arena);
+
+/* ---- curve_fit.c ---- */
+
+/* More than parameters, or the reason. */
+bool enough_samples(const struct series *series, int parameters, struct error *error);
 
 /* ---- spectrum.c ---- */
 

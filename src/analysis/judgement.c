@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * What the answer of a least-squares fit is worth: judged from the derivatives at the answer, not from how the iteration
- * ended. The residuals' part in the space of the derivatives is what a further step could still gain (the relative offset
- * of Bates & Watts 1981); the singular values say which parameters the data determine.
+ * What the answer of a least-squares fit is worth: judged from the derivatives at the answer, not from how the
+ * iteration ended. The residuals' part in the space of the derivatives is what a further step could still gain (the
+ * relative offset of Bates & Watts 1981); the singular values say which parameters the data determine.
  */
 #include "least_squares.h"
 
@@ -22,9 +22,9 @@
 struct linear {
     size_t count; /* free parameters */
     int at[CURVE_PARAMETERS];
-    double norm[CURVE_PARAMETERS];                     /* of the columns, which are scaled to length 1 */
-    double projected[CURVE_PARAMETERS];                /* Q^T r */
-    double r[CURVE_PARAMETERS * CURVE_PARAMETERS];     /* then U of its singular value decomposition */
+    double norm[CURVE_PARAMETERS];                 /* of the columns, which are scaled to length 1 */
+    double projected[CURVE_PARAMETERS];            /* Q^T r */
+    double r[CURVE_PARAMETERS * CURVE_PARAMETERS]; /* then U of its singular value decomposition */
     double v[CURVE_PARAMETERS * CURVE_PARAMETERS], s[CURVE_PARAMETERS];
 };
 
@@ -65,11 +65,12 @@ static bool decompose(const struct problem *p, const double *residual, struct li
     return memory;
 }
 
-/* Full Gauss–Newton step, covariance for residuals of variance 1, what is determined. */
-static void solve(const struct problem *p, const struct linear *l, double *step, struct curve_fit *fit)
+/* Full Gauss–Newton step, covariance for residuals of variance 1, what is determined. Returns the length of what the
+ * step takes out of the residuals. */
+static double solve(const struct problem *p, const struct linear *l, double *step, struct curve_fit *fit)
 {
     size_t m = l->count;
-    double least = fmin(8 * EPSILON * (double)(p->n + m), 1e-10) * l->s[0];
+    double gain = 0, least = fmin(8 * EPSILON * (double)(p->n + m), 1e-10) * l->s[0];
     for (size_t k = 0; k < m; k++) {
         double turned = 0;
         for (size_t i = 0; i < m; i++)
@@ -77,6 +78,7 @@ static void solve(const struct problem *p, const struct linear *l, double *step,
         for (size_t i = 0; i < m; i++) {
             double vi = l->v[i * m + k];
             if (!(l->s[k] > least)) {
+                turned = 0; /* a direction that no column has */
                 fit->determined[l->at[i]] = fit->determined[l->at[i]] && fabs(vi) < 0.1;
                 continue;
             }
@@ -85,7 +87,9 @@ static void solve(const struct problem *p, const struct linear *l, double *step,
                 fit->covariance[l->at[i]][l->at[j]] +=
                     vi * l->v[j * m + k] / (l->s[k] * l->s[k]) / l->norm[i] / l->norm[j];
         }
+        gain = hypot(gain, turned);
     }
+    return gain;
 }
 
 /* ---- the variance of the residuals ---- */
@@ -109,7 +113,7 @@ static double variance(const struct problem *p, const struct curve_fit *fit, siz
     return slope > 0 ? weight / n * square / (n - (double)free) / (slope / n) / (slope / n) : NAN;
 }
 
-/* One standard deviation to either side the sum of squares must rise, or the data do not hold the parameter there. */
+/* One standard deviation to either side the sum of squares must change, or the data do not hold the parameter there. */
 static bool held(struct problem *p, const double *x, int j, double deviation, double variance, double rss)
 {
     double trial[CURVE_PARAMETERS];
@@ -122,7 +126,7 @@ static bool held(struct problem *p, const double *x, int j, double deviation, do
         double sum = 0;
         for (size_t i = 0; i < p->n; i++)
             sum += p->weight[i] * (p->y[i] - p->value[i]) * (p->y[i] - p->value[i]);
-        if (sum - rss < 0.01 * variance)
+        if (fabs(sum - rss) < 0.01 * variance)
             return false;
     }
     return true;
@@ -163,12 +167,13 @@ bool judge(struct problem *p, const double *x, struct curve_fit *fit)
         there = isfinite(p->derivative[i]);
     if (!isfinite(fit->rss) || !there)
         return true;
+    double offset = 0;
     if (l.count > 0) {
         if (!decompose(p, residual, &l))
             return false;
-        solve(p, &l, p->step, fit);
+        offset = solve(p, &l, p->step, fit);
     }
-    double left = variance(p, fit, l.count), sigma = sqrt(left), offset = 0, length = sqrt(fit->rss);
+    double left = variance(p, fit, l.count), sigma = sqrt(left), length = sqrt(fit->rss);
     double rounding = 32 * EPSILON * p->size;
     fit->sigma = sigma;
     fit->small_step = isfinite(left);
@@ -179,13 +184,12 @@ bool judge(struct problem *p, const double *x, struct curve_fit *fit)
         for (int i = 0; i < count; i++)
             fit->covariance[j][i] *= left;
         fit->formal[j] = sigma * deviation;
-        offset = hypot(offset, l.projected[k]);
         double most = fmax(STEP_MOST * fmax(fabs(x[j]), fit->formal[j]), rounding * deviation);
         fit->small_step = fit->small_step && fabs(p->step[j]) <= most;
         p->length = fmax(p->length, fabs(p->step[j]) / fmax(fabs(x[j]), fit->formal[j]));
         bool exact = length <= 1e-12 * p->size; /* nothing but rounding is left */
-        fit->determined[j] =
-            fit->determined[j] && (exact || held(p, x, j, fit->formal[j], p->robust ? p->scale * p->scale : left, fit->rss));
+        fit->determined[j] = fit->determined[j] &&
+                             (exact || held(p, x, j, fit->formal[j], p->robust ? p->scale * p->scale : left, fit->rss));
     }
     fit->small_gradient = offset <= fmax(GRADIENT_MOST * length, rounding);
     fit->converged = fit->small_step && fit->small_gradient;
@@ -246,7 +250,8 @@ void conclude(const struct problem *p, struct curve_fit *fit)
 {
     diagnose(p, fit);
     double factor = fit->autocorrelation > CORRELATED ? autocorrelation_factor(fit->autocorrelation) : 1;
-    double freedom = fmax(1, (double)fit->used / factor - fit->parameters), student = gsl_cdf_tdist_Pinv(0.975, freedom);
+    double freedom = fmax(1, (double)fit->used / factor - fit->parameters),
+           student = gsl_cdf_tdist_Pinv(0.975, freedom);
     for (int j = 0; j < fit->parameters; j++) {
         double x = fit->value[j].value;
         double u = fit->determined[j] ? sqrt(factor) * fit->formal[j] : fit->bound[j] ? 0 : NAN;

@@ -11,7 +11,7 @@
 #define DECREMENT_MOST 3.2 /* gamma T/2: the amplitude changes by a factor 25 in a period */
 #define WEAKLY_DAMPED 0.01 /* gamma/omega: the amplitude changes by 6 % in two periods */
 #define SAMPLES_A_PERIOD 2.5
-#define DRIFTS 3.0 /* standard deviations of the offset's slope from which on it is fitted */
+#define DRIFTS 3.0  /* standard deviations of the offset's slope from which on it is fitted */
 #define CHANCE 20.0 /* -ln of the chance that noise looks like it, per frequency; much for wandering records */
 
 static void refuse(struct overview *overview, const char *format, ...) PRINTF_LIKE(2, 3);

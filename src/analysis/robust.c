@@ -18,8 +18,8 @@ static double beyond(const struct motion *m, size_t i, int side, double level)
 }
 
 /*
- * Flat tops: of the samples that fall short of the model by more than noise, in the outer part of the oscillation, nearly
- * all read the same (a nearer object echoes, the sensor's range ends).
+ * Flat tops: of the samples that fall short of the model by more than noise, in the outer part of the oscillation,
+ * nearly all read the same (a nearer object echoes, the sensor's range ends).
  */
 static void find_ceiling(struct motion *m, int side, double band)
 {

@@ -101,7 +101,8 @@ void fit_diagnose(const struct motion *m, double sway, struct fit *fit)
         warn_halves(fit);
     }
     if (m->clipped > 0) {
-        fit_warn(fit, "%zu samples lie where the fit is beyond flat tops (clipped): they are left out, whatever they read",
+        fit_warn(fit,
+                 "%zu samples lie where the fit is beyond flat tops (clipped): they are left out, whatever they read",
                  m->clipped);
     }
     if (m->rejected > m->clipped) {
@@ -110,7 +111,8 @@ void fit_diagnose(const struct motion *m, double sway, struct fit *fit)
     }
     if (h->drifts) {
         double span = m->samples.t[m->samples.n - 1] - m->samples.t[0];
-        fit_warn(fit, "the offset drifts, by %.2g %% of the amplitude over the window: a line of its own was fitted to it",
+        fit_warn(fit,
+                 "the offset drifts, by %.2g %% of the amplitude over the window: a line of its own was fitted to it",
                  100 * fabs(h->d) * span / fit->amplitude.value);
     }
     if (sway > SWAY_LEAST) {

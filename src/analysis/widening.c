@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * How much less than independent residuals the real ones tell about each parameter. Amplitude and decay are read from what
- * is in phase with the oscillation, phase and frequency from what is a quarter period off, the offset from what is slow:
- * sway spoils the first, a wandering offset the last, and neither the others.
+ * How much less than independent residuals the real ones tell about each parameter. Amplitude and decay are read from
+ * what is in phase with the oscillation, phase and frequency from what is a quarter period off, the offset from what is
+ * slow: sway spoils the first, a wandering offset the last, and neither the others.
  */
 #include "internal.h"
 
@@ -24,12 +24,13 @@ static void add_window(struct direction *d, double sum, double norm)
     d->before = z;
 }
 
-/* The windows' variance against that of the samples, and their correlation where it is more than chance. */
+/* The windows' variance against that of the samples, and their correlation, where they are more than chance. */
 static double factor_of(const struct direction *d, double windows, double variance, int fitted)
 {
     double ratio = d->square / d->norm / variance * windows / fmax(windows - fitted, 1);
     double rho = d->square > 0 ? d->product / d->square : 0;
-    return fmax(1, ratio * autocorrelation_factor(rho - 1 / sqrt(windows)));
+    double factor = ratio * autocorrelation_factor(rho - 1 / sqrt(windows));
+    return factor > 1 + sqrt(2 / windows) ? factor : 1;
 }
 
 struct widening residual_widening(const struct samples *x, const double *residual, const struct oscillation *o,

@@ -79,7 +79,7 @@ static void reply_recording(const struct recording *recording, struct reply *rep
 /* The options as they have to stand to load the file again in the same way. */
 static void put_options(const struct arguments *given, struct buffer *out)
 {
-    static const char *const keys[] = {"t", "y", "unit", "tunit", "rate", "decimal", "sep", "as"};
+    static const char *const keys[] = {"t", "y", "run", "unit", "tunit", "rate", "decimal", "sep", "as"};
     for (size_t i = 0; i < COUNT_OF(keys); i++) {
         const struct given *key = given_for(given, keys[i]);
         if (key->count == 0)
@@ -113,6 +113,7 @@ HANDLER(load)
     const struct given *file = given_for(given, "FILE");
     const struct load_options options = {.time = text_given(given, "t"),
                                          .value = text_given(given, "y"),
+                                         .run = text_given(given, "run"),
                                          .unit = unit_given(given, "unit"),
                                          .time_unit = unit_given(given, "tunit"),
                                          .rate =
@@ -225,7 +226,8 @@ COMMAND(load, .row = {"load", "", "read a recording from a file", "", NULL}, .gr
         .examples = "load bare.txt\nload disk.txt y=2 unit=cm as=disk", .see = "data fit measure plot",
         .flags = COMMAND_CHANGES,
         ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED), KEY("t", TYPE_TEXT), KEY("y", TYPE_TEXT),
-                  KEY("unit", TYPE_UNIT), KEY("tunit", TYPE_UNIT, .quantity = QUANTITY_TIME),
+                  KEY("run", TYPE_TEXT), KEY("unit", TYPE_UNIT),
+                  KEY("tunit", TYPE_UNIT, .quantity = QUANTITY_TIME),
                   KEY("rate", TYPE_VALUE, .quantity = QUANTITY_FREQUENCY),
                   KEY("decimal", TYPE_CHOICE, .choices = &decimal_catalog),
                   KEY("sep", TYPE_CHOICE, .choices = &separator_catalog), KEY("as", TYPE_TEXT)))

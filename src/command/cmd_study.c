@@ -74,8 +74,12 @@ static void reply_table(const struct session *session, const struct comparison *
     if (!period || !settings)
         return;
     const struct columns columns = columns_for(session, rows, count, period, arena);
-    struct text_table table = {
-        .arena = arena, .columns = 5 + columns.energy + columns.data + columns.period + columns.phase, .gap = 3};
+    int width, height;
+    session_size(session, &width, &height);
+    struct text_table table = {.arena = arena,
+                               .columns = 5 + columns.energy + columns.data + columns.period + columns.phase,
+                               .gap = 3,
+                               .most = width};
     /* The setting is part of a row's name where one method has several. */
     bool several = false;
     for (int i = 1; i < count; i++)
@@ -86,7 +90,7 @@ static void reply_table(const struct session *session, const struct comparison *
     } heading[] = {{"method", true},
                    {"dt", true},
                    {"steps", true},
-                   {"max|dE/E0|", columns.energy},
+                   {"|dE/E0|", columns.energy},
                    {"max error", true},
                    {"rms(y-data)", columns.data},
                    {"period T", columns.period},

@@ -78,13 +78,18 @@ void text_table_put(const struct text_table *table, struct buffer *out)
         int *column = &width[i % table->columns];
         *column = w > *column ? w : *column;
     }
+    int gap = table->gap, wide = table->indent;
+    for (int column = 0; column < table->columns; column++)
+        wide += width[column] + (column > 0 ? gap : 0);
+    for (; table->most > 0 && wide > table->most && gap > 1; gap--)
+        wide -= table->columns - 1;
     for (int i = 0; i < table->cells; i++) {
         const int column = i % table->columns;
         for (int pad = 0; column == 0 && pad < table->indent; pad++)
             buffer_char(out, ' ');
         buffer_put(out, text_of(table->cell[i]));
         const bool last = column == table->columns - 1;
-        for (int pad = text_width(text_of(table->cell[i])); !last && pad < width[column] + table->gap; pad++)
+        for (int pad = text_width(text_of(table->cell[i])); !last && pad < width[column] + gap; pad++)
             buffer_char(out, ' ');
         /* No blanks at the end of a line. */
         while (last && out->len > 0 && !out->failed && out->data[out->len - 1] == ' ')

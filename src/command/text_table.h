@@ -10,6 +10,7 @@
 struct text_table {
     struct arena *arena;
     int columns, gap, indent;
+    int most; /* [cell] the gap becomes as small as 1 to fit into that; 0: never */
     int cells, room;
     const char **cell; /* row by row, the heading first */
     bool failed;       /* no memory: cells are missing */

@@ -203,6 +203,7 @@ void recording_restore(struct recording *recording)
     recording->window[0] = recording->t[0];
     recording->window[1] = recording->t[recording->rows - 1];
     recording->zero = 0;
+    recording->cleaned = false;
 }
 
 /* First row with t >= from. */
@@ -244,7 +245,7 @@ bool recording_series(const struct recording *recording, struct arena *arena, si
     if (!t || !y)
         return error_memory(error);
     for (size_t i = begin; i < end; i++)
-        if (!isnan(recording->y[i])) {
+        if (!isnan(recording->y[i]) && !(recording->cleaned && recording->findings->mask[i])) {
             t[n] = recording->t[i];
             y[n++] = recording->y[i] - recording->zero;
         }

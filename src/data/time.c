@@ -125,6 +125,8 @@ static void drop_rows(struct recording *recording)
             drop(now == before ? &same : &back, recording->line[i]);
     }
     recording->rows = kept;
+    recording->repeated = same.count;
+    recording->backward = back.count;
     warn_dropped(recording, &missing, "row has no time", "rows have no time");
     warn_dropped(recording, &same, "row repeats the time before", "rows repeat the time before");
     warn_dropped(recording, &back, "row goes back in time", "rows go back in time");

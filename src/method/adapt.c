@@ -103,12 +103,13 @@ static void plan_next(const struct method *method, const struct step *step, stru
 {
     const int k = method->embedded + 1;
     const struct filter *filter = method->flags & METHOD_IMPLICIT ? &implicit : &explicit;
+    const double ratio = fabs(step->h / controller->last); /* a turn changes the sign of h */
     double rho = 1;
     error = error > LEAST_ERROR ? error : LEAST_ERROR;
     if (controller->previous == 0)
         rho = fmin(change(&elementary, k, error, 0, 1), GROW);
-    else if (error < KEEP_LEAST || error > KEEP_MOST || step->h / controller->last < FALLS)
-        rho = 1 + atan(change(filter, k, error, controller->previous, step->h / controller->last) - 1);
+    else if (error < KEEP_LEAST || error > KEEP_MOST || ratio < FALLS)
+        rho = 1 + atan(change(filter, k, error, controller->previous, ratio) - 1);
     if (controller->rejected)
         rho = fmin(rho, 1);
     controller->previous = error;

@@ -132,7 +132,7 @@ march_function *method_kernel(const struct method *method, const struct system *
     if (shape < 0 || (method->splitting && system->velocity && drag != method->drag))
         return NULL;
     for (size_t i = 0; i < COUNT_OF(kernels); i++)
-        if (strcmp(kernels[i].method->row.name, method->row.name) == 0)
+        if (method->step == kernels[i].method->step && strcmp(kernels[i].method->row.name, method->row.name) == 0)
             return kernels[i].march[shape];
     return NULL;
 }

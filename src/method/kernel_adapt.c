@@ -49,7 +49,10 @@ INLINE enum step_status one_step(const struct method *method, int n, slope_funct
 #define LINEAR_SHAPES(S) S(spring) S(damped)
 #define TERMS_OF_spring(T) T(0, spring)
 #define TERMS_OF_damped(T) T(0, spring) T(1, damping)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
 LINEAR_SHAPES(SHAPE_FUNCTIONS)
+#pragma GCC diagnostic pop
 
 INLINE void any_slope(const struct system *system, int half, double t, const double *y, double *dydt)
 {
@@ -113,7 +116,7 @@ static const struct {
 step_function *method_step_kernel(const struct method *method, const struct system *system)
 {
     int shape = system->n == 4 ? SHAPE_PLANE : SHAPE_LINE;
-    if (system->order != 2 || system->n > 4)
+    if (method->step != rk_step || system->order != 2 || system->n > 4)
         return NULL;
     if (shape_of(system) >= 0)
         shape = shape_of(system);
@@ -121,7 +124,7 @@ step_function *method_step_kernel(const struct method *method, const struct syst
              system->terms == (system->oscillator.damping != 0) + 1 && system->linear)
         shape = SHAPE_spring + (system->terms == 2);
     for (size_t i = 0; i < COUNT_OF(steps); i++)
-        if (method->tableau && strcmp(steps[i].method->row.name, method->row.name) == 0)
+        if (strcmp(steps[i].method->row.name, method->row.name) == 0)
             return steps[i].step[shape];
     return NULL;
 }

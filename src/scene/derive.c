@@ -108,9 +108,9 @@ static const struct {
     double (*function)(double);
     double (*slope)(double x, double value);
 } slopes[] = {
-    {sin, slope_sin},     {cos, slope_cos},   {tan, slope_tan},   {asin, slope_asin},   {acos, slope_acos},
-    {atan, slope_atan},   {sinh, slope_sinh}, {cosh, slope_cosh}, {tanh, slope_tanh},   {sqrt, slope_sqrt},
-    {cbrt, slope_cbrt},   {exp, slope_exp},   {log, slope_log},   {log10, slope_log10}, {fabs, slope_abs},
+    {sin, slope_sin},   {cos, slope_cos},   {tan, slope_tan},   {asin, slope_asin},   {acos, slope_acos},
+    {atan, slope_atan}, {sinh, slope_sinh}, {cosh, slope_cosh}, {tanh, slope_tanh},   {sqrt, slope_sqrt},
+    {cbrt, slope_cbrt}, {exp, slope_exp},   {log, slope_log},   {log10, slope_log10}, {fabs, slope_abs},
 };
 
 static double slope_of(double (*function)(double), double x, double value)

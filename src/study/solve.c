@@ -119,7 +119,7 @@ static void sample(struct sampler *sampler, const double *before, double from, d
 
 static bool spent(const struct solver *s)
 {
-    return s->most > 0 && solver_cost(s) > s->most;
+    return s->most > 0 && (solver_cost(s) > s->most || s->steps > s->most);
 }
 
 /* One step more; with a grid, sampled. */

@@ -59,8 +59,7 @@ static void robertson(double t, const double *y, double *dydt)
 
 static void robertson_jacobian(double t, const double *y, double *jac)
 {
-    const double row[] = {-0.04, 1e4 * y[2],                1e4 * y[1], 0.04,      -1e4 * y[2] - 6e7 * y[1],
-                          -1e4 * y[1], 0, 6e7 * y[1], 0};
+    const double row[] = {-0.04, 1e4 * y[2], 1e4 * y[1], 0.04, -1e4 * y[2] - 6e7 * y[1], -1e4 * y[1], 0, 6e7 * y[1], 0};
     (void)t;
     memcpy(jac, row, sizeof row);
 }
@@ -190,7 +189,7 @@ static void compete(const struct problem *p, const struct scene *scene, const st
         }
         name[count] = c->name;
         goal[count] = c->goal;
-        arm[count] = (struct arm){.run = run_entry, .self = e};
+        arm[count] = (struct arm)ARM(run_entry, e);
         count++;
     }
     for (int i = 0; i < count; i++)
@@ -226,7 +225,8 @@ static void compete(const struct problem *p, const struct scene *scene, const st
 
 /* ---- the contests ---- */
 
-static const char note[] = "Each at the tolerance where its error is 1e-6 (in units of the amplitudes); hooke without recording.";
+static const char note[] =
+    "Each at the tolerance where its error is 1e-6 (in units of the amplitudes); hooke without recording.";
 #ifdef HAVE_BOOST
 #define BOOST(function) .solve = (function)
 #else

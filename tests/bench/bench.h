@@ -7,7 +7,7 @@
 
 #include "problem.h"
 
-/* ---- a contest: several arms, interleaved in random order, so that whatever disturbs the machine meets all alike ---- */
+/* ---- a contest: arms interleaved in random order, so that whatever disturbs the machine meets all alike ---- */
 
 #define ROUNDS 25
 
@@ -16,6 +16,10 @@ struct arm {
     void *self;
     double minimum, median;
 };
+#define ARM(function, what)                                                                                            \
+    {                                                                                                                  \
+        .run = (function), .self = (what)                                                                              \
+    }
 
 void contest(struct arm *arm, int count);
 double arm_spread(const struct arm *a, const struct arm *b); /* the larger median/minimum - 1 of both */
@@ -41,8 +45,7 @@ void memory_cold(void); /* what is free goes back to the system */
 
 /* The presets with their forces, each with a loop for every method that is written out for it. */
 struct hand_scene {
-    const char *name, *preset, *setting;
-    double value;
+    const char *name, *preset;
     int n;
     struct known known;
     struct {

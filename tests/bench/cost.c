@@ -8,7 +8,8 @@
 
 #define DT 0.01
 #define STEPS 61440 /* whole chunks of the loop by hand */
-#define CAP 196608  /* [byte] a trace of 8192 rows: the same is done beyond a million, in samples too long to be quiet */
+#define CAP 196608  /* [byte] a trace of 8192 rows: the same is done beyond a million, in samples too long to be quiet \
+                     */
 #define SLICE 8192  /* steps between two looks of a live pane: fewer than 60 a second would ask for */
 
 struct job {
@@ -120,15 +121,14 @@ static void left_out(void)
     static const char *const kernels[] = {"propagator", "kernel", "general"};
     table_begin("What is not asked for", "ns a step");
     for (enum kernel kernel = KERNEL_PROPAGATOR; kernel <= KERNEL_GENERAL; kernel++) {
-        struct job plain = job(kernel == KERNEL_PROPAGATOR ? "spring" : "duffing", "rk4",
-                               STEPS >> 2 * kernel);
+        struct job plain = job(kernel == KERNEL_PROPAGATOR ? "spring" : "duffing", "rk4", STEPS >> 2 * kernel);
         plain.settings.kernel = kernel;
         struct job zeroed = plain;
         zero(&zeroed.scene, "gamma");
         zero(&zeroed.scene, "F0");
         zero(&zeroed.scene, "C");
         zero(&zeroed.scene, "mu");
-        struct arm arm[] = {{run_job, &zeroed}, {run_job, &plain}};
+        struct arm arm[] = {ARM(run_job, &zeroed), ARM(run_job, &plain)};
         char what[64];
         contest(arm, 2);
         snprintf(what, sizeof what, "rk4, drag and drive set to 0: %s", kernels[kernel]);
@@ -147,8 +147,8 @@ static void recording(void)
     struct bare bare;
     bare_init(&bare, &few);
     struct ring ring = {hand_scene("duffing"), hand_find(hand_scene("duffing"), "verlet"), STEPS};
-    struct arm arm[] = {{run_job, &few},  {run_bare, &bare}, {run_job, &many},     {run_job, &watched},
-                        {run_job, &rare}, {run_ring, &ring}, {run_job, &exported}, {NULL, NULL}};
+    struct arm arm[] = {ARM(run_job, &few),  ARM(run_bare, &bare), ARM(run_job, &many),    ARM(run_job, &watched),
+                        ARM(run_job, &rare), ARM(run_ring, &ring), ARM(run_job, &exported)};
     contest(arm, 7);
     table_begin("Recording: verlet on the Duffing spring", "ns a step");
     table_row("every step recorded", &arm[0], "not recorded", &arm[1], 1.03);
@@ -168,7 +168,7 @@ static void compensated(void)
         careful = general = plain;
         careful.settings.compensated = true;
         general.settings.kernel = KERNEL_GENERAL;
-        struct arm arm[] = {{run_job, &careful}, {run_job, &plain}, {run_job, &general}};
+        struct arm arm[] = {ARM(run_job, &careful), ARM(run_job, &plain), ARM(run_job, &general)};
         contest(arm, 3);
         table_row(methods[i], &arm[0], "plain, kernel", &arm[1], NAN);
         table_row("", &arm[0], "plain, general", &arm[2], NAN);

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define STEPS 60000 /* at most: what they leave behind fits into the second cache, for the loops as for hooke */
+#define STEPS 60000   /* at most: what they leave behind fits into the second cache, for the loops as for hooke */
 #define SAMPLE_NS 4e5 /* short, so that some samples of a round meet nobody else */
 #define DT 0.01
 
@@ -18,7 +18,7 @@ struct recorded {
     int64_t steps;
     bool cold;
     double end[LIMIT_VARIABLES];
-    bool propagated, specialised;
+    const char *way;
 };
 
 static double run_recorded(void *self)
@@ -35,9 +35,10 @@ static double run_recorded(void *self)
     }
     const double ns = (double)(clock_ns() - begin) / (double)run->steps;
     memcpy(r->end, run->y, sizeof r->end);
-    r->propagated = run->plan.propagates;
-    r->specialised = !r->propagated && method_kernel(r->method, &run->system, run->settings.drag) &&
-                     !method_turns(r->method, &run->system);
+    r->way = run->plan.propagates                                         ? "propagator"
+             : method_kernel(r->method, &run->system, run->settings.drag) ? "kernel"
+             : method_step_kernel(r->method, &run->system)                ? "step kernel"
+                                                                          : "general";
     run_destroy(run);
     return ns;
 }
@@ -77,7 +78,7 @@ static double run_looped(void *self)
 static struct looped looped(const struct hand_scene *scene, hand_loop *loop, double *row)
 {
     struct looped l = {.scene = scene, .loop = loop, .row = row, .steps = STEPS};
-    const struct scene bound = bench_scene(scene->preset, scene->setting, scene->value);
+    const struct scene bound = bench_scene(scene->preset, NULL, 0);
     struct system system;
     struct error error = {0};
     if (!scene_bind(&bound, &system, &error))
@@ -88,7 +89,7 @@ static struct looped looped(const struct hand_scene *scene, hand_loop *loop, dou
 
 static struct recorded recorded(const struct hand_scene *scene, const char *method, enum kernel kernel)
 {
-    return (struct recorded){.scene = bench_scene(scene->preset, scene->setting, scene->value),
+    return (struct recorded){.scene = bench_scene(scene->preset, NULL, 0),
                              .method = bench_method(method),
                              .settings = {.dt = DT, .kernel = kernel},
                              .steps = STEPS};
@@ -122,27 +123,34 @@ static void against_hand(const char *method, const struct hand_scene *scene, dou
 {
     hand_loop *loop = hand_find(scene, method);
     struct recorded best = recorded(scene, method, KERNEL_PROPAGATOR);
-    struct recorded general = recorded(scene, method, KERNEL_GENERAL);
     if (!loop || isnan(run_recorded(&best))) /* warm from now on */
         return;
     struct looped hand = looped(scene, loop, row);
-    struct arm arm[] = {{run_recorded, &best}, {run_recorded, &general}, {run_looped, &hand}};
-    general.steps = hand.steps = few_steps(run_recorded(&general));
-    run_recorded(&general);
+    struct arm arm[] = {ARM(run_recorded, &best), ARM(run_looped, &hand)};
+    best.steps = hand.steps = few_steps(run_recorded(&best));
+    run_recorded(&best);
     run_looped(&hand);
-    const double distance = apart(scene, general.end, hand.end);
-    best.steps = few_steps(run_recorded(&best));
+    const double distance = apart(scene, best.end, hand.end);
     hand.steps = few_steps(run_looped(&hand));
-    contest(arm, 3);
-    char what[64], other[64];
-    snprintf(what, sizeof what, "%s, %s: %s", method, scene->name,
-             best.propagated ? "propagator" : best.specialised ? "kernel" : "general");
-    snprintf(other, sizeof other, "C loop%s", distance > 1e-6 ? " (differs)" : "");
-    table_row(what, &arm[0], other, &arm[2], 1.05);
-    if (best.propagated || best.specialised) {
-        snprintf(what, sizeof what, "%*sgeneral", (int)(strlen(method) + strlen(scene->name) + 4), "");
-        table_row(what, &arm[1], other, &arm[2], NAN);
-    }
+    contest(arm, 2);
+    char what[64];
+    snprintf(what, sizeof what, "%s, %s: %s", method, scene->name, best.way);
+    table_row(what, &arm[0], distance > 1e-6 ? "C loop (differs)" : "C loop", &arm[1], 1.05);
+}
+
+/* Kernels stay only while they gain. */
+static void against_general(const char *method, const char *scene)
+{
+    struct recorded best = recorded(hand_scene(scene), method, KERNEL_PROPAGATOR);
+    struct recorded general = recorded(hand_scene(scene), method, KERNEL_GENERAL);
+    struct arm arm[] = {ARM(run_recorded, &best), ARM(run_recorded, &general)};
+    char what[64];
+    run_recorded(&best);
+    best.steps = few_steps(run_recorded(&best));
+    general.steps = few_steps(run_recorded(&general));
+    contest(arm, 2);
+    snprintf(what, sizeof what, "%s, %s: %s", method, scene, best.way);
+    table_row(what, &arm[0], "kernel = general", &arm[1], 1);
 }
 
 static void against_libraries(double *row)
@@ -165,7 +173,7 @@ static void against_libraries(double *row)
             const struct hand_scene *scene = hand_scene(scenes[s]);
             struct recorded best = recorded(scene, rivals[i].method, KERNEL_PROPAGATOR);
             struct looped other = looped(scene, rivals[i].loop, row);
-            struct arm arm[] = {{run_recorded, &best}, {run_looped, &other}};
+            struct arm arm[] = {ARM(run_recorded, &best), ARM(run_looped, &other)};
             char what[64];
             run_recorded(&best);
             best.steps = few_steps(run_recorded(&best));
@@ -181,22 +189,26 @@ static void against_libraries(double *row)
 
 void bench_fixed(void)
 {
-    static const char *const methods[] = {"euler", "symplectic-euler", "verlet",           "rk4",
-                                          "dopri5", "pefrl",           "implicit-midpoint"};
+    static const char *const methods[] = {"euler", "symplectic-euler", "verlet", "rk4", "dopri5",
+                                          "pefrl", "implicit-midpoint"};
     double *row = rows(4);
     table_begin("Fixed step, y and v recorded into warm memory", "ns a step");
     for (size_t m = 0; m < COUNT_OF(methods); m++)
         for (const struct hand_scene *scene = hand_scenes; scene->name; scene++)
             against_hand(methods[m], scene, row);
     table_note("C loop: written for this method and scene alone, compiled with the same flags as hooke.");
-    table_note("general: the same run with 'set kernel general'. differs: hooke ends steps of order above 2 at the");
-    table_note("turning points of |v|v and keeps its order; the loop does not.");
+    table_note("differs: hooke ends steps of order above 2 at the turning points of |v|v and keeps its order.");
+    table_begin("What kernels gain", "ns a step");
+    for (size_t m = 0; m < COUNT_OF(methods); m++) {
+        against_general(methods[m], "linear drag");
+        against_general(methods[m], "duffing");
+    }
     against_libraries(row);
 
     struct recorded fresh = recorded(hand_scene("duffing"), "verlet", KERNEL_PROPAGATOR);
     struct looped hand = looped(hand_scene("duffing"), hand_find(hand_scene("duffing"), "verlet"), row);
     fresh.cold = hand.cold = true;
-    struct arm arm[] = {{run_recorded, &fresh}, {run_looped, &hand}};
+    struct arm arm[] = {ARM(run_recorded, &fresh), ARM(run_looped, &hand)};
     contest(arm, 2);
     table_begin("The same into memory fresh from the system", "ns a step");
     table_row("verlet, duffing", &arm[0], "C loop", &arm[1], 1.05);
@@ -227,7 +239,7 @@ void bench_linear(void)
     table_begin("A linear scene by its propagator, recorded, against the goal for this machine", "ns a step");
     for (size_t i = 0; i < COUNT_OF(methods); i++) {
         struct recorded best = recorded(hand_scene("linear drag"), methods[i], KERNEL_PROPAGATOR);
-        struct arm arm[] = {{run_recorded, &best}, {run_constant, &goal}};
+        struct arm arm[] = {ARM(run_recorded, &best), ARM(run_constant, &goal)};
         contest(arm, 2);
         table_row(methods[i], &arm[0], "goal", &arm[1], 1);
     }

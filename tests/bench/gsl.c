@@ -38,8 +38,7 @@ static bool solve(const gsl_odeiv2_step_type *type, const struct problem *proble
         kept.problem = *problem;
         kept.tol = tol;
         kept.system = (gsl_odeiv2_system){slope, jacobian, (size_t)problem->n, &kept.problem};
-        kept.driver =
-            gsl_odeiv2_driver_alloc_scaled_new(&kept.system, type, 1e-4, tol, tol, 1, 0, kept.problem.scale);
+        kept.driver = gsl_odeiv2_driver_alloc_scaled_new(&kept.system, type, 1e-4, tol, tol, 1, 0, kept.problem.scale);
         if (!kept.driver)
             return false;
     }

@@ -146,7 +146,7 @@ INLINE bool rodas5p(int n, slope_of *slope, jacobian_of *jacobian, const struct 
                     const double *start, double *end)
 {
     const struct rosenbrock *m = RODAS5P.rosenbrock;
-    double y[3], z[3], u[8][3], jac[9], matrix[9], inverse[9], f[3], first[3], t = 0, h = 1e-4;
+    double y[3], z[3], u[8][3], jac[9] = {0}, matrix[9], inverse[9], f[3], first[3] = {0}, t = 0, h = 1e-4;
     bool again = false;
     for (int i = 0; i < n; i++)
         y[i] = start[i];

@@ -16,16 +16,16 @@ typedef double plane __attribute__((vector_size(16)));
         (void)f, (void)t, (void)v;                                                                                     \
         return value;                                                                                                  \
     }
-FORCE(spring, -f->k * y)
-FORCE(damped, -f->k * y - f->gamma * v)
-FORCE(drag, -f->k * y - f->c * fabs(v) * v)
-FORCE(duffing, -f->k * y - f->b * y * y * y)
-FORCE(driven, -f->k * y - f->gamma * v + f->drive * cos(f->omega * t + f->phase))
-FORCE(vanderpol, -f->k * y + f->mu * (1 - y * f->narrow * (y * f->narrow)) * v)
-FORCE(pendulum, -f->k * sin(y))
+FORCE(spring, -f->k *y)
+FORCE(damped, -f->k *y - f->gamma * v)
+FORCE(drag, -f->k *y - f->c * fabs(v) * v)
+FORCE(duffing, -f->k *y - f->b * y * y * y)
+FORCE(driven, -f->k *y - f->gamma * v + f->drive * cos(f->omega * t + f->phase))
+FORCE(vanderpol, -f->k *y + f->mu * (1 - y * f->narrow * (y * f->narrow)) * v)
+FORCE(pendulum, -f->k *sin(y))
 /* Splittings have the drag in their flow. */
-FORCE(still, -f->k * y)
-FORCE(swung, -f->k * y + f->drive * cos(f->omega * t + f->phase))
+FORCE(still, -f->k *y)
+FORCE(swung, -f->k *y + f->drive * cos(f->omega * t + f->phase))
 
 INLINE plane kepler_force(const struct known *f, double t, plane y, plane v)
 {
@@ -101,7 +101,7 @@ INLINE double root(double a, double c, double r)
 }
 CLOSED(spring, (v - h * f->k * y) / (1 + h * h * f->k))
 CLOSED(damped, (v - h * f->k * y) / (1 + h * f->gamma + h * h * f->k))
-CLOSED(drag, root(1 + h * h * f->k, h *f->c, v - h * f->k * y))
+CLOSED(drag, root(1 + h * h * f->k, h * f->c, v - h * f->k * y))
 CLOSED(driven, (v - h * (f->k * y - f->drive * cos(f->omega * t + f->phase))) / (1 + h * f->gamma + h * h * f->k))
 
 /* Newton's iteration; slope: da/dq h + da/dv */
@@ -118,8 +118,9 @@ CLOSED(driven, (v - h * (f->k * y - f->drive * cos(f->omega * t + f->phase))) / 
         }                                                                                                              \
         return u;                                                                                                      \
     }
-NEWTON(duffing, h * (-f->k - 3 * f->b * q * q))
-NEWTON(vanderpol, h * (-f->k - 2 * f->mu * f->narrow * f->narrow * q * u) + f->mu * (1 - q * f->narrow * (q * f->narrow)))
+NEWTON(duffing, h *(-f->k - 3 * f->b * q * q))
+NEWTON(vanderpol,
+       h *(-f->k - 2 * f->mu * f->narrow * f->narrow * q * u) + f->mu * (1 - q * f->narrow * (q * f->narrow)))
 NEWTON(pendulum, h * -f->k * cos(q))
 
 /* ---- the loops ---- */
@@ -173,27 +174,32 @@ MIDPOINT(pendulum)
         "dopri5", scene##_dopri5                                                                                       \
     }
 
+/* clang-format off */
 const struct hand_scene hand_scenes[] = {
-    {"spring", "spring", NULL, 0, 2, {.k = 75},
-     {ALWAYS(spring), {"verlet", spring_verlet}, {"pefrl", spring_pefrl}, {"implicit-midpoint", spring_implicit_midpoint}}},
-    {"linear drag", "damped", NULL, 0, 2, {.k = 75, .gamma = 0.25},
-     {ALWAYS(damped), {"verlet", damped_verlet}, {"pefrl", damped_pefrl}, {"implicit-midpoint", damped_implicit_midpoint}}},
-    {"quadratic drag", "drag", NULL, 0, 2, {.k = 75, .c = 0.585 * 1.204 * 1.131e-2 / 0.2},
+    {"spring", "spring", 2, {.k = 75},
+     {ALWAYS(spring), {"verlet", spring_verlet}, {"pefrl", spring_pefrl},
+      {"implicit-midpoint", spring_implicit_midpoint}}},
+    {"linear drag", "damped", 2, {.k = 75, .gamma = 0.25},
+     {ALWAYS(damped), {"verlet", damped_verlet}, {"pefrl", damped_pefrl},
+      {"implicit-midpoint", damped_implicit_midpoint}}},
+    {"quadratic drag", "drag", 2, {.k = 75, .c = 0.585 * 1.204 * 1.131e-2 / 0.2},
      {ALWAYS(drag), {"verlet", drag_verlet}, {"implicit-midpoint", drag_implicit_midpoint}}},
-    {"duffing", "duffing", NULL, 0, 2, {.k = 1, .b = 1},
+    {"duffing", "duffing", 2, {.k = 1, .b = 1},
      {ALWAYS(duffing), {"verlet", duffing_verlet}, {"pefrl", duffing_pefrl},
       {"implicit-midpoint", duffing_implicit_midpoint}}},
-    {"driven", "driven", NULL, 0, 2, {.k = 75, .gamma = 0.3, .drive = 0.1, .omega = 8.2},
-     {ALWAYS(driven), {"verlet", driven_verlet}, {"pefrl", driven_pefrl}, {"implicit-midpoint", driven_implicit_midpoint}}},
-    {"van der pol", "vanderpol", NULL, 0, 2, {.k = 1, .mu = 1, .narrow = 1},
+    {"driven", "driven", 2, {.k = 75, .gamma = 0.3, .drive = 0.1, .omega = 8.2},
+     {ALWAYS(driven), {"verlet", driven_verlet}, {"pefrl", driven_pefrl},
+      {"implicit-midpoint", driven_implicit_midpoint}}},
+    {"van der pol", "vanderpol", 2, {.k = 1, .mu = 1, .narrow = 1},
      {ALWAYS(vanderpol), {"implicit-midpoint", vanderpol_implicit_midpoint}}},
-    {"pendulum", "pendulum", NULL, 0, 2, {.k = 9.81},
+    {"pendulum", "pendulum", 2, {.k = 9.81},
      {ALWAYS(pendulum), {"verlet", pendulum_verlet}, {"pefrl", pendulum_pefrl},
       {"implicit-midpoint", pendulum_implicit_midpoint}}},
-    {"kepler", "kepler", NULL, 0, 4, {.k = 1},
+    {"kepler", "kepler", 4, {.k = 1},
      {ALWAYS(kepler), {"verlet", kepler_verlet}, {"pefrl", kepler_pefrl}}},
     {.name = NULL},
 };
+/* clang-format on */
 
 const struct hand_scene *hand_scene(const char *name)
 {

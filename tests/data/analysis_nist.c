@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
  * The NIST Statistical Reference Datasets for nonlinear regression, both starts of each, typed as formulas: correct
- * digits of the worst parameter (log relative error against the certified values), and standard deviations. HOOKE_NIST says
- * where the files are.
+ * digits of the worst parameter (log relative error against the certified values), and standard deviations. HOOKE_NIST
+ * says where the files are.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -78,7 +78,8 @@ static int numbers(struct text line, double *out, int room)
         if (real_scan(rest, '.', &value, &used) == REAL_OK && used > 0)
             out[count++] = value;
         used = used ? used : 1;
-        line = (struct text){rest.at + (used < rest.len ? used : rest.len), rest.len - (used < rest.len ? used : rest.len)};
+        line = (struct text){rest.at + (used < rest.len ? used : rest.len),
+                             rest.len - (used < rest.len ? used : rest.len)};
     }
     return count;
 }
@@ -119,54 +120,72 @@ static double digits(double value, double certified)
     return relative > 1e-11 ? -log10(relative) : 11; /* as many as are certified */
 }
 
-/* Both starts of all sets: formula_fit with what was asked for. */
-static void certified_values_from_both_starts(void **state)
+struct outcome {
+    double digits;    /* of the worst parameter */
+    double deviation; /* largest relative error of a standard deviation */
+    bool converged;
+    char said[200];
+};
+
+static struct outcome fit_dataset(size_t k, const struct dataset *set, int from, int iterations)
 {
-    (void)state;
+    struct arena arena = {0};
+    struct error error = {0};
+    struct formula formula;
+    struct curve_fit fit;
+    struct curve_options options = {.iterations = iterations};
+    size_t used;
+    const struct formula_column column = {"x2", set->x2};
+    struct series series = {.t = set->t, .y = set->y, .n = set->n};
+    if (!formula_compile(text_of(models[k].formula), NULL, &column, 1, &arena, &formula, &used, &error))
+        fail_msg("%s: %s", models[k].name, error.text);
+    assert_int_equal(used, strlen(models[k].formula));
+    assert_int_equal(formula.parameters, set->parameters);
+    for (int j = 0; j < set->parameters; j++) {
+        char name[16];
+        snprintf(name, sizeof name, "b%d", j + 1);
+        assert_true(formula_start(&formula, text_of(name), set->start[from][j], &error));
+    }
+    if (!formula_fit(&formula, &series, &options, &arena, &fit, &error))
+        fail_msg("%s start %d: %s", models[k].name, from + 1, error.text);
+    struct outcome outcome = {.digits = 11, .converged = fit.converged};
+    for (int j = 0; j < set->parameters; j++) {
+        int b = formula.name[j][1] - '1';
+        outcome.digits = fmin(outcome.digits, digits(fit.value[j].value, set->certified[b]));
+        outcome.deviation = fmax(outcome.deviation, fabs(fit.formal[j] / set->deviation[b] - 1));
+    }
+    snprintf(outcome.said, sizeof outcome.said, "%s", fit.said);
+    arena_reset(&arena);
+    return outcome;
+}
+
+static void require_files(void)
+{
     if (access(folder(), R_OK) != 0) {
         print_message("no NIST files at %s: set HOOKE_NIST\n", folder());
         skip();
     }
+}
+
+static void certified_values_from_both_starts(void **state)
+{
+    (void)state;
+    require_files();
     int good = 0, poor = 0;
     static struct dataset set;
     for (size_t k = 0; k < COUNT_OF(models); k++) {
         read_dataset(models[k].name, &set);
         assert_true(set.n > 5 && set.parameters >= 2);
         for (int from = 0; from < 2; from++) {
-            struct arena arena = {0};
-            struct error error = {0};
-            struct formula formula;
-            struct curve_fit fit;
-            size_t used;
-            const struct formula_column column = {"x2", set.x2};
-            struct series series = {.t = set.t, .y = set.y, .n = set.n};
-            if (!formula_compile(text_of(models[k].formula), NULL, &column, 1, &arena, &formula, &used, &error))
-                fail_msg("%s: %s", models[k].name, error.text);
-            assert_int_equal(used, strlen(models[k].formula));
-            assert_int_equal(formula.parameters, set.parameters);
-            for (int j = 0; j < set.parameters; j++) {
-                char name[8];
-                snprintf(name, sizeof name, "b%d", j + 1);
-                assert_true(formula_start(&formula, text_of(name), set.start[from][j], &error));
-            }
-            if (!formula_fit(&formula, &series, NULL, &arena, &fit, &error))
-                fail_msg("%s start %d: %s", models[k].name, from + 1, error.text);
-            double least = 11, worst = 0;
-            for (int j = 0; j < set.parameters; j++) {
-                int b = formula.name[j][1] - '1';
-                least = fmin(least, digits(fit.value[j].value, set.certified[b]));
-                worst = fmax(worst, fabs(fit.formal[j] / set.deviation[b] - 1));
-            }
-            print_message("%-9s start %d: %4.1f digits, deviations to %.1e, %s\n", models[k].name, from + 1, least, worst,
-                          fit.said);
-            /* nothing wrong is called converged, and nothing right is not */
-            if (fit.converged != (least >= 6))
-                fail_msg("%s start %d: %.1f digits, yet: %s", models[k].name, from + 1, least, fit.said);
+            struct outcome o = fit_dataset(k, &set, from, 0);
+            print_message("%-9s start %d: %4.1f digits, deviations to %.1e, %s\n", models[k].name, from + 1, o.digits,
+                          o.deviation, o.said);
+            if (o.converged != (o.digits >= 6))
+                fail_msg("%s start %d: %.1f digits, yet: %s", models[k].name, from + 1, o.digits, o.said);
             if (strcmp(models[k].name, "Lanczos1") != 0) /* whose residuals are the rounding of its data */
-                assert_true(worst < 1e-4);
-            good += least >= 8;
-            poor += least < 6;
-            arena_reset(&arena);
+                assert_true(o.deviation < 1e-4);
+            good += o.digits >= 8;
+            poor += o.digits < 6;
         }
     }
     print_message("8 digits or more: %d of %zu; fewer than 6: %d\n", good, 2 * COUNT_OF(models), poor);
@@ -174,10 +193,32 @@ static void certified_values_from_both_starts(void **state)
     assert_int_equal(poor, 0);
 }
 
+/* Stopped on the way, the answer is called converged only where it is right. */
+static void nothing_wrong_is_called_converged(void **state)
+{
+    (void)state;
+    require_files();
+    static const int limits[] = {1, 2, 4, 8, 16};
+    static struct dataset set;
+    int unfinished = 0;
+    for (size_t k = 0; k < COUNT_OF(models); k++) {
+        read_dataset(models[k].name, &set);
+        for (int run = 0; run < 2 * (int)COUNT_OF(limits); run++) {
+            struct outcome o = fit_dataset(k, &set, run % 2, limits[run / 2]);
+            unfinished += !o.converged;
+            if (o.converged && o.digits < 6)
+                fail_msg("%s start %d, %d iterations: %.1f digits, yet: %s", models[k].name, run % 2 + 1,
+                         limits[run / 2], o.digits, o.said);
+        }
+    }
+    assert_true(unfinished > 50);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(certified_values_from_both_starts),
+        cmocka_unit_test(nothing_wrong_is_called_converged),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -340,6 +340,66 @@ static void test_rejection_leaves_no_trace(void **state)
     }
 }
 
+/* ---- turning points (what they do for the order: run_kinks.c) ---- */
+
+/* A fall with deceleration 1 that is not defined where it is slow: a step across may be, one to the turning point not.
+ */
+static void hole_add(const double *c, double t, const double *y, double *a)
+{
+    (void)t;
+    a[0] += fabs(y[1]) < c[0] ? NAN : -1;
+}
+static const struct term_row hole_row = {
+    .row = {"hole", "m/s^2", "", "", NULL}, .flags = TERM_VELOCITY | TERM_KINK, .add = hole_add};
+
+static void test_a_piece_that_fails_leaves_nothing(void **state)
+{
+    (void)state;
+    const struct method *rk4 = method_named("rk4");
+    struct system system = other_system(&hole_row, 0.2);
+    const double start[2] = {0.3, 1}, low[2] = {1e-20, -1e-19};
+    double after[2] = {1e-20, -1e-19};
+    system.start[0] = start[0];
+    system.start[1] = start[1];
+    for (int kinks = 0; kinks <= 1; kinks++) {
+        system.kinks = kinks;
+        journey_begin(&shared, &system, 5, 0);
+        shared.step.low = after;
+        shared.step.h = 1.5;
+        assert_int_equal(method_turns(rk4, &system), kinks);
+        assert_int_equal(method_turning_step(rk4, &shared.step), kinks ? STEP_NONFINITE : STEP_OK);
+        if (!kinks) {
+            memcpy(after, low, sizeof low);
+            continue;
+        }
+        assert_memory_equal(shared.y, start, sizeof start);
+        assert_memory_equal(after, low, sizeof low);
+        assert_true(shared.step.t == 5 && shared.step.h == 1.5);
+    }
+}
+
+/* An accepted step ends where the velocity is 0, or has its sign throughout; the proposal stays. */
+static void test_steps_end_at_turning_points(void **state)
+{
+    (void)state;
+    struct system system = SPRING({"C", 3});
+    for (size_t m = 0; m < own_methods(); m++) {
+        const struct method *method = method_at(m);
+        if (!(method->flags & METHOD_ADAPTIVE) || !method_turns(method, &system))
+            continue;
+        int turns = 0;
+        journey_begin(&shared, &system, 0, 1e-9);
+        while (shared.step.t < 5) {
+            const double before = shared.y[1], tiny = 2e-5 * system.scale[1];
+            assert_int_equal(method_adapt(method, &shared.step, &shared.controller, 5), STEP_OK);
+            turns += fabs(shared.y[1]) < tiny && fabs(before) > tiny;
+            if (fabs(before) > tiny && fabs(shared.y[1]) > tiny && before * shared.y[1] < 0)
+                fail_msg("%s goes across a turning point at t = %g", method->row.name, shared.step.t);
+        }
+        assert_in_range(turns, 13, 14); /* half a period is 0.363 s */
+    }
+}
+
 /* ---- dense output ---- */
 
 /* Largest error inside one step of h from the start. */
@@ -424,6 +484,8 @@ int main(void)
         cmocka_unit_test(test_stall),
         cmocka_unit_test(test_stiffness_is_noticed),
         cmocka_unit_test(test_rejection_leaves_no_trace),
+        cmocka_unit_test(test_a_piece_that_fails_leaves_nothing),
+        cmocka_unit_test(test_steps_end_at_turning_points),
         cmocka_unit_test(test_dense_orders),
         cmocka_unit_test(test_dense_meets_both_ends),
     };

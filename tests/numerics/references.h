@@ -15,11 +15,11 @@ struct reference {
     char problem[40], parameters[160], component[16];
     double t; /* NAN: the value is a period */
     double value;
-    unsigned reached; /* 1 << family_of() the method */
+    unsigned reached; /* family_of() of all that came to it */
 };
 
-/* Methods that have no code of their steps in common. */
-static inline int family_of(const struct method *method)
+/* Methods that have no code of their steps in common, as one bit; 0: a closed form, which is none. */
+static inline unsigned family_of(const struct method *method)
 {
     const bool is[] = {method->flags & METHOD_YARDSTICK,
                        method->tableau,
@@ -28,10 +28,10 @@ static inline int family_of(const struct method *method)
                        method->implicit,
                        method->rosenbrock,
                        method->multistep};
-    int family = 0;
-    while (family < (int)COUNT_OF(is) && !is[family])
+    unsigned family = 0;
+    while (family < COUNT_OF(is) && !is[family])
         family++;
-    return family; /* the last: algorithms */
+    return method->flags & METHOD_EXACT ? 0 : 1u << family; /* the last: algorithms */
 }
 
 static inline int families(unsigned reached)

@@ -181,7 +181,29 @@ static void test_rows_do_not_depend_on_the_calls(void **state)
     }
 }
 
-/* The rows stand on the grid, and a kernel that knows nothing of turning points is not used. */
+/* Kernels, which know nothing of turning points, take the steps between them: the same rows, to the bit. */
+static void test_kernels_between_turning_points(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"rk4", "dopri5", "dop853", "verlet"};
+    static const double steps[] = {0.7, 0.1, 0.01, 0.0013};
+    const struct scene scene = drag_scene(0.5);
+    for (size_t i = 0; i < COUNT_OF(names); i++)
+        for (size_t k = 0; k < COUNT_OF(steps); k++) {
+            struct run *fast = start(&scene, names[i], (struct run_settings){.dt = steps[k]}, HUGE_VAL);
+            struct run *general =
+                start(&scene, names[i], (struct run_settings){.dt = steps[k], .kernel = KERNEL_GENERAL}, HUGE_VAL);
+            for (int piece = 1; piece < 3000; piece *= 3)
+                go_steps(fast, piece);
+            go_steps(general, fast->steps);
+            assert_same_trace(fast, general);
+            assert_int_equal(fast->cost.evals, general->cost.evals);
+            run_destroy(fast);
+            run_destroy(general);
+        }
+}
+
+/* The rows stand on the grid. */
 static void test_rows_stay_on_the_grid(void **state)
 {
     (void)state;
@@ -285,6 +307,7 @@ int main(void)
         cmocka_unit_test(test_adaptive_steps_are_as_good_as_the_tolerance),
         cmocka_unit_test(test_references),
         cmocka_unit_test(test_rows_do_not_depend_on_the_calls),
+        cmocka_unit_test(test_kernels_between_turning_points),
         cmocka_unit_test(test_rows_stay_on_the_grid),
         cmocka_unit_test(test_conditions),
         cmocka_unit_test(test_nothing_to_locate),

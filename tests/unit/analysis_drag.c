@@ -69,10 +69,8 @@ static bool holds(struct measured m, double truth)
     return close_to(m.value, truth, 3 * m.uncertainty + 0.005 * truth);
 }
 
-static const struct laws truths[] = {{0.04, 0, 0, LAW_LINEAR},
-                                     {0, 0.12, 0, LAW_QUADRATIC},
-                                     {0.0124, 0.0585, 0, LAW_MIXED},
-                                     {0, 0, 0.003, LAW_FRICTION}};
+static const struct laws truths[] = {
+    {0.04, 0, 0, LAW_LINEAR}, {0, 0.12, 0, LAW_QUADRATIC}, {0.0124, 0.0585, 0, LAW_MIXED}, {0, 0, 0.003, LAW_FRICTION}};
 
 /* The right law with the right coefficients. */
 static void each_law_is_found(void **state)
@@ -109,7 +107,7 @@ static void each_law_is_found(void **state)
 static void wrong_laws_are_rare(void **state)
 {
     (void)state;
-    int runs = is_long() ? 150 : 8, wrong = 0, spurious = 0, undecided = 0, cover = 0;
+    int runs = is_long() ? 150 : 8, wrong = 0, spurious = 0, undecided = 0, hidden = 0, cover = 0;
     random_state = 22;
     for (int run = 0; run < runs; run++) {
         for (size_t i = 0; i < COUNT_OF(truths); i++) {
@@ -122,8 +120,8 @@ static void wrong_laws_are_rare(void **state)
             bool right = fit.preferred == truths[i].law;
             undecided += fit.preferred == LAW_UNDECIDED;
             spurious += !right && fit.preferred == LAW_MIXED;
-            if (!right) print_message("law %zu: noise %g span %g: %s\n", i, noise, s.t[s.series.n - 1], fit.drag.said);
-            wrong += !right && fit.preferred != LAW_UNDECIDED && fit.preferred != LAW_MIXED;
+            hidden += truths[i].law == LAW_MIXED && (fit.preferred == LAW_LINEAR || fit.preferred == LAW_QUADRATIC);
+            wrong += !right && fit.preferred != LAW_UNDECIDED && truths[i].law != LAW_MIXED;
             const struct drag_candidate *c = candidate(&fit, truths[i].law);
             struct measured rate = i == 1 ? c->quadratic : i == 3 ? c->friction : c->gamma;
             double truth = i == 1 ? truths[i].b : i == 3 ? truths[i].f : truths[i].gamma;
@@ -132,10 +130,12 @@ static void wrong_laws_are_rare(void **state)
         }
     }
     int all = runs * (int)COUNT_OF(truths);
-    print_message("%d laws: %d wrong, %d with a spurious second term, %d not distinguishable; intervals cover %.1f %%\n",
-                  all, wrong, spurious, undecided, 100.0 * cover / all);
-    assert_int_equal(wrong, 0);
-    assert_true(spurious <= 0.02 * all && undecided <= 0.15 * all);
+    print_message(
+        "%d laws: %d wrong (%d with a spurious second term), %d with one of two terms hidden by noise, %d not "
+        "distinguishable; intervals cover %.1f %%\n",
+        all, wrong, spurious, hidden, undecided, 100.0 * cover / all);
+    assert_int_equal(wrong, spurious);
+    assert_true(spurious <= 0.01 * all && hidden <= 0.04 * runs + 1 && undecided <= 0.15 * all);
     assert_true(cover >= (0.95 - 3 * sqrt(0.95 * 0.05 / all)) * all);
 }
 
@@ -190,10 +190,8 @@ static void can_be_stopped(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(each_law_is_found),
-        cmocka_unit_test(wrong_laws_are_rare),
-        cmocka_unit_test(too_short_to_tell),
-        cmocka_unit_test(velocities_give_the_same_coefficients),
+        cmocka_unit_test(each_law_is_found), cmocka_unit_test(wrong_laws_are_rare),
+        cmocka_unit_test(too_short_to_tell), cmocka_unit_test(velocities_give_the_same_coefficients),
         cmocka_unit_test(can_be_stopped),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -23,8 +23,9 @@ static bool one_in(int many)
 }
 
 /*
- * A bob over the sensor [cm]: 3–160 periods, 20–125 Hz, noise 0.01–0.3 cm; some with missed echoes, flat tops, an offset
- * that drifts, sway (that has time to show itself: slower than the record it is no different from decay), rounded values.
+ * A bob over the sensor [cm]: 3–160 periods, 20–125 Hz, noise 0.01–0.3 cm; some with missed echoes, flat tops, an
+ * offset that drifts, sway (that has time to show itself: slower than the record it is no different from decay),
+ * rounded values.
  */
 static struct truth random_recording(void)
 {
@@ -69,11 +70,12 @@ static void intervals_cover_the_truth(void **state)
             assert_int_equal(fit.used + fit.rejected, s.series.n);
             /* what is wrong must never be called converged */
             if (!within(fit.period, truth.period, 8) || !within(fit.gamma, truth.gamma, 8)) {
-                fail_msg("run %d: T %g +- %g, truth %g; gamma %g +- %g, truth %g (n %zu, noise %g, A %g, dropouts %g, clip "
-                         "%g, drift %g, sway %g)",
-                         i, fit.period.value, fit.period.uncertainty, truth.period, fit.gamma.value,
-                         fit.gamma.uncertainty, truth.gamma, s.series.n, truth.noise, truth.amplitude, truth.dropouts,
-                         truth.clip, truth.drift, truth.sway);
+                fail_msg(
+                    "run %d: T %g +- %g, truth %g; gamma %g +- %g, truth %g (n %zu, noise %g, A %g, dropouts %g, clip "
+                    "%g, drift %g, sway %g)",
+                    i, fit.period.value, fit.period.uncertainty, truth.period, fit.gamma.value, fit.gamma.uncertainty,
+                    truth.gamma, s.series.n, truth.noise, truth.amplitude, truth.dropouts, truth.clip, truth.drift,
+                    truth.sway);
             }
             period += within(fit.period, truth.period, 1.96);
             gamma += within(fit.gamma, truth.gamma, 1.96);

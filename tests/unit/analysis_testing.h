@@ -33,10 +33,10 @@ struct truth {
     double amplitude, offset, period, gamma, phase; /* gamma as in exp(-gamma t/2) */
     double quadratic; /* [1/s] q: amplitude divided by 1 + q (1 - exp(-gamma t/2)) 2/gamma */
     double t0, rate, span;
-    double noise;    /* standard deviation */
-    double dropouts; /* share of samples that read 0 */
-    double drift;    /* of the offset over the whole span */
-    double clip;     /* values above offset + clip are cut; 0: none */
+    double noise;                         /* standard deviation */
+    double dropouts;                      /* share of samples that read 0 */
+    double drift;                         /* of the offset over the whole span */
+    double clip;                          /* values above offset + clip are cut; 0: none */
     double sway, sway_period, sway_phase; /* relative modulation of the amplitude, [s] */
     double quantum;                       /* values are rounded to multiples of it; 0: not */
 };

@@ -1,0 +1,359 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * What is wrong with a recording, found without a model for the whole of it. Only single samples that cannot be the motion
+ * are masked; everything else is said and left to who uses it. Flat tops are kept: the fit treats them as censored, and
+ * could not if only those samples were missing that noise carried one way.
+ */
+#include "clean.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#define FAR_OFF 6.0        /* robust standard deviations */
+#define FAR_OFF_BESIDE 3.0 /* next to one that is far off, on the same side */
+#define FAR_OFF_LEAST 0.01 /* of the amplitude: what is nearer does no harm */
+#define GAP 1.5            /* median steps, as the loader counts them */
+#define SHOULDER_LEAST 3   /* samples in a row; fewer are spikes */
+#define STUCK_LEAST 5      /* samples */
+#define STUCK_MOVES 8.0    /* noise or steps that the motion goes meanwhile */
+#define LEVELS_FEW 100     /* in the swing: steps of a percent of it */
+
+static void note(struct finding *finding, double t, size_t samples)
+{
+    if (finding->places < FINDING_PLACES)
+        finding->first[finding->places] = t;
+    finding->places++;
+    finding->count += samples;
+}
+
+static void note_size(struct finding *finding, double size)
+{
+    finding->size = fmax(isnan(finding->size) ? 0 : finding->size, size);
+}
+
+/* ---- times ---- */
+
+static void find_gaps(struct cleaning *c)
+{
+    struct finding *gaps = &c->findings->of[FINDING_GAPS];
+    for (size_t i = 0; i + 1 < c->n; i++)
+        c->sorted[i] = c->t[i + 1] - c->t[i];
+    c->step = sorted_quantile(c->sorted, c->n - 1, 0.5);
+    for (size_t i = 0; i + 1 < c->n; i++)
+        if (c->t[i + 1] - c->t[i] > GAP * c->step) {
+            note(gaps, c->t[i], 1);
+            note_size(gaps, c->t[i + 1] - c->t[i]);
+        }
+}
+
+static void find_missing(struct cleaning *c)
+{
+    struct finding *missing = &c->findings->of[FINDING_MISSING];
+    for (size_t i = 0; i < c->n; i++) {
+        c->excluded[i] = isnan(c->y[i]);
+        if (!c->excluded[i])
+            continue;
+        missing->count++;
+        if (i == 0 || !c->excluded[i - 1])
+            note(missing, c->t[i], 0);
+    }
+    c->findings->of[FINDING_REPEATED].count = c->recording->repeated;
+    c->findings->of[FINDING_BACKWARD].count = c->recording->backward;
+}
+
+/* ---- values ---- */
+
+/* The step of which all differences are multiples, in the numbers as they stand in the file. */
+static void find_steps(struct cleaning *c)
+{
+    const struct column *column = &c->recording->column[c->recording->value];
+    double quantum = HUGE_VAL, before = NAN;
+    size_t n = 0;
+    for (size_t i = 0; i < c->n; i++) {
+        const double now = column->value[i], step = fabs(now - before);
+        if (isnan(c->y[i]))
+            continue;
+        quantum = step > 0 && step < quantum ? step : quantum;
+        before = now;
+        c->sorted[n++] = c->y[i];
+    }
+    c->swing = sorted_quantile(c->sorted, n, 0.995) - c->sorted[(size_t)(0.005 * (double)n)];
+    before = NAN;
+    for (size_t i = 0; i < c->n; i++) {
+        const double multiple = (column->value[i] - before) / quantum;
+        if (fabs(multiple - nearbyint(multiple)) > 0.01)
+            return;
+        before = isnan(c->y[i]) ? before : column->value[i];
+    }
+    c->quantum = isfinite(quantum) ? quantum * fabs(column->factor) : 0;
+    if (c->quantum * LEVELS_FEW > c->swing && c->quantum < c->swing) {
+        struct finding *steps = &c->findings->of[FINDING_QUANTISED];
+        steps->count = n;
+        steps->size = c->quantum;
+    }
+}
+
+/*
+ * Equal values in a row while the motion goes on, or for half a period while elsewhere there is noise; not at the ends,
+ * where it may rest. The first of them is as good as any.
+ */
+static void find_stuck(struct cleaning *c)
+{
+    const double least = STUCK_MOVES * fmax(c->typical, c->quantum);
+    for (size_t from = 0, to; from < c->n; from = to) {
+        double low = HUGE_VAL, high = -HUGE_VAL;
+        for (to = from; to < c->n && (to == from || c->y[to] == c->y[from]); to++) {
+            low = fmin(low, c->model[to]);
+            high = fmax(high, c->model[to]);
+        }
+        const bool end = from == 0 || to == c->n, many = to - from >= STUCK_LEAST;
+        const bool lasts = c->t[to - 1] - c->t[from] > 0.5 * c->period && c->typical > c->quantum;
+        if (end || !many || !(high - low > least || lasts))
+            continue;
+        for (size_t i = from + 1; i < to; i++) {
+            c->findings->mask[i] = 1 + FINDING_STUCK;
+            c->excluded[i] = 1;
+        }
+    }
+}
+
+/* ---- flat tops ---- */
+
+struct layer {
+    double low, high;
+    size_t count;
+};
+
+/*
+ * Far more samples within a thin layer near an extreme than just below it: a sine has 2.4 times as many at most, and
+ * hardly any lie beyond.
+ */
+static bool densest_layer(const struct cleaning *c, const double *sorted, size_t n, bool upper, struct layer *layer)
+{
+    const double width = fmax(0.01 * c->swing, fmax(6 * c->typical, 2.1 * c->quantum));
+    const double middle = sorted[n / 2];
+    size_t first = 0, last = 0, below = 0, above = 0;
+    layer->count = 0;
+    for (size_t i = 0, end = 0; i < n; i++) {
+        while (end < n && sorted[end] <= sorted[i] + width)
+            end++;
+        const double centre = sorted[i] + 0.5 * width;
+        if ((upper ? centre - middle : middle - centre) < 0.2 * c->swing || end - i <= layer->count)
+            continue;
+        *layer = (struct layer){sorted[i], sorted[i] + width, end - i};
+        first = i;
+        last = end;
+    }
+    if (layer->count == 0)
+        return false;
+    for (size_t i = first; i-- > 0 && sorted[i] >= layer->low - width;)
+        below++;
+    for (size_t i = last; i < n && sorted[i] <= layer->high + width; i++)
+        above++;
+    const size_t inside = upper ? below : above, outside = upper ? n - last : first;
+    return layer->count >= 12 && layer->count > 5 * inside && 4 * outside < layer->count;
+}
+
+static bool in_layer(const struct cleaning *c, size_t i, const struct layer *layer)
+{
+    return c->y[i] >= layer->low && c->y[i] <= layer->high;
+}
+
+/* In at least three cycles, none of which holds half of it: that is no rest. */
+static void find_clipped(struct cleaning *c, bool upper)
+{
+    struct finding tops = {.size = NAN}, *clipped = &c->findings->of[FINDING_CLIPPED];
+    struct layer layer;
+    size_t n = 0, most = 0, here = 0;
+    double until = -HUGE_VAL, sum = 0;
+    for (size_t i = 0; i < c->n; i++)
+        if (!isnan(c->y[i]))
+            c->sorted[n++] = c->y[i];
+    sorted_quantile(c->sorted, n, 0);
+    if (n < 12 || !densest_layer(c, c->sorted, n, upper, &layer))
+        return;
+    for (size_t i = 0; i < c->n; i++) {
+        if (!in_layer(c, i, &layer))
+            continue;
+        here = c->t[i] > until ? 0 : here;
+        note(&tops, c->t[i], 0);
+        tops.places -= c->t[i] > until ? 0 : 1;
+        here++;
+        most = here > most ? here : most;
+        tops.count++;
+        sum += c->y[i];
+        until = c->t[i] + 0.25 * c->period;
+    }
+    if (tops.places < 3 || 2 * most > tops.count)
+        return;
+    const bool earlier = clipped->count > 0 && clipped->first[0] < tops.first[0];
+    for (int k = 0; k < FINDING_PLACES && !earlier; k++)
+        clipped->first[k] = tops.first[k];
+    clipped->size = sum / (double)tops.count;
+    clipped->count += tops.count;
+    clipped->places += tops.places;
+    for (size_t i = 0; i < c->n; i++)
+        if (in_layer(c, i, &layer))
+            c->excluded[i] = 2;
+}
+
+/* ---- the ends ---- */
+
+/* The k-th stretch from one end. */
+static const struct local *from_end(const struct cleaning *c, bool end, size_t k)
+{
+    return &c->local[end ? c->locals - 1 - k : k];
+}
+
+/* By how much the amplitude falls in a period, as a rule. */
+static double usual_fall(struct cleaning *c)
+{
+    size_t n = 0;
+    for (size_t k = 0; k + 1 < c->locals; k++)
+        if (c->local[k].fitted && c->local[k + 1].fitted && c->local[k].amplitude > 0)
+            c->sorted[n++] = c->local[k + 1].amplitude / c->local[k].amplitude;
+    return n > 0 ? fmin(sorted_quantile(c->sorted, n, 0.5), 1) : 1;
+}
+
+static size_t far_off(const struct cleaning *c, const struct local *local)
+{
+    size_t count = 0;
+    const double least = FAR_OFF * fmax(c->typical, local->scale);
+    for (size_t i = local->from; i < local->to; i++)
+        count += fabs(c->residual[i]) > least;
+    return count;
+}
+
+/*
+ * Stretches at one end that are no free oscillation: the amplitude there is much less than further inside (where it is at
+ * least as large as the decay allows), or no sine fits; at the end also where nothing moves any more.
+ */
+static size_t bad_stretches(struct cleaning *c, bool end, double fall)
+{
+    size_t bad = 0;
+    double largest = 0;
+    for (size_t k = 0; k < c->locals; k++)
+        largest = fmax(largest, c->local[k].fitted ? c->local[k].amplitude : 0);
+    for (; 3 * bad < 2 * c->locals; bad++) {
+        const struct local *s = from_end(c, end, bad);
+        double inside = 0, faded = 1;
+        for (size_t k = bad + 1; k < c->locals && k < bad + 12; k++) {
+            const struct local *other = from_end(c, end, k);
+            faded *= end ? fall : 1;
+            inside = fmax(inside, other->fitted ? faded * other->amplitude : 0);
+        }
+        if (!s->fitted)
+            continue;
+        const bool still = s->amplitude < 0.6 * inside && inside > 6 * c->typical;
+        const bool rough = s->scale > fmax(0.3 * s->amplitude, 5 * c->typical) ||
+                           4 * far_off(c, s) > s->to - s->from;
+        const bool gone = end && s->amplitude < fmax(0.5 * fmax(s->scale, c->quantum), 0.002 * largest);
+        if (!still && !rough && !gone)
+            break;
+    }
+    return 3 * bad < 2 * c->locals ? bad : 0;
+}
+
+static void find_ends(struct cleaning *c)
+{
+    const double fall = usual_fall(c);
+    const size_t before = bad_stretches(c, false, fall), after = bad_stretches(c, true, fall);
+    if (before + after >= c->locals)
+        return;
+    const size_t from = before > 0 ? c->local[before].from : 0,
+                 to = after > 0 ? c->local[c->locals - 1 - after].to : c->n;
+    c->findings->window[0] = c->t[from];
+    c->findings->window[1] = c->t[to - 1];
+    if (from > 0)
+        note(&c->findings->of[FINDING_START], c->t[0], from);
+    if (to < c->n)
+        note(&c->findings->of[FINDING_END], c->t[to], c->n - to);
+}
+
+/* ---- bad echoes ---- */
+
+/* Samples far off their local fit, with those beside them on the same side; inside the window. */
+static void mark_far_off(struct cleaning *c, unsigned char mark)
+{
+    unsigned char *mask = c->findings->mask;
+    for (size_t k = 0; k < c->locals; k++) {
+        const struct local *s = &c->local[k];
+        const double scale = fmax(s->scale, c->typical);
+        const double least = fmax(FAR_OFF * scale, fmax(FAR_OFF_LEAST * s->amplitude, 1.5 * c->quantum));
+        const double beside = FAR_OFF_BESIDE / FAR_OFF * least;
+        for (size_t i = s->from; i < s->to && s->fitted; i++) {
+            const double r = c->residual[i];
+            if (c->excluded[i] || !(fabs(r) > least))
+                continue;
+            mask[i] = mark;
+            for (size_t j = i; j-- > 0 && !mask[j] && !c->excluded[j] && r * c->residual[j] > beside * fabs(r);)
+                mask[j] = mark;
+            for (size_t j = i + 1; j < c->n && !c->excluded[j] && r * c->residual[j] > beside * fabs(r); j++)
+                mask[j] = mark;
+        }
+    }
+}
+
+/* Counts what is masked, in the window; what is outside is not used anyway. */
+static void count_masked(struct cleaning *c)
+{
+    struct findings *f = c->findings;
+    const unsigned char any = 1 + FINDING_SPIKES;
+    for (size_t from = 0, to; from < c->n; from = to) {
+        const unsigned char kind = f->mask[from];
+        const double r = c->residual[from];
+        for (to = from + 1; to < c->n && f->mask[to] == kind && (kind != any || r * c->residual[to] > 0);)
+            to++;
+        const bool outside = c->t[from] < f->window[0] || c->t[to - 1] > f->window[1];
+        if (kind == 0)
+            continue;
+        const enum finding_kind found = kind != any                    ? (enum finding_kind)(kind - 1)
+                                        : to - from >= SHOULDER_LEAST ? FINDING_SHOULDERS
+                                                                      : FINDING_SPIKES;
+        for (size_t i = from; i < to; i++) {
+            f->mask[i] = outside ? 0 : (unsigned char)(1 + found);
+            if (!outside && found != FINDING_STUCK)
+                note_size(&f->of[found], fabs(c->residual[i]));
+        }
+        if (outside)
+            continue;
+        note(&f->of[found], c->t[from], to - from);
+        f->masked += to - from;
+    }
+}
+
+/* ---- sway ---- */
+
+/* ln of the local amplitudes about a parabola in time, against what noise makes of them. */
+static void find_sway(struct cleaning *c)
+{
+    struct findings *f = c->findings;
+    double a[3][4] = {{0}}, middle = 0.5 * (f->window[0] + f->window[1]),
+           half = fmax(0.5 * (f->window[1] - f->window[0]), c->period);
+    double square = 0, expected = 0, last = 0;
+    size_t n = 0, turns = 0;
+    for (int pass = 0; pass < 2; pass++)
+        for (size_t k = 0; k < c->locals; k++) {
+            const struct local *s = &c->local[k];
+            if (!s->fitted || !(s->amplitude > 0) || s->t < f->window[0] || s->t > f->window[1])
+                continue;
+            const double x = (s->t - middle) / half, value = log(s->amplitude), term[3] = {1, x, x * x};
+            if (pass == 0) {
+                n++;
+                const double samples = fmax((double)(s->to - s->from), 1), u = s->scale / s->amplitude;
+                expected += u * u / samples;
+                for (int i = 0; i < 3; i++) {
+                    for (int j = 0; j < 3; j++)
+                        a[i][j] += term[i] * term[j];
+                    a[i][3] += term[i] * value;
+                }
+            } else {
+                const double r = value - a[0][3] - a[1][3] * x - a[2][3] * x * x;
+                square += r * r;
+                turns += r * last < 0;
+                last = r;
+            }
+        }
+        else_solve:;
+    (void)square;
+}
