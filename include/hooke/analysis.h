@@ -88,6 +88,42 @@ double series_peak_frequency(const struct series *series, struct arena *arena);
 bool series_spectrum(const struct series *series, struct arena *arena, const double **frequency,
                      const double **amplitude, size_t *bins);
 
+/* ---- rates ---- */
+
+struct derivative {
+    double *value;          /* [n] beside the series, from the arena; NAN next to gaps */
+    size_t known;           /* of them */
+    double gain;            /* [1/s] standard deviation for samples with independent noise of 1 */
+    double step;            /* [s] median */
+    int points;
+    enum quantity quantity; /* of the values */
+};
+
+#define DERIVATIVE_POINTS 5
+
+/* The slope of the least-squares parabola through so many neighbouring samples (odd, 3 at least), at uneven times too. */
+bool series_derivative(const struct series *series, int points, struct arena *arena, struct derivative *derivative,
+                       struct error *error);
+/* By which part the velocities of an oscillation come out too small, because the parabola smooths. */
+double derivative_loss(const struct derivative *derivative, double omega);
+
+/* The period from the shifts at which the series is most like itself: a cross-check. False: it does not oscillate long
+ * enough, or no memory. */
+bool series_correlation_period(const struct series *series, struct arena *arena, struct measured *period);
+
+/* ---- straight lines ---- */
+
+struct line_fit {
+    struct measured slope, intercept;
+    double covariance;   /* of both */
+    double chi2;         /* sum of squares over the uncertainties */
+    int freedom;         /* points less two */
+};
+
+/* Weighted by the uncertainties u of y (u 0: all alike), which are widened where the points scatter more. False: fewer
+ * than two different x. */
+bool line_fit(const double *x, const struct measured *y, int n, struct line_fit *fit);
+
 /* ---- least squares for any curve ----
  *
  * y = f(parameters, t) with exact derivatives: Levenberg-Marquardt (GSL; More's scaling, QR), with geodesic

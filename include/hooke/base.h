@@ -294,6 +294,25 @@ void writer_put(struct writer *writer, struct text text);       /* a failure is 
 bool writer_commit(struct writer *writer, struct error *error); /* closes in every case */
 void writer_abandon(struct writer *writer);
 
+/*
+ * A folder of files, whole or not at all: filled under a hidden name beside its own, which folder_commit gives it after
+ * every file is on the disk. An existing folder is refused without `force`, and with it unless all that it holds are
+ * regular files whose names are its `own`; nothing else is ever removed. A killed program leaves the old folder, the
+ * new one or none, and maybe a hidden one beside it.
+ */
+struct folder {
+    struct writer at; /* where it goes */
+    int fd;           /* -1: closed */
+    bool (*own)(const char *name);
+};
+
+/* Trailing slashes in the path do not matter. */
+bool folder_open(struct folder *folder, const char *path, struct write_policy policy, bool (*own)(const char *name),
+                 struct error *error);
+bool folder_put(struct folder *folder, const char *name, struct text content, struct error *error);
+bool folder_commit(struct folder *folder, struct error *error); /* closes in every case */
+void folder_abandon(struct folder *folder);
+
 /* ---- cancellation ----
  *
  * Set from a signal handler or another thread; long work asks between slices.

@@ -159,7 +159,17 @@ struct measurement {
     struct measured value;
     enum quantity unit;
     double periods;           /* NAN: does not apply */
+    double at;                /* [s] of an amplitude; NAN */
+    bool energy;              /* of the energy */
     char of[LIMIT_NAME + 16]; /* "run 1", "data swing3" */
+};
+
+/* A fit that converged, for the report. */
+struct kept_fit {
+    struct fit fit;
+    enum quantity quantity; /* of what was fitted */
+    struct measured mass, k; /* NAN: nobody had said what the mass is */
+    char of[LIMIT_NAME + 16];
 };
 
 struct session;
@@ -333,6 +343,8 @@ struct session {
     double fit_zero;              /* of the recording at that time: its offset counts from there */
     struct measurement *measurement;
     int measurements;
+    struct kept_fit *kept_fit;
+    int kept_fits;
     struct precision *precision; /* the last study, for `plot precision` and `export FILE table`; NULL: none */
     int precision_runs;          /* next_run at that time: a later run makes the table of the runs the latest one */
 
@@ -343,6 +355,9 @@ struct session {
 
     char **history; /* lines executed, oldest first */
     int histories;
+    struct buffer story; /* statements that lead here, as a script (private: story.h) */
+    bool story_fails;    /* one of them ends in an error, as it did: a run that diverged */
+    bool confirmed;      /* the present statement was asked about, and allowed */
     char *record_path; /* file that executed lines are appended to, NULL: none */
     int record_fd;
     bool keep_going;  /* option -k */

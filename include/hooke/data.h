@@ -121,8 +121,9 @@ enum finding_kind {
 enum remedy { REMEDY_MASK, REMEDY_WINDOW, REMEDY_KEEP, REMEDY_DROPPED /* when the file was read */ };
 
 struct finding_row {
-    struct row row; /* name, unit "", what it is, what is done about it */
+    struct row row; /* name, unit "", what it is */
     enum remedy remedy;
+    const char *done; /* in words */
 };
 
 extern const struct catalog finding_catalog; /* at the enum's place */
@@ -153,6 +154,8 @@ struct findings {
 bool recording_inspect(struct recording *recording, double period, struct error *error);
 /* Masks what the findings say; the window becomes theirs, unless somebody has chosen one. Values are never invented. */
 void recording_clean(struct recording *recording);
+/* "cleaned: 7 of 523 samples masked (5 in spikes, 2 in stuck)" and a newline; nothing where it was not cleaned. */
+void recording_describe_masked(const struct recording *recording, struct buffer *text);
 
 /* ---- tables out ---- */
 

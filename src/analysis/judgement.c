@@ -28,34 +28,56 @@ struct linear {
     double v[CURVE_PARAMETERS * CURVE_PARAMETERS], s[CURVE_PARAMETERS];
 };
 
+/* Weighted row i of the derivatives, scaled, and its residual, into row `to`. */
+static void fill_row(const struct problem *p, const double *residual, const struct linear *l, size_t i, gsl_matrix *a,
+                     gsl_vector *b, size_t to)
+{
+    double root = sqrt(p->weight[i]);
+    gsl_vector_set(b, to, root * residual[i]);
+    for (size_t k = 0; k < l->count; k++) {
+        size_t at = i * (size_t)p->curve->parameters + (size_t)l->at[k];
+        gsl_matrix_set(a, to, k, root * p->derivative[at] / l->norm[k]);
+    }
+}
+
+/*
+ * R and Q^T r of the derivatives, some rows at a time under the R of those before (Golub & Van Loan, 5.3.2): no matrix of
+ * n rows, and what is worked on stays in the cache. Then R = U S V^T.
+ */
 static bool decompose(const struct problem *p, const double *residual, struct linear *l)
 {
-    size_t n = p->n, m = l->count, count = (size_t)p->curve->parameters;
-    gsl_matrix *a = gsl_matrix_alloc(n, m);
-    gsl_vector *b = gsl_vector_alloc(n), *tau = gsl_vector_alloc(m), *work = gsl_vector_alloc(m);
+    enum { ROWS = 128 };
+    size_t m = l->count;
+    gsl_matrix *a = gsl_matrix_calloc(m + ROWS, m);
+    gsl_vector *b = gsl_vector_calloc(m + ROWS), *tau = gsl_vector_alloc(m), *work = gsl_vector_alloc(m);
     bool memory = a && b && tau && work;
-    for (size_t i = 0; i < n && memory; i++) {
-        double root = sqrt(p->weight[i]);
-        gsl_vector_set(b, i, root * residual[i]);
-        for (size_t k = 0; k < m; k++)
-            gsl_matrix_set(a, i, k, root * p->derivative[i * count + (size_t)l->at[k]]);
+    for (size_t k = 0; k < m; k++) {
+        l->norm[k] = 0;
+        for (size_t i = 0; i < p->n; i++) {
+            double d = p->derivative[i * (size_t)p->curve->parameters + (size_t)l->at[k]] / fmax(p->largest[l->at[k]], 1e-300);
+            l->norm[k] += p->weight[i] * d * d;
+        }
+        l->norm[k] = l->norm[k] > 0 ? sqrt(l->norm[k]) * p->largest[l->at[k]] : 1;
+    }
+    for (size_t i = 0; i < p->n && memory; i += ROWS) {
+        size_t rows = p->n - i < ROWS ? p->n - i : ROWS;
+        for (size_t k = 0; k < rows; k++)
+            fill_row(p, residual, l, i + k, a, b, m + k);
+        gsl_matrix_view part = gsl_matrix_submatrix(a, 0, 0, m + rows, m);
+        gsl_vector_view right = gsl_vector_subvector(b, 0, m + rows);
+        gsl_linalg_QR_decomp(&part.matrix, tau);
+        gsl_linalg_QR_QTvec(&part.matrix, tau, &right.vector);
+        for (size_t k = 1; k < m; k++)
+            for (size_t j = 0; j < k; j++)
+                gsl_matrix_set(a, k, j, 0);
     }
     if (memory) {
-        for (size_t k = 0; k < m; k++) {
-            gsl_vector_view column = gsl_matrix_column(a, k);
-            l->norm[k] = gsl_blas_dnrm2(&column.vector);
-            l->norm[k] = l->norm[k] > 0 ? l->norm[k] : 1;
-            gsl_vector_scale(&column.vector, 1 / l->norm[k]);
-        }
-        gsl_linalg_QR_decomp(a, tau);
-        gsl_linalg_QR_QTvec(a, tau, b);
         gsl_matrix_view r = gsl_matrix_view_array(l->r, m, m), v = gsl_matrix_view_array(l->v, m, m);
         gsl_vector_view s = gsl_vector_view_array(l->s, m);
-        for (size_t i = 0; i < m; i++) {
+        gsl_matrix_const_view top = gsl_matrix_const_submatrix(a, 0, 0, m, m);
+        gsl_matrix_memcpy(&r.matrix, &top.matrix);
+        for (size_t i = 0; i < m; i++)
             l->projected[i] = gsl_vector_get(b, i);
-            for (size_t k = 0; k < m; k++)
-                gsl_matrix_set(&r.matrix, i, k, k < i ? 0 : gsl_matrix_get(a, i, k));
-        }
         gsl_linalg_SV_decomp(&r.matrix, &v.matrix, &s.vector, work);
     }
     gsl_matrix_free(a);
@@ -163,8 +185,12 @@ bool judge(struct problem *p, const double *x, struct curve_fit *fit)
         if (!fit->bound[j])
             l.at[l.count++] = j;
     }
-    for (size_t i = 0; i < p->n * (size_t)count && there; i++)
-        there = isfinite(p->derivative[i]);
+    memset(p->largest, 0, sizeof p->largest);
+    for (size_t i = 0; i < p->n * (size_t)count && there; i++) {
+        double d = p->derivative[i], *largest = &p->largest[i % (size_t)count];
+        there = isfinite(d);
+        *largest = fmax(*largest, fabs(d));
+    }
     if (!isfinite(fit->rss) || !there)
         return true;
     double offset = 0;

@@ -17,6 +17,7 @@ struct problem {
     bool robust;
     /* what judge() leaves: the full Gauss-Newton step from there, and its length relative to value or uncertainty */
     double step[CURVE_PARAMETERS], length;
+    double largest[CURVE_PARAMETERS]; /* of each column of the derivatives, by size */
     const struct cancel *cancel;
 };
 

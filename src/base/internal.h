@@ -14,4 +14,18 @@ const char *safe_name(struct text name, char out[SAFE_NAME_SIZE]);
 /* "No space left on device", in English whatever the locale. */
 const char *system_message(int number);
 
+/* ---- writing: shared by files and folders ---- */
+
+#define NAME_ATTEMPTS 100 /* at a temporary name that nobody has taken */
+
+bool writer_refuse(const struct writer *writer, struct error *error, const char *why); /* false, always */
+bool writer_refuse_existing(const struct writer *writer, struct error *error);
+/* Opens the folder of writer->path and points at the last component. confine: it has to be below the current one. */
+bool writer_open_folder(struct writer *writer, bool confine, struct error *error);
+/* A hidden name beside the target that says what it is, should a killed program leave it behind. */
+bool writer_invent_name(struct writer *writer);
+/* All of it to writer->fd; a failure is remembered. */
+void writer_write(struct writer *writer, struct text text);
+int file_synced(int fd); /* 0 or an errno */
+
 #endif

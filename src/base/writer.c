@@ -17,15 +17,14 @@
 #include <unistd.h>
 
 #define CHUNK ((size_t)65536)
-#define ATTEMPTS 100 /* at a temporary name that nobody has taken */
 
-static bool refuse(const struct writer *writer, struct error *error, const char *why)
+bool writer_refuse(const struct writer *writer, struct error *error, const char *why)
 {
     char name[SAFE_NAME_SIZE];
     return error_set(error, ERROR_IO, "cannot write %s: %s", safe_name(text_of(writer->path), name), why);
 }
 
-static bool refuse_existing(const struct writer *writer, struct error *error)
+bool writer_refuse_existing(const struct writer *writer, struct error *error)
 {
     char name[SAFE_NAME_SIZE];
     return error_set(error, ERROR_IO, "%s exists; add --force to replace it", safe_name(text_of(writer->path), name));
@@ -33,25 +32,6 @@ static bool refuse_existing(const struct writer *writer, struct error *error)
 
 /* ---- opening ----
  */
-
-/* Opens the folder of writer->path and points at the last component. */
-static bool open_folder(struct writer *writer, struct error *error)
-{
-    char *slash = strrchr(writer->path, '/');
-    writer->base = slash ? slash + 1 : writer->path;
-    if (writer->base[0] == '\0')
-        return refuse(writer, error, slash ? "it is a directory" : "the name is empty");
-    char *name =
-        slash ? strndup(writer->path, slash == writer->path ? 1 : (size_t)(slash - writer->path)) : strdup(".");
-    if (!name)
-        return error_memory(error);
-    writer->folder = open(name, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (writer->folder < 0 && errno == EACCES) /* one may be allowed to make files in a folder but not to list it */
-        writer->folder = open(name, O_PATH | O_DIRECTORY | O_CLOEXEC);
-    const int number = errno;
-    free(name);
-    return writer->folder >= 0 || refuse(writer, error, system_message(number));
-}
 
 static bool same_file(const struct stat *a, const struct stat *b)
 {
@@ -77,6 +57,27 @@ static bool folder_is_below_here(int folder)
     return below;
 }
 
+bool writer_open_folder(struct writer *writer, bool confine, struct error *error)
+{
+    char *slash = strrchr(writer->path, '/');
+    writer->base = slash ? slash + 1 : writer->path;
+    if (writer->base[0] == '\0')
+        return writer_refuse(writer, error, slash ? "it is a directory" : "the name is empty");
+    char *name =
+        slash ? strndup(writer->path, slash == writer->path ? 1 : (size_t)(slash - writer->path)) : strdup(".");
+    if (!name)
+        return error_memory(error);
+    writer->folder = open(name, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (writer->folder < 0 && errno == EACCES) /* one may be allowed to make files in a folder but not to list it */
+        writer->folder = open(name, O_PATH | O_DIRECTORY | O_CLOEXEC);
+    const int number = errno;
+    free(name);
+    if (writer->folder < 0)
+        return writer_refuse(writer, error, system_message(number));
+    return !confine || folder_is_below_here(writer->folder) ||
+           writer_refuse(writer, error, "it is outside the current directory, where --safe keeps all files");
+}
+
 /* Is the name free, or a regular file that force may replace? *mode: the permissions it has, 0 for a new file. */
 static bool target_allows(const struct writer *writer, mode_t *mode, struct error *error)
 {
@@ -90,16 +91,15 @@ static bool target_allows(const struct writer *writer, mode_t *mode, struct erro
     struct stat st;
     *mode = 0;
     if (fstatat(writer->folder, writer->base, &st, AT_SYMLINK_NOFOLLOW) != 0)
-        return errno == ENOENT || refuse(writer, error, system_message(errno));
+        return errno == ENOENT || writer_refuse(writer, error, system_message(errno));
     for (size_t i = 0; i < COUNT_OF(kinds); i++)
         if ((st.st_mode & S_IFMT) == kinds[i].kind)
-            return refuse(writer, error, kinds[i].why);
+            return writer_refuse(writer, error, kinds[i].why);
     *mode = st.st_mode & 0777;
-    return writer->force || refuse_existing(writer, error);
+    return writer->force || writer_refuse_existing(writer, error);
 }
 
-/* A hidden name beside the target that says what it is, should a killed program leave it behind. */
-static bool invent_name(struct writer *writer)
+bool writer_invent_name(struct writer *writer)
 {
     uint32_t random;
     if (getrandom(&random, sizeof random, 0) != (ssize_t)sizeof random)
@@ -126,7 +126,7 @@ static bool open_temporary(struct writer *writer)
     } else if (errno != EOPNOTSUPP && errno != EISDIR && errno != EINVAL) {
         return false;
     }
-    for (int i = 0; i < ATTEMPTS && invent_name(writer); i++) {
+    for (int i = 0; i < NAME_ATTEMPTS && writer_invent_name(writer); i++) {
         writer->fd =
             openat(writer->folder, writer->temporary, O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC | O_NOFOLLOW, 0666);
         if (writer->fd >= 0)
@@ -143,12 +143,8 @@ static bool open_all(struct writer *writer, bool confine, struct error *error)
     mode_t mode;
     if (!writer->path || !writer->chunk)
         return error_memory(error);
-    if (!open_folder(writer, error))
-        return false;
-    if (confine && !folder_is_below_here(writer->folder))
-        return refuse(writer, error, "it is outside the current directory, where --safe keeps all files");
-    return target_allows(writer, &mode, error) &&
-           (open_temporary(writer) || refuse(writer, error, system_message(errno)));
+    return writer_open_folder(writer, confine, error) && target_allows(writer, &mode, error) &&
+           (open_temporary(writer) || writer_refuse(writer, error, system_message(errno)));
 }
 
 bool writer_open(struct writer *writer, const char *path, struct write_policy policy, struct error *error)
@@ -165,7 +161,7 @@ bool writer_open(struct writer *writer, const char *path, struct write_policy po
 /* ---- writing ----
  */
 
-static void write_all(struct writer *writer, struct text text)
+void writer_write(struct writer *writer, struct text text)
 {
     while (text.len > 0 && !writer->failed) {
         const ssize_t done = write(writer->fd, text.at, text.len);
@@ -181,7 +177,7 @@ static void write_all(struct writer *writer, struct text text)
 
 static void flush(struct writer *writer)
 {
-    write_all(writer, (struct text){writer->chunk, writer->used});
+    writer_write(writer, (struct text){writer->chunk, writer->used});
     writer->used = 0;
 }
 
@@ -190,7 +186,7 @@ void writer_put(struct writer *writer, struct text text)
     if (text.len > CHUNK - writer->used)
         flush(writer);
     if (text.len > CHUNK) {
-        write_all(writer, text);
+        writer_write(writer, text);
     } else if (text.len > 0) {
         memcpy(writer->chunk + writer->used, text.at, text.len);
         writer->used += text.len;
@@ -199,7 +195,7 @@ void writer_put(struct writer *writer, struct text text)
 
 /* ---- putting in place: each step returns 0 or an errno ---- */
 
-static int synced(int fd)
+int file_synced(int fd)
 {
     int result;
     do
@@ -226,8 +222,8 @@ static int link_unnamed(const struct writer *writer, const char *name)
 static int link_temporary(struct writer *writer)
 {
     int number = EEXIST;
-    for (int i = 0; i < ATTEMPTS && number == EEXIST; i++)
-        number = invent_name(writer) ? link_unnamed(writer, writer->temporary) : errno;
+    for (int i = 0; i < NAME_ATTEMPTS && number == EEXIST; i++)
+        number = writer_invent_name(writer) ? link_unnamed(writer, writer->temporary) : errno;
     if (number != 0)
         writer->temporary[0] = '\0';
     return number;
@@ -265,23 +261,23 @@ bool writer_commit(struct writer *writer, struct error *error)
 {
     mode_t mode;
     flush(writer);
-    int number = writer->failed ? writer->failure : synced(writer->fd);
+    int number = writer->failed ? writer->failure : file_synced(writer->fd);
     if (number == 0)
         number = closes_well(writer->fd);
     bool done = number == 0 && target_allows(writer, &mode, error);
     if (done) {
         number = mode != 0 && fchmod(writer->fd, mode) != 0 ? errno : publish(writer);
         if (number == 0) {
-            number = synced(writer->folder);
+            number = file_synced(writer->folder);
             if (number == EINVAL || number == EBADF) /* a folder that cannot be synced, or was opened by O_PATH */
                 number = 0;
         }
         done = number == 0;
     }
     if (number == EEXIST)
-        refuse_existing(writer, error);
+        writer_refuse_existing(writer, error);
     else if (number != 0)
-        refuse(writer, error, system_message(number));
+        writer_refuse(writer, error, system_message(number));
     writer_abandon(writer);
     return done;
 }

@@ -2,8 +2,10 @@
 /* load, data */
 #ifndef COMMAND_ROWS
 #include "choices.h"
+#include "findings.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 /* The description as lines, its warnings as warnings. */
@@ -69,6 +71,11 @@ static void reply_recording(const struct recording *recording, struct reply *rep
     reply_real(reply, NULL, recording->window[1]);
     reply_close(reply);
     reply_real(reply, "zero", recording->zero);
+    reply_bool(reply, "cleaned", recording->cleaned);
+    reply_int(reply, "masked", recording->cleaned ? (int64_t)recording->findings->masked : 0);
+    reply_measured(reply, "mass", recording->mass.value > 0 ? recording->mass : (struct measured){NAN, NAN},
+                   QUANTITY_MASS);
+    reply_string(reply, "velocity", recording->velocity[0] ? recording->velocity : NULL);
     reply_array(reply, "warnings");
     for (int i = 0; i < recording->warnings; i++)
         reply_string(reply, NULL, recording->warning[i]);
@@ -175,45 +182,106 @@ static bool set_zero(struct session *session, struct recording *recording, const
     return true;
 }
 
+static bool set_window(struct recording *recording, const struct given *window, struct error *error)
+{
+    const double *range = window->item->range;
+    if (recording_window(recording, isnan(range[0]) ? recording->t[0] : range[0],
+                         isnan(range[1]) ? recording->t[recording->rows - 1] : range[1], error))
+        return true;
+    error->where = window->item->text;
+    return false;
+}
+
+/* The sensor's own velocities instead of differences of the positions. */
+static bool join(const struct session *session, struct recording *recording, const struct given *given,
+                 struct error *error)
+{
+    const struct recording *velocity = session->recording[given->item->index]->recording;
+    const enum quantity own = recording->column[recording->value].quantity,
+                        its = velocity->column[velocity->value].quantity;
+    if (velocity == recording || its != QUANTITY_VELOCITY || own != QUANTITY_LENGTH) {
+        error_at(error, given->item->text, "join takes a recording of velocities to the current one of positions");
+        return error_hint(error, "load position.txt as=y; load velocity.txt as=v; data use y; data join v");
+    }
+    snprintf(recording->velocity, sizeof recording->velocity, "%s", velocity->name);
+    return true;
+}
+
+static void reply_joined(const struct recording *recording, struct reply *reply)
+{
+    if (recording->mass.value > 0) {
+        struct buffer mass = {0};
+        buffer_measured(&mass, recording->mass, QUANTITY_MASS, 6);
+        reply_line(reply, "%s: mass %s", recording->name, buffer_view(&mass));
+        buffer_free(&mass);
+    }
+    if (recording->velocity[0])
+        reply_line(reply, "%s: velocities from %s, at equal times", recording->name, recording->velocity);
+}
+
+static bool change(struct session *session, struct recording *recording, const struct arguments *given,
+                   struct error *error)
+{
+    if (is_given(given, "window") && !set_window(recording, given_for(given, "window"), error))
+        return false;
+    if (is_given(given, "zero") && !set_zero(session, recording, given, error))
+        return false;
+    if (is_given(given, "join") && !join(session, recording, given_for(given, "join"), error))
+        return false;
+    if (is_given(given, "mass"))
+        recording->mass = given_for(given, "mass")->item->value;
+    if (is_given(given, "restore"))
+        recording_restore(recording);
+    session_changed(session);
+    return true;
+}
+
+static bool nothing_given(const struct arguments *given)
+{
+    for (int i = 0; i < given->command->arguments; i++)
+        if (given->given[i].count)
+            return false;
+    return true;
+}
+
 HANDLER(data)
 {
     struct recording *recording = session_recording(session);
-    const struct given *use = given_for(given, "use"), *window = given_for(given, "window"),
-                       *drop = given_for(given, "drop");
+    const struct given *use = given_for(given, "use"), *drop = given_for(given, "drop");
+    if (is_given(given, "apply") && !is_given(given, "clean"))
+        return error_at(error, given_for(given, "apply")->where, "'apply' stands after 'clean': data clean apply");
     if (drop->count) {
         session_drop_recording(session, drop->item->index);
+        list_recordings(session, reply);
+        return true;
+    }
+    if (is_given(given, "list") || nothing_given(given)) {
         list_recordings(session, reply);
         return true;
     }
     if (use->count) {
         session->current_recording = use->item->index;
         session->data_is_latest = true;
-        session_changed(session);
         recording = session_recording(session);
-    } else if (!window->count && !is_given(given, "zero") && !is_given(given, "restore")) {
-        list_recordings(session, reply);
-        return true;
     }
     if (!recording) {
         error_set(error, ERROR_COMMAND, "there is no recording yet");
         return error_hint(error, "type: load FILE");
     }
-    if (window->count) {
-        const double *range = window->item->range;
-        if (!recording_window(recording, isnan(range[0]) ? recording->t[0] : range[0],
-                              isnan(range[1]) ? recording->t[recording->rows - 1] : range[1], error)) {
-            error->where = window->item->text;
+    if (is_given(given, "clean")) {
+        if (!find_faults(recording, given->arena, error))
             return false;
+        if (is_given(given, "apply")) {
+            recording_clean(recording);
+            session_changed(session);
         }
-        session_changed(session);
-    } else if (is_given(given, "zero")) {
-        if (!set_zero(session, recording, given, error))
-            return false;
-    } else if (is_given(given, "restore")) {
-        recording_restore(recording);
-        session_changed(session);
+        reply_findings(recording, given->arena, reply);
+        return true;
     }
+    if (!change(session, recording, given, error))
+        return false;
     reply_part(recording, reply);
+    reply_joined(recording, reply);
     reply_recording(recording, reply);
     return true;
 }
@@ -232,11 +300,21 @@ COMMAND(load, .row = {"load", "", "read a recording from a file", "", NULL}, .gr
                   KEY("decimal", TYPE_CHOICE, .choices = &decimal_catalog),
                   KEY("sep", TYPE_CHOICE, .choices = &separator_catalog), KEY("as", TYPE_TEXT)))
 
-COMMAND(data, .row = {"data", "", "list recordings, choose one, choose the part in use", "", NULL}, .group = "DATA",
-        .text = "window: the part that fit, measure and plot use; zero: subtracted from the values; restore: the whole "
-                "file, zero 0.",
-        .examples = "data\ndata window 2:8", .see = "load fit", .flags = COMMAND_CHANGES,
+COMMAND(data, .row = {"data", "", "list recordings, choose one, clean it, choose the part in use", "", NULL},
+        .group = "DATA",
+        .text = "window: the part that fit, measure and plot use; zero: subtracted from the values. clean shows what is "
+                "wrong (missed and\n"
+                "double echoes, flat tops, a stuck sensor, gaps, rest and release, sway) and what would be done; 'clean "
+                "apply' leaves the bad\n"
+                "samples out and sets the window; restore: the whole file, every sample, zero 0. mass: what hung on the "
+                "spring. join: the\n"
+                "sensor's own velocities from another recording, by time, for the plots of velocity, phase and energy.",
+        .examples = "load disk.txt; data clean; data clean apply\ndata mass 199.9 +- 0.1 g", .see = "load fit measure",
+        .flags = COMMAND_CHANGES,
         ARGUMENTS(WORD("list", TYPE_NONE, .group = 1), WORD("use", TYPE_RECORDING, .group = 1),
                   WORD("window", TYPE_RANGE, .quantity = QUANTITY_TIME, .group = 1),
                   WORD("zero", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_OTHER, .group = 1),
-                  WORD("restore", TYPE_NONE, .group = 1), WORD("drop", TYPE_RECORDING, .group = 1)))
+                  WORD("clean", TYPE_NONE, .group = 1), WORD("apply", TYPE_NONE),
+                  WORD("restore", TYPE_NONE, .group = 1),
+                  WORD("mass", TYPE_VALUE, .quantity = QUANTITY_MASS, .group = 1),
+                  WORD("join", TYPE_RECORDING, .group = 1), WORD("drop", TYPE_RECORDING, .group = 1)))

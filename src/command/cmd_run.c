@@ -83,12 +83,12 @@ static void travel(struct session *session, struct run *run, const struct run_ta
         front->progress(front->context, run, 2);
 }
 
-/* What `record` has to write where the statement alone does not tell what happened. */
+/* What `record`, and the story of the session, have to say where the statement alone does not tell what happened. */
 static void tell(struct session *session, const struct journey *journey)
 {
     const bool paused = journey->held->run->stop == STOP_CANCELLED, changed = journey->held->legs > journey->legs;
     const bool whole = journey->legs == 1 && journey->steps == 0;
-    if (session->record_fd >= 0 && (paused || changed))
+    if (paused || changed)
         journal_write(session, journey->held, whole ? 0 : journey->legs, whole ? -1 : journey->steps, 0,
                       &session->live.record);
 }

@@ -108,7 +108,7 @@ HANDLER(quit)
 
 COMMAND(source, .row = {"source", "", "run the commands of a file", "", NULL}, .group = "SESSION",
         .text = "Stops at the first error and says where. Files may source files, 16 deep.",
-        .examples = "source lab1.hk\nsource lab1.hk; run", .see = "save record",
+        .examples = "source lab1.hk\nsource lab1.hk; run", .see = "save record", .flags = COMMAND_NESTS,
         ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED)))
 
 COMMAND(record, .row = {"record", "", "append the commands that succeed to a file", "", NULL}, .group = "SESSION",

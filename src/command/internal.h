@@ -76,6 +76,7 @@ struct given {
 
 struct arguments {
     const struct command *command;
+    struct text word; /* the command as typed; empty: an assignment */
     struct given given[ARGUMENTS_MOST]; /* at the place of their struct argument */
     const struct expr_scope *scope;     /* of conditions and expressions */
     struct arena *arena;                /* lives as long as the command */
@@ -105,6 +106,7 @@ enum command_flag {
     COMMAND_CHANGES = 1,    /* may change what undo restores: a snapshot is taken before */
     COMMAND_UNRECORDED = 2, /* not written by `record` */
     COMMAND_ANYTIME = 4,    /* also while a run goes on: it does not disturb it */
+    COMMAND_NESTS = 8,      /* executes other statements, which stand in the story of the session themselves */
 };
 
 #define HANDLER_PARAMETERS                                                                                             \
@@ -239,6 +241,8 @@ void held_run_release(struct held_run *held);
 void held_recording_release(struct held_recording *held);
 int session_find_run(const struct session *session, struct text name);       /* number or name; -1: none */
 int session_find_recording(const struct session *session, struct text name); /* -1: none */
+/* The latest one of each model and recording or run; without memory it is only not in the report. */
+void session_keep_fit(struct session *session, const struct kept_fit *fit);
 void session_set_result(struct session *session, const char *name, struct measured value, enum quantity quantity);
 struct write_policy session_policy(const struct session *session, bool force);
 void session_default_settings(struct settings *settings);

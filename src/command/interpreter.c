@@ -2,6 +2,7 @@
 /* Lines to statements, statements to handlers: atomic, undoable, recorded. */
 #include "history.h"
 #include "reply.h"
+#include "story.h"
 
 #include <string.h>
 
@@ -103,6 +104,7 @@ static bool exec_statement(struct session *session, struct text statement, const
     arguments->where = where;
     if (!find_command(session, &parser, &arguments->command, error))
         return false;
+    arguments->word = (struct text){statement.at, (size_t)(parser.rest.at - statement.at)};
     const struct run *running = session->live.state == LIVE_RUNNING ? session_run(session) : NULL;
     if (running && !(arguments->command->flags & COMMAND_ANYTIME)) {
         error_set(error, ERROR_COMMAND, "%s has to wait: run %d goes on", arguments->command->row.name,
@@ -115,7 +117,12 @@ static bool exec_statement(struct session *session, struct text statement, const
     reply_command_begin(reply, (enum output_format)session->setup.settings.format);
     if (!parse_arguments(&parser, arguments->command, arguments, error))
         return false;
+    const size_t told = session->story.len;
+    const uint64_t changes = session->changes;
+    session->confirmed = false;
     const bool ok = run_handler(session, arguments, reply, error);
+    if (ok || session->changes != changes)
+        story_tell(session, arguments, statement, running != NULL, ok, told);
     reply_command_end(reply, arguments->command->row.name);
     if (!ok && !running) {
         buffer_free(&session->live.record);
@@ -124,7 +131,10 @@ static bool exec_statement(struct session *session, struct text statement, const
     if (!ok)
         return false;
     session->commands++;
-    if (!(arguments->command->flags & COMMAND_UNRECORDED) && !(where && where->parent) &&
+    const bool told_by_source = where && where->parent;
+    if (told_by_source && !running)
+        buffer_free(&session->live.record);
+    if (!(arguments->command->flags & COMMAND_UNRECORDED) && !told_by_source &&
         !record_statement(session, statement, running != NULL, error))
         return false;
     if (reply->failed) {

@@ -160,7 +160,7 @@ bool live_bind(struct session *session, int param, double *from, struct error *e
         return false;
     }
     const enum live_state state = live->state;
-    if (state != LIVE_RUNNING && !live->changing && session->record_fd >= 0)
+    if (state != LIVE_RUNNING && !live->changing)
         journal_write(session, held, held->legs - 1, run->steps, 0,
                       &session->live.record); /* in a file `set` alone would not do it */
     live_refresh(session);

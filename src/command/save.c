@@ -72,7 +72,9 @@ static void save_recording(const struct held_recording *held, bool absolute, str
     free(path);
     buffer_put(text, text_of(held->options));
     buffer_char(text, '\n');
-    if (recording->window[0] != recording->t[0] || recording->window[1] != recording->t[recording->rows - 1]) {
+    if (recording->cleaned)
+        buffer_put(text, TEXT("data clean apply\n"));
+    if (recording->cleaned || recording->window[0] != recording->t[0] || recording->window[1] != recording->t[recording->rows - 1]) {
         buffer_put(text, TEXT("data window "));
         buffer_real(text, recording->window[0]);
         buffer_char(text, ':');
@@ -82,6 +84,11 @@ static void save_recording(const struct held_recording *held, bool absolute, str
     if (recording->zero != 0) {
         buffer_put(text, TEXT("data zero "));
         buffer_real(text, recording->zero);
+        buffer_char(text, '\n');
+    }
+    if (recording->mass.value > 0) {
+        buffer_put(text, TEXT("data mass "));
+        buffer_exact(text, recording->mass, QUANTITY_MASS);
         buffer_char(text, '\n');
     }
 }
@@ -125,11 +132,24 @@ static void save_recordings(const struct session *session, bool absolute, struct
 {
     for (int i = 0; i < session->recordings; i++)
         save_recording(session->recording[i], absolute, text);
+    for (int i = 0; i < session->recordings; i++) {
+        const struct recording *recording = session->recording[i]->recording;
+        if (session_find_recording(session, text_of(recording->velocity)) >= 0)
+            buffer_format(text, "data use %s\ndata join %s\n", recording->name, recording->velocity);
+    }
+}
+
+static bool joins(const struct session *session)
+{
+    for (int i = 0; i < session->recordings; i++)
+        if (session->recording[i]->recording->velocity[0])
+            return true;
+    return false;
 }
 
 static void save_current_recording(const struct session *session, bool always, struct buffer *text)
 {
-    if (session->current_recording >= 0 && (always || session->current_recording != session->recordings - 1))
+    if (session->current_recording >= 0 && (always || joins(session) || session->current_recording != session->recordings - 1))
         buffer_format(text, "data use %s\n", session_recording(session)->name);
 }
 

@@ -41,6 +41,8 @@ void session_destroy(struct session *session)
         free(session->history[i]);
     free(session->history);
     free(session->measurement);
+    free(session->kept_fit);
+    buffer_free(&session->story);
     if (session->precision)
         precision_free(session->precision);
     free(session->precision);
@@ -196,6 +198,23 @@ void session_set_result(struct session *session, const char *name, struct measur
         result = &session->result[session->results++];
     *result = (struct named_value){.value = value.value, .uncertainty = value.uncertainty, .quantity = quantity};
     snprintf(result->name, sizeof result->name, "%s", name);
+}
+
+void session_keep_fit(struct session *session, const struct kept_fit *fit)
+{
+    struct kept_fit *kept = NULL;
+    for (int i = 0; i < session->kept_fits; i++)
+        if (strcmp(session->kept_fit[i].of, fit->of) == 0 && strcmp(session->kept_fit[i].fit.model, fit->fit.model) == 0)
+            kept = &session->kept_fit[i];
+    if (!kept) {
+        struct kept_fit *larger =
+            realloc(session->kept_fit, ((size_t)session->kept_fits + 1) * sizeof *session->kept_fit);
+        if (!larger)
+            return;
+        session->kept_fit = larger;
+        kept = &larger[session->kept_fits++];
+    }
+    *kept = *fit;
 }
 
 /* ---- what follows from the settings and the front end ---- */

@@ -225,7 +225,7 @@ bool session_keep_measurement(struct session *session, const char *name, const c
         session->measurement = larger;
     }
     struct measurement *row = &session->measurement[session->measurements++];
-    *row = (struct measurement){.value = value, .unit = unit, .periods = periods};
+    *row = (struct measurement){.value = value, .unit = unit, .periods = periods, .at = NAN};
     snprintf(row->quantity, sizeof row->quantity, "%s", name);
     snprintf(row->of, sizeof row->of, "%s", of);
     char result[LIMIT_NAME + 1];

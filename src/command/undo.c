@@ -26,6 +26,9 @@ struct run_mark {
 struct recording_mark {
     struct held_recording *held;
     double window[2], zero;
+    struct measured mass;
+    char velocity[LIMIT_NAME + 1];
+    bool cleaned;
 };
 
 struct snapshot {
@@ -73,8 +76,13 @@ struct snapshot *snapshot_take(const struct session *session, const char *label)
     }
     for (int i = 0; i < session->recordings; i++) {
         const struct recording *recording = session->recording[i]->recording;
-        snapshot->recording[snapshot->recordings++] = (struct recording_mark){
-            session->recording[i], {recording->window[0], recording->window[1]}, recording->zero};
+        struct recording_mark *mark = &snapshot->recording[snapshot->recordings++];
+        *mark = (struct recording_mark){.held = session->recording[i],
+                                        .window = {recording->window[0], recording->window[1]},
+                                        .zero = recording->zero,
+                                        .mass = recording->mass,
+                                        .cleaned = recording->cleaned};
+        memcpy(mark->velocity, recording->velocity, sizeof mark->velocity);
         session->recording[i]->references++;
     }
     return snapshot;
@@ -128,8 +136,12 @@ static void go_to(struct session *session, const struct snapshot *snapshot)
     for (int i = 0; i < snapshot->recordings; i++) {
         const struct recording_mark *mark = &snapshot->recording[i];
         session->recording[i] = mark->held;
-        memcpy(mark->held->recording->window, mark->window, sizeof mark->window);
-        mark->held->recording->zero = mark->zero;
+        struct recording *recording = mark->held->recording;
+        memcpy(recording->window, mark->window, sizeof mark->window);
+        memcpy(recording->velocity, mark->velocity, sizeof mark->velocity);
+        recording->zero = mark->zero;
+        recording->mass = mark->mass;
+        recording->cleaned = mark->cleaned;
     }
     session->runs = snapshot->runs;
     session->recordings = snapshot->recordings;

@@ -50,9 +50,9 @@ static void find_missing(struct cleaning *c)
 {
     struct finding *missing = &c->findings->of[FINDING_MISSING];
     for (size_t i = 0; i < c->n; i++) {
-        c->excluded[i] = isnan(c->y[i]);
-        if (!c->excluded[i])
+        if (!isnan(c->y[i]))
             continue;
+        c->excluded[i] = 1;
         missing->count++;
         if (i == 0 || !c->excluded[i - 1])
             note(missing, c->t[i], 0);
@@ -163,7 +163,7 @@ static bool in_layer(const struct cleaning *c, size_t i, const struct layer *lay
 static void find_clipped(struct cleaning *c, bool upper)
 {
     struct finding tops = {.size = NAN}, *clipped = &c->findings->of[FINDING_CLIPPED];
-    struct layer layer;
+    struct layer layer = {0};
     size_t n = 0, most = 0, here = 0;
     double until = -HUGE_VAL, sum = 0;
     for (size_t i = 0; i < c->n; i++)
@@ -324,36 +324,137 @@ static void count_masked(struct cleaning *c)
 
 /* ---- sway ---- */
 
-/* ln of the local amplitudes about a parabola in time, against what noise makes of them. */
-static void find_sway(struct cleaning *c)
+#define SWAY_LEAST 0.015 /* rms, relative */
+#define SWAY_STRETCHES 6
+
+/* Takes out of y what is along the basis vector. */
+static void take_out(double *y, const double *basis, size_t n)
+{
+    double along = 0, square = 0;
+    for (size_t i = 0; i < n; i++) {
+        along += y[i] * basis[i];
+        square += basis[i] * basis[i];
+    }
+    for (size_t i = 0; i < n; i++)
+        y[i] -= square > 0 ? along / square * basis[i] : 0;
+}
+
+/* ln of the local amplitudes about a parabola in time, against what the noise makes of them. */
+static bool find_sway(struct cleaning *c)
 {
     struct findings *f = c->findings;
-    double a[3][4] = {{0}}, middle = 0.5 * (f->window[0] + f->window[1]),
-           half = fmax(0.5 * (f->window[1] - f->window[0]), c->period);
-    double square = 0, expected = 0, last = 0;
+    double *y = arena_array(c->scratch, 4 * c->locals, sizeof *y), *one = y + c->locals, *line = one + c->locals,
+           *curve = line + c->locals, first = NAN, last = NAN, square = 0, expected = 0;
     size_t n = 0, turns = 0;
-    for (int pass = 0; pass < 2; pass++)
-        for (size_t k = 0; k < c->locals; k++) {
-            const struct local *s = &c->local[k];
-            if (!s->fitted || !(s->amplitude > 0) || s->t < f->window[0] || s->t > f->window[1])
-                continue;
-            const double x = (s->t - middle) / half, value = log(s->amplitude), term[3] = {1, x, x * x};
-            if (pass == 0) {
-                n++;
-                const double samples = fmax((double)(s->to - s->from), 1), u = s->scale / s->amplitude;
-                expected += u * u / samples;
-                for (int i = 0; i < 3; i++) {
-                    for (int j = 0; j < 3; j++)
-                        a[i][j] += term[i] * term[j];
-                    a[i][3] += term[i] * value;
-                }
-            } else {
-                const double r = value - a[0][3] - a[1][3] * x - a[2][3] * x * x;
-                square += r * r;
-                turns += r * last < 0;
-                last = r;
-            }
-        }
-        else_solve:;
-    (void)square;
+    if (!y)
+        return false;
+    for (size_t k = 0; k < c->locals; k++) {
+        const struct local *s = &c->local[k];
+        if (!s->fitted || !(s->amplitude > 0) || s->t < f->window[0] || s->t > f->window[1])
+            continue;
+        const double noise = s->scale / s->amplitude;
+        expected += noise * noise / fmax((double)(s->to - s->from), 1);
+        y[n] = log(s->amplitude);
+        one[n] = 1;
+        line[n] = s->t - c->t[0];
+        curve[n] = line[n] * line[n];
+        first = n++ == 0 ? s->t : first;
+        last = s->t;
+    }
+    if (n < SWAY_STRETCHES)
+        return true;
+    take_out(line, one, n);
+    take_out(curve, one, n);
+    take_out(curve, line, n);
+    take_out(y, one, n);
+    take_out(y, line, n);
+    take_out(y, curve, n);
+    for (size_t i = 0; i < n; i++) {
+        square += y[i] * y[i];
+        turns += i > 0 && y[i] * y[i - 1] < 0;
+    }
+    const double sway = sqrt(square / (double)(n - 3)), noise = sqrt(expected / (double)n);
+    if (sway > SWAY_LEAST && sway > 3 * noise) {
+        note(&f->of[FINDING_SWAY], first, n);
+        f->of[FINDING_SWAY].size = sway;
+        f->sway_period = turns > 1 ? 2 * (last - first) / (double)turns : NAN;
+    }
+    return true;
+}
+
+/* ---- all of it ---- */
+
+static bool inspect_motion(struct cleaning *c)
+{
+    if (!clean_fit(c))
+        return false;
+    find_clipped(c, true);
+    find_clipped(c, false);
+    find_stuck(c);
+    if (!clean_fit(c)) /* without what was found so far */
+        return false;
+    find_ends(c);
+    mark_far_off(c, 1 + FINDING_SPIKES);
+    count_masked(c);
+    return find_sway(c);
+}
+
+static bool inspect(struct recording *recording, double period, struct findings *f, struct arena *scratch)
+{
+    const size_t n = recording->rows;
+    struct cleaning c = {.recording = recording,
+                         .findings = f,
+                         .scratch = scratch,
+                         .n = n,
+                         .t = recording->t,
+                         .y = recording->y,
+                         .period = period,
+                         .excluded = arena_alloc(scratch, n),
+                         .residual = arena_array(scratch, n, sizeof(double)),
+                         .model = arena_array(scratch, n, sizeof(double)),
+                         .sorted = arena_array(scratch, n, sizeof(double))};
+    f->mask = arena_alloc(&recording->arena, n);
+    f->window[0] = recording->t[0];
+    f->window[1] = recording->t[n - 1];
+    f->period = period;
+    f->sway_period = NAN;
+    for (int k = 0; k < FINDINGS; k++) {
+        f->of[k].size = NAN;
+        for (int i = 0; i < FINDING_PLACES; i++)
+            f->of[k].first[i] = NAN;
+    }
+    if (!c.excluded || !c.residual || !c.model || !c.sorted || !f->mask)
+        return false;
+    find_gaps(&c);
+    find_missing(&c);
+    find_steps(&c);
+    const bool moves = period > 0 && recording->t[n - 1] - recording->t[0] >= 2 * period && c.swing > 0;
+    return !moves || inspect_motion(&c);
+}
+
+bool recording_inspect(struct recording *recording, double period, struct error *error)
+{
+    struct arena scratch = {0};
+    if (recording->findings)
+        return true;
+    struct findings *findings = arena_alloc(&recording->arena, sizeof *findings);
+    const bool ok = findings && inspect(recording, period, findings, &scratch);
+    arena_reset(&scratch);
+    if (!ok)
+        return error_memory(error);
+    recording->findings = findings;
+    return true;
+}
+
+void recording_clean(struct recording *recording)
+{
+    const struct findings *f = recording->findings;
+    const double first = recording->t[0], last = recording->t[recording->rows - 1];
+    if (!f)
+        return;
+    recording->cleaned = true;
+    if (recording->window[0] <= first && recording->window[1] >= last) {
+        recording->window[0] = f->window[0];
+        recording->window[1] = f->window[1];
+    }
 }

@@ -60,6 +60,7 @@ void recording_describe(const struct recording *recording, struct buffer *text)
         run_list(recording, text);
         buffer_put(text, TEXT("  (run= says otherwise)\n"));
     }
+    recording_describe_masked(recording, text);
     for (int i = 0; i < recording->warnings; i++)
         buffer_format(text, "warning: %s\n", recording->warning[i]);
 }

@@ -91,7 +91,7 @@ INLINE void split_march(const struct method *method, enum drag drag, force_funct
         rk_march(&RK_ROW, shape##_slope, march);                                                                       \
     }
 #define RUNGE_KUTTA(...)                                                                                               \
-    static const struct method RK_ROW = {__VA_ARGS__};                                                                 \
+    static const struct method RK_ROW = {.step = rk_step, __VA_ARGS__};                                                                 \
     SHAPES(RK_KERNEL)
 #include "rk.def"
 #undef RUNGE_KUTTA
@@ -104,7 +104,7 @@ INLINE void split_march(const struct method *method, enum drag drag, force_funct
         split_march(&SPLIT_ROW, drag, shape##_force, shape##_drag, march);                                             \
     }
 #define SPLITTING(...)                                                                                                 \
-    static const struct method SPLIT_ROW = {__VA_ARGS__};                                                              \
+    static const struct method SPLIT_ROW = {.step = split_step, __VA_ARGS__};                                                              \
     SHAPES(SPLIT_KERNEL)
 #include "split.def"
 #undef SPLITTING

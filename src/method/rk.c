@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* One step of any explicit Runge-Kutta tableau. Source: Hairer, Norsett, Wanner 1993, Solving ODEs I, II.1-6, II.10. */
-#include "rk_body.h"
+#include "rk_error.h"
 
 /* work: k [stages + extra][n], one state, whether the extra stages are those of the last step */
 size_t rk_work(const struct method *method, int n)
@@ -18,23 +18,6 @@ static void slope(const void *system, double t, const double *y, double *dydt)
     system_derivative(system, t, y, dydt);
 }
 
-/* The difference from the companion; with a rough one too, that of DOP853 (II.10, eq. 10.17). */
-static void estimate_error(const struct tableau *tableau, struct step *step, const double *z)
-{
-    int n = step->system->n, stages = tableau->stages;
-    for (int i = 0; i < n; i++)
-        step->error[i] = step->h * weighted_difference(tableau->b, tableau->companion, stages, step->work, n, i);
-    if (!tableau->rough)
-        return;
-    double rough[LIMIT_VARIABLES];
-    for (int i = 0; i < n; i++)
-        rough[i] = step->h * weighted_difference(tableau->b, tableau->rough, stages, step->work, n, i);
-    double square = scaled_square(step->system, step->error, step->y, z);
-    double share = square > 0 ? sqrt(square / (square + 0.01 * scaled_square(step->system, rough, step->y, z))) : 0;
-    for (int i = 0; i < n; i++)
-        step->error[i] *= share;
-}
-
 enum step_status rk_step(const struct method *method, struct step *step)
 {
     const struct tableau *tableau = method->tableau;
@@ -49,7 +32,7 @@ enum step_status rk_step(const struct method *method, struct step *step)
     rk_stages(tableau, n, slope, step->system, step->t, step->h, step->y, k, z, low, known);
     step->cost.evals += stages - known;
     if (step->error && tableau->companion)
-        estimate_error(tableau, step, z);
+        rk_estimate(tableau, n, step->system, step->h, k, step->y, z, step->error);
     enum step_status status = step_finish(step, z);
     if (low && status == STEP_OK)
         memcpy(step->low, low, (size_t)n * sizeof *low);

@@ -1,80 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Expressions: operator precedence parsing (Dijkstra 1961, the shunting yard) into postfix order with constants folded,
- * and the stack machine that evaluates it. Neither recurses; both stacks are bounded by LIMIT_EXPR_DEPTH.
+ * Expressions: operator precedence parsing (Dijkstra 1961, the shunting yard) into postfix order with constants folded.
+ * Nothing recurses; the stacks of the parser and of the evaluator are bounded by LIMIT_EXPR_DEPTH.
  */
-#include <math.h>
 #include <string.h>
 
 #include "expr.h"
-
-/* ---- evaluation ---- */
-
-/* Applies an operator or a function; top points behind the last value. Returns the new top. */
-static inline double *apply(const struct op *op, double *top)
-{
-    switch (op->kind) {
-    case OP_NUMBER: /* values: the caller's business */
-    case OP_NAME:
-        return top;
-    case OP_NEG:
-        top[-1] = -top[-1];
-        return top;
-    case OP_ADD:
-        top[-2] += top[-1];
-        return top - 1;
-    case OP_SUB:
-        top[-2] -= top[-1];
-        return top - 1;
-    case OP_MUL:
-        top[-2] *= top[-1];
-        return top - 1;
-    case OP_DIV:
-        top[-2] /= top[-1];
-        return top - 1;
-    case OP_POW:
-        top[-2] = pow(top[-2], top[-1]);
-        return top - 1;
-    case OP_CALL:
-        break;
-    }
-    const struct function *f = op->function;
-    if (f->one) {
-        top[-1] = f->one(top[-1]);
-        return top;
-    }
-    if (f->two) {
-        top[-2] = f->two(top[-2], top[-1]);
-        return top - 1;
-    }
-    top[-3] = f->three(top[-3], top[-2], top[-1]);
-    return top - 2;
-}
-
-double expr_value(const struct expr *expr, const struct expr_scope *scope)
-{
-    double stack[LIMIT_EXPR_DEPTH], *top = stack;
-    for (const struct op *op = expr->op; op < expr->op + expr->count; op++) {
-        if (op->kind == OP_NUMBER)
-            *top++ = op->number;
-        else if (op->kind == OP_NAME)
-            *top++ = scope->load(scope->context, op->slot);
-        else
-            top = apply(op, top);
-    }
-    return top[-1]; /* the one value that is left */
-}
-
-bool expr_constant(const struct expr *expr, double *value)
-{
-    for (size_t i = 0; i < expr->count; i++)
-        if (expr->op[i].kind == OP_NAME)
-            return false;
-    *value = expr_value(expr, NULL);
-    return true;
-}
-
-/* ---- compilation ---- */
 
 /* What waits for its operands: an operator, an open parenthesis or an open call. */
 struct pending {
@@ -98,16 +29,25 @@ struct compiler {
     size_t depth;
 };
 
-static const struct {
-    char sign;
+enum { COMPARISON, SUM, PRODUCT, SIGN, POWER }; /* precedences: -2^2 is -4, 2^-2 is a quarter */
+
+/* Longer signs first. */
+static const struct sign {
+    const char *sign;
     enum op_kind op;
     int precedence;
     bool to_right;
 } operators[] = {
-    {'+', OP_ADD, 1, false}, {'-', OP_SUB, 1, false}, {'*', OP_MUL, 2, false},
-    {'/', OP_DIV, 2, false}, {'^', OP_POW, 4, true},
+    {"<=", OP_LESS_EQUAL, COMPARISON, false},
+    {">=", OP_GREATER_EQUAL, COMPARISON, false},
+    {"<", OP_LESS, COMPARISON, false},
+    {">", OP_GREATER, COMPARISON, false},
+    {"+", OP_ADD, SUM, false},
+    {"-", OP_SUB, SUM, false},
+    {"*", OP_MUL, PRODUCT, false},
+    {"/", OP_DIV, PRODUCT, false},
+    {"^", OP_POW, POWER, true},
 };
-enum { NEG_PRECEDENCE = 3 }; /* -2^2 is -4, 2^-2 is a quarter */
 
 static bool is_digit(char c)
 {
@@ -188,7 +128,7 @@ static bool emit(struct compiler *c, struct op operation, size_t arity)
     expr->count -= arity;
     for (size_t i = 0; i < arity; i++)
         stack[i] = expr->op[expr->count + i].number;
-    apply(&operation, stack + arity);
+    op_apply(&operation, stack + arity);
     expr->op[expr->count++] = (struct op){.kind = OP_NUMBER, .number = stack[0]};
     return true;
 }
@@ -343,7 +283,7 @@ static bool read_operand(struct compiler *c, bool *complete)
     if (next == '(')
         return push(c, (struct pending){.what = WAIT_PARENTHESIS}, 1);
     if (next == '-')
-        return push(c, (struct pending){.op = OP_NEG, .precedence = NEG_PRECEDENCE}, 1);
+        return push(c, (struct pending){.op = OP_NEG, .precedence = SIGN}, 1);
     if (next == '+' && peek(c, 1) != '-') {
         c->at++;
         return true;
@@ -365,16 +305,36 @@ static struct pending *innermost(struct compiler *c)
     return NULL;
 }
 
-/* Where an operator may stand. *complete: an operand has just been closed by ')'. *over: the expression ends here. */
+/* NULL: none, as at "+-" of an uncertainty. */
+static const struct sign *next_operator(const struct compiler *c)
+{
+    struct text rest = slice(c, c->at, c->text.len - c->at);
+    for (size_t i = 0; i < COUNT_OF(operators); i++)
+        if (text_starts(rest, text_of(operators[i].sign)) && !text_starts(rest, TEXT("+-")))
+            return &operators[i];
+    return NULL;
+}
+
+/*
+ * Where an operator may stand; a comparison only inside of parentheses, else it is that of a condition. *complete: an
+ * operand has just been closed by ')'. *over: the expression ends here.
+ */
 static bool read_operator(struct compiler *c, bool *complete, bool *over)
 {
     char next = peek(c, 0);
     *complete = next == ')';
-    for (size_t i = 0; i < COUNT_OF(operators); i++)
-        if (next == operators[i].sign && !(next == '+' && peek(c, 1) == '-'))
-            return reduce(c, operators[i].precedence + operators[i].to_right) &&
-                   push(c, (struct pending){.op = operators[i].op, .precedence = operators[i].precedence}, 1);
     struct pending *open = innermost(c);
+    const struct sign *sign = next_operator(c);
+    if (sign && (open || sign->precedence != COMPARISON)) {
+        if (!reduce(c, sign->precedence + (sign->to_right || sign->precedence == COMPARISON)))
+            return false;
+        const struct pending *last = c->depth > 0 ? &c->pending[c->depth - 1] : NULL;
+        size_t length = strlen(sign->sign);
+        if (sign->precedence == COMPARISON && last->what == WAIT_OPERATOR)
+            return error_at(c->error, slice(c, c->at, length),
+                            "comparisons do not chain: for a < b < c write (a < b)*(b < c)");
+        return push(c, (struct pending){.op = sign->op, .precedence = sign->precedence}, length);
+    }
     if (next == ',' && open && open->what == WAIT_CALL) {
         c->at++;
         return ++open->arguments < function_arity(open->function) ? reduce(c, 0) : wrong_count(c, open);

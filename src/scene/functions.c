@@ -4,29 +4,54 @@
 
 #include "expr.h"
 
-static double least(double a, double b)
+double function_least(double a, double b)
 {
     return a < b || isnan(a) ? a : b;
 }
 
-static double most(double a, double b)
+double function_most(double a, double b)
 {
     return a > b || isnan(a) ? a : b;
 }
 
-static double sign(double x)
+double function_sign(double x)
 {
-    return x > 0 ? 1 : x < 0 ? -1 : x;
+    return less(0, x) - less(x, 0);
 }
 
-static double step(double x)
+double function_step(double x)
 {
-    return isnan(x) ? x : x >= 0;
+    return less_equal(0, x);
 }
 
-static double choose(double condition, double yes, double no)
+double function_choose(double condition, double yes, double no)
 {
     return isnan(condition) ? condition : condition > 0 ? yes : no;
+}
+
+/* fmod is exact, and has the sign of a. */
+double function_mod(double a, double b)
+{
+    double rest = fmod(a, b);
+    return rest != 0 && (rest < 0) != (b < 0) ? rest + b : rest;
+}
+
+double function_power(double x, double n)
+{
+    if (!power_is_short(n))
+        return pow(x, n);
+    int whole = (int)fabs(n), bit = POWER_MOST;
+    while (bit > whole)
+        bit /= 2;
+    double power = whole > 0 ? x : 1;
+    while ((bit /= 2) > 0) {
+        power *= power;
+        if (whole & bit)
+            power *= x;
+    }
+    if (fabs(n) > whole)
+        power *= sqrt(x);
+    return n < 0 ? 1 / power : power;
 }
 
 static const struct function rows[] = {
@@ -45,17 +70,18 @@ static const struct function rows[] = {
     {{"exp", "", "exp(x): e to the power x", "", NULL}, .one = exp},
     {{"log", "", "log(x): natural logarithm", "", NULL}, .one = log},
     {{"log10", "", "log10(x): logarithm to the base 10", "", NULL}, .one = log10},
-    {{"pow", "", "pow(x, n): x to the power n, the same as x^n", "", NULL}, .two = pow},
+    {{"pow", "", "pow(x, n): x to the power n, the same as x^n", "", NULL}, .two = function_power},
     {{"hypot", "", "hypot(x, y): sqrt(x^2 + y^2) without overflow", "", NULL}, .two = hypot},
     {{"abs", "", "abs(x): absolute value", "", NULL}, .one = fabs},
-    {{"sign", "", "sign(x): -1, 0 or 1", "", NULL}, .one = sign},
-    {{"step", "", "step(x): 0 for x < 0, else 1", "", NULL}, .one = step},
-    {{"min", "", "min(a, b): the smaller of two", "", NULL}, .two = least},
-    {{"max", "", "max(a, b): the larger of two", "", NULL}, .two = most},
+    {{"sign", "", "sign(x): -1, 0 or 1", "", NULL}, .one = function_sign},
+    {{"step", "", "step(x): 0 for x < 0, else 1", "", NULL}, .one = function_step},
+    {{"min", "", "min(a, b): the smaller of two", "", NULL}, .two = function_least},
+    {{"max", "", "max(a, b): the larger of two", "", NULL}, .two = function_most},
+    {{"mod", "", "mod(a, b): what a leaves when divided by b, between 0 and b", "", NULL}, .two = function_mod},
     {{"floor", "", "floor(x): largest integer <= x", "", NULL}, .one = floor},
     {{"ceil", "", "ceil(x): smallest integer >= x", "", NULL}, .one = ceil},
     {{"round", "", "round(x): nearest integer, halves away from 0", "", NULL}, .one = round},
-    {{"if", "", "if(c, a, b): a where c > 0, else b", "", NULL}, .three = choose},
+    {{"if", "", "if(c, a, b): a where c > 0 or holds (x < 1), else b", "", NULL}, .three = function_choose},
 };
 
 const struct catalog function_catalog = CATALOG("function", rows);

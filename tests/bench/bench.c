@@ -66,8 +66,8 @@ static int met, missed;
 void table_begin(const char *title, const char *unit)
 {
     printf("\n%s; times in %s\n", title, unit);
-    printf("%-42s %7s %-17s %7s %5s %4s %-7s %s\n", "what", "hooke", "against", "other", "ratio", "goal", "verdict",
-           "spread");
+    printf("%-41s %7s %-17s %7s %5s %4s %-7s %s\n", "what", "hooke", "against", "other", "ratio", "goal", "verdict",
+           "noise");
 }
 
 void table_row(const char *what, const struct arm *hooke, const char *other_name, const struct arm *other, double goal)
@@ -81,14 +81,14 @@ void table_row(const char *what, const struct arm *hooke, const char *other_name
         snprintf(wanted, sizeof wanted, "%.2f", goal);
         snprintf(verdict, sizeof verdict, "%s%s", good ? "met" : "MISSED", spread > 0.1 ? "~" : "");
     }
-    printf("%-42s %7.3g %-17s %7.3g %5.3g %4s %-7s %3.0f %%\n", what, hooke->minimum, other_name, other->minimum, ratio,
-           wanted, verdict, 100 * spread);
+    printf("%-41s %7.3g %-17s %7.3g %5.*f %4s %-7s %3.0f%%\n", what, hooke->minimum, other_name, other->minimum,
+           ratio < 1 ? 3 : 2, ratio, wanted, verdict, 100 * spread);
     fflush(stdout);
 }
 
 void table_absent(const char *other_name, const char *why)
 {
-    printf("%-42s %7s %-17s %s\n", "", "", other_name, why);
+    printf("%-41s %7s %-17s %s\n", "", "", other_name, why);
 }
 
 void table_note(const char *format, ...)
@@ -165,8 +165,9 @@ int main(int argc, char **argv)
     /* The heap keeps what a run gives back, so that the next one finds warm memory, as the loops by hand do. */
     mallopt(M_TRIM_THRESHOLD, 512 << 20);
     mallopt(M_TOP_PAD, 64 << 20);
-    printf("instructions: %s; minimum of %d rounds, interleaved in random order; ~: a median more than 10 %% above\n",
+    printf("instructions: %s; minimum of %d rounds, in random order; ~: a median more than 10 %% above\n",
            instructions(), ROUNDS);
+    printf("memory that was freed stays warm: mallopt(M_TRIM_THRESHOLD, M_TOP_PAD)\n");
     for (size_t i = 0; i < COUNT_OF(topics); i++) {
         if (argc > 1 && strcmp(argv[1], topics[i].name) != 0)
             continue;

@@ -70,6 +70,7 @@ INTERPOSE(int, close, (int fd), (fd))
 INTERPOSE(int, access, (const char *path, int mode), (path, mode))
 INTERPOSE(int, fchmod, (int fd, mode_t mode), (fd, mode))
 INTERPOSE(int, unlinkat, (int folder, const char *path, int flags), (folder, path, flags))
+INTERPOSE(int, mkdirat, (int folder, const char *path, mode_t mode), (folder, path, mode))
 INTERPOSE(int, linkat, (int a, const char *from, int b, const char *to, int flags), (a, from, b, to, flags))
 INTERPOSE(ssize_t, getrandom, (void *bytes, size_t count, unsigned flags), (bytes, count, flags))
 INTERPOSE(int, fstatat, (int folder, const char *restrict path, struct stat *restrict st, int flags),

@@ -342,12 +342,11 @@ static void test_rejection_leaves_no_trace(void **state)
 
 /* ---- turning points (what they do for the order: run_kinks.c) ---- */
 
-/* A fall with deceleration 1 that is not defined where it is slow: a step across may be, one to the turning point not.
- */
+/* Deceleration 1, not defined between two velocities: a step across may be, one of its pieces not. */
 static void hole_add(const double *c, double t, const double *y, double *a)
 {
     (void)t;
-    a[0] += fabs(y[1]) < c[0] ? NAN : -1;
+    a[0] += y[1] > c[0] && y[1] < c[1] ? NAN : -1;
 }
 static const struct term_row hole_row = {
     .row = {"hole", "m/s^2", "", "", NULL}, .flags = TERM_VELOCITY | TERM_KINK, .add = hole_add};
@@ -355,26 +354,32 @@ static const struct term_row hole_row = {
 static void test_a_piece_that_fails_leaves_nothing(void **state)
 {
     (void)state;
+    static const struct {
+        bool kinks;
+        double from, to;
+        enum step_status status;
+    } cases[] = {{false, -0.2, 0.2, STEP_OK},
+                 {true, -0.2, 0.2, STEP_NONFINITE},   /* at the end of the first piece */
+                 {true, -0.3, -0.2, STEP_NONFINITE}}; /* in the middle of the second */
     const struct method *rk4 = method_named("rk4");
-    struct system system = other_system(&hole_row, 0.2);
     const double start[2] = {0.3, 1}, low[2] = {1e-20, -1e-19};
-    double after[2] = {1e-20, -1e-19};
-    system.start[0] = start[0];
-    system.start[1] = start[1];
-    for (int kinks = 0; kinks <= 1; kinks++) {
-        system.kinks = kinks;
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        struct system system = other_system(&hole_row, cases[i].from);
+        double after[2] = {low[0], low[1]};
+        system.term[0].c[1] = cases[i].to;
+        memcpy(system.start, start, sizeof start);
+        system.kinks = cases[i].kinks;
         journey_begin(&shared, &system, 5, 0);
         shared.step.low = after;
         shared.step.h = 1.5;
-        assert_int_equal(method_turns(rk4, &system), kinks);
-        assert_int_equal(method_turning_step(rk4, &shared.step), kinks ? STEP_NONFINITE : STEP_OK);
-        if (!kinks) {
-            memcpy(after, low, sizeof low);
+        assert_int_equal(method_turns(rk4, &system), cases[i].kinks);
+        assert_int_equal(method_turning_step(rk4, &shared.step), cases[i].status);
+        assert_true(shared.step.h == 1.5);
+        if (cases[i].status == STEP_OK)
             continue;
-        }
         assert_memory_equal(shared.y, start, sizeof start);
         assert_memory_equal(after, low, sizeof low);
-        assert_true(shared.step.t == 5 && shared.step.h == 1.5);
+        assert_true(shared.step.t == 5);
     }
 }
 
@@ -390,9 +395,13 @@ static void test_steps_end_at_turning_points(void **state)
         int turns = 0;
         journey_begin(&shared, &system, 0, 1e-9);
         while (shared.step.t < 5) {
-            const double before = shared.y[1], tiny = 2e-5 * system.scale[1];
+            const double before = shared.y[1], tiny = 2e-5 * system.scale[1], planned = shared.controller.h;
+            const int64_t rejected = shared.step.cost.rejected;
             assert_int_equal(method_adapt(method, &shared.step, &shared.controller, 5), STEP_OK);
-            turns += fabs(shared.y[1]) < tiny && fabs(before) > tiny;
+            const bool turned = fabs(shared.y[1]) < tiny && fabs(before) > tiny;
+            turns += turned;
+            if (turned && shared.step.cost.rejected == rejected)
+                assert_true(planned == 0 || shared.controller.h >= planned);
             if (fabs(before) > tiny && fabs(shared.y[1]) > tiny && before * shared.y[1] < 0)
                 fail_msg("%s goes across a turning point at t = %g", method->row.name, shared.step.t);
         }

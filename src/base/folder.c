@@ -1,0 +1,234 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Folders whole or not at all. rename(2) puts a new one in place and fails where the name is taken by anything but an
+ * empty folder; with force both names are exchanged, and the old folder is removed under the hidden one.
+ */
+#include "hooke/base.h"
+#include "internal.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define NAME_MAX_SIZE 256 /* [byte] of a name in a folder */
+
+/* ---- what a folder holds ---- */
+
+static bool is_self(const char *name)
+{
+    return strcmp(name, ".") == 0 || strcmp(name, "..") == 0;
+}
+
+/* Calls `act` for each entry until it returns false; the name of that one, "" if all passed. False: errno says why. */
+static bool each_entry(int fd, bool (*act)(int fd, const char *name, const void *context), const void *context,
+                       char stopped[NAME_MAX_SIZE])
+{
+    const int again = openat(fd, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    DIR *list = again < 0 ? NULL : fdopendir(again);
+    stopped[0] = '\0';
+    if (!list) {
+        const int number = errno;
+        if (again >= 0)
+            close(again);
+        errno = number;
+        return false;
+    }
+    errno = 0;
+    for (struct dirent *entry; !stopped[0] && (entry = readdir(list)); errno = 0)
+        if (!is_self(entry->d_name) && !act(fd, entry->d_name, context))
+            snprintf(stopped, NAME_MAX_SIZE, "%s", entry->d_name);
+    const int number = stopped[0] ? 0 : errno;
+    closedir(list);
+    errno = number;
+    return number == 0;
+}
+
+static bool is_own_file(int fd, const char *name, const void *context)
+{
+    const struct folder *folder = context;
+    struct stat st;
+    return folder->own(name) && fstatat(fd, name, &st, AT_SYMLINK_NOFOLLOW) == 0 && S_ISREG(st.st_mode);
+}
+
+static bool remove_own(int fd, const char *name, const void *context)
+{
+    if (is_own_file(fd, name, context))
+        unlinkat(fd, name, 0);
+    return true;
+}
+
+/* The folder of the hidden name goes, if there is nothing foreign in it. */
+static void remove_hidden(struct folder *folder, const char *name)
+{
+    char ignored[NAME_MAX_SIZE];
+    const int fd = openat(folder->at.folder, name, O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW);
+    if (fd < 0)
+        return;
+    each_entry(fd, remove_own, folder, ignored);
+    close(fd);
+    unlinkat(folder->at.folder, name, AT_REMOVEDIR);
+}
+
+/* ---- opening ---- */
+
+/* Is the name free, or a folder that force may replace? */
+static bool target_allows(const struct folder *folder, bool *exists, struct error *error)
+{
+    const struct writer *at = &folder->at;
+    struct stat st;
+    char foreign[NAME_MAX_SIZE], shown[SAFE_NAME_SIZE], path[SAFE_NAME_SIZE];
+    *exists = fstatat(at->folder, at->base, &st, AT_SYMLINK_NOFOLLOW) == 0;
+    if (!*exists)
+        return errno == ENOENT || writer_refuse(at, error, system_message(errno));
+    if (!S_ISDIR(st.st_mode))
+        return writer_refuse(at, error, "there is something of that name that is not a folder");
+    if (!at->force)
+        return writer_refuse_existing(at, error);
+    const int fd = openat(at->folder, at->base, O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW);
+    const bool read = fd >= 0 && each_entry(fd, is_own_file, folder, foreign);
+    const int number = errno;
+    if (fd >= 0)
+        close(fd);
+    if (!read)
+        return writer_refuse(at, error, system_message(number));
+    if (!foreign[0])
+        return true;
+    error_set(error, ERROR_IO, "cannot replace %s: it also holds %s, which would be lost",
+              safe_name(text_of(at->path), path), safe_name(text_of(foreign), shown));
+    return error_hint(error, "choose another name, or move that elsewhere");
+}
+
+static bool make_hidden(struct folder *folder)
+{
+    struct writer *at = &folder->at;
+    for (int i = 0; i < NAME_ATTEMPTS && writer_invent_name(at); i++) {
+        if (mkdirat(at->folder, at->temporary, 0777) == 0) {
+            folder->fd = openat(at->folder, at->temporary, O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW);
+            return folder->fd >= 0;
+        }
+        if (errno != EEXIST)
+            break;
+    }
+    at->temporary[0] = '\0';
+    return false;
+}
+
+static bool open_all(struct folder *folder, bool confine, struct error *error)
+{
+    struct writer *at = &folder->at;
+    bool exists;
+    if (!at->path)
+        return error_memory(error);
+    size_t len = strlen(at->path);
+    while (len > 1 && at->path[len - 1] == '/')
+        at->path[--len] = '\0';
+    if (!writer_open_folder(at, confine, error))
+        return false;
+    if (is_self(at->base))
+        return writer_refuse(at, error, "a folder needs a name of its own");
+    return target_allows(folder, &exists, error) &&
+           (make_hidden(folder) || writer_refuse(at, error, system_message(errno)));
+}
+
+bool folder_open(struct folder *folder, const char *path, struct write_policy policy, bool (*own)(const char *name),
+                 struct error *error)
+{
+    *folder = (struct folder){.at = {.fd = -1, .folder = -1, .force = policy.force}, .fd = -1, .own = own};
+    folder->at.path = strdup(path);
+    if (open_all(folder, policy.confine, error))
+        return true;
+    folder_abandon(folder);
+    return false;
+}
+
+/* ---- filling ---- */
+
+bool folder_put(struct folder *folder, const char *name, struct text content, struct error *error)
+{
+    struct writer file = {.folder = -1};
+    file.fd = openat(folder->fd, name, O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC | O_NOFOLLOW, 0666);
+    if (file.fd < 0)
+        return writer_refuse(&folder->at, error, system_message(errno));
+    writer_write(&file, content);
+    int number = file.failed ? file.failure : file_synced(file.fd);
+    if (close(file.fd) != 0 && errno != EINTR && number == 0)
+        number = errno;
+    return number == 0 || writer_refuse(&folder->at, error, system_message(number));
+}
+
+/* ---- putting in place: each step returns 0 or an errno ---- */
+
+static int move(const struct writer *at, const char *from, const char *to, unsigned flags)
+{
+    return renameat2(at->folder, from, at->folder, to, flags) == 0 ? 0 : errno;
+}
+
+/* Where names cannot be exchanged (NFS, FAT) the old folder steps aside first. */
+static int replace_in_turn(struct folder *folder)
+{
+    struct writer *at = &folder->at;
+    char fresh[sizeof at->temporary];
+    memcpy(fresh, at->temporary, sizeof fresh);
+    int number = EEXIST;
+    for (int i = 0; i < NAME_ATTEMPTS && (number == EEXIST || number == ENOTEMPTY); i++)
+        number = writer_invent_name(at) ? move(at, at->base, at->temporary, 0) : errno;
+    if (number == 0 && (number = move(at, fresh, at->base, 0)) != 0)
+        move(at, at->temporary, at->base, 0);
+    if (number != 0)
+        memcpy(at->temporary, fresh, sizeof fresh);
+    return number;
+}
+
+static int publish(struct folder *folder, bool exists)
+{
+    struct writer *at = &folder->at;
+    if (exists) {
+        const int number = move(at, at->temporary, at->base, RENAME_EXCHANGE);
+        return number == EINVAL || number == ENOSYS ? replace_in_turn(folder) : number;
+    }
+    const int number = move(at, at->temporary, at->base, 0);
+    if (number == 0)
+        at->temporary[0] = '\0';
+    return number;
+}
+
+bool folder_commit(struct folder *folder, struct error *error)
+{
+    struct writer *at = &folder->at;
+    bool exists, done = false;
+    int number = file_synced(folder->fd);
+    number = number == EINVAL ? 0 : number; /* a folder that cannot be synced */
+    if (number == 0 && target_allows(folder, &exists, error)) {
+        number = publish(folder, exists);
+        if (number == 0) {
+            number = file_synced(at->folder);
+            if (number == EINVAL || number == EBADF) /* or was opened by O_PATH */
+                number = 0;
+        }
+        done = number == 0;
+    }
+    if (number == EEXIST || number == ENOTEMPTY)
+        writer_refuse_existing(at, error);
+    else if (number != 0)
+        writer_refuse(at, error, system_message(number));
+    folder_abandon(folder);
+    return done;
+}
+
+void folder_abandon(struct folder *folder)
+{
+    if (!folder->at.path) /* not open, or all zeros */
+        folder->fd = -1;
+    if (folder->at.temporary[0] != '\0')
+        remove_hidden(folder, folder->at.temporary);
+    folder->at.temporary[0] = '\0';
+    if (folder->fd >= 0)
+        close(folder->fd);
+    folder->fd = -1;
+    writer_abandon(&folder->at);
+}

@@ -1,0 +1,142 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "findings.h"
+#include "text_table.h"
+
+#include <math.h>
+
+bool find_faults(struct recording *recording, struct arena *arena, struct error *error)
+{
+    struct recording whole = *recording; /* its arrays are shared: nothing of it is changed */
+    struct series series;
+    struct overview overview = {.period = NAN};
+    struct error ignored;
+    if (recording->findings)
+        return true;
+    recording_restore(&whole);
+    if (recording_series(&whole, arena, 8, &series, &ignored))
+        series_overview(&series, arena, &overview);
+    return recording_inspect(recording, overview.period, error);
+}
+
+static const struct finding_row *row_of(size_t kind)
+{
+    return (const struct finding_row *)(const void *)catalog_row(&finding_catalog, kind);
+}
+
+/* "4.38, 11.2, 30.04 … s" */
+static void cell_places(struct text_table *table, const struct finding *finding)
+{
+    struct buffer text = {0};
+    for (int i = 0; i < FINDING_PLACES && isfinite(finding->first[i]); i++) {
+        buffer_put(&text, i ? TEXT(", ") : TEXT(""));
+        buffer_short(&text, finding->first[i], 6);
+    }
+    if (text.len > 0)
+        buffer_put(&text, finding->places > FINDING_PLACES ? TEXT(" ... s") : TEXT(" s"));
+    cell_take(table, &text);
+}
+
+static void put_size(struct buffer *text, const struct recording *recording, size_t kind)
+{
+    const struct finding *finding = &recording->findings->of[kind];
+    const enum quantity quantity = recording->column[recording->value].quantity;
+    if (!isfinite(finding->size))
+        return;
+    if (kind == FINDING_SWAY) {
+        buffer_format(text, "%.1f %% rms", 100 * finding->size);
+        if (isfinite(recording->findings->sway_period))
+            buffer_format(text, " every %.3g s", recording->findings->sway_period);
+        return;
+    }
+    buffer_put(text, kind == FINDING_CLIPPED     ? TEXT("at ")
+                     : kind == FINDING_QUANTISED ? TEXT("of ")
+                                                 : TEXT("up to "));
+    buffer_quantity(text, finding->size, kind == FINDING_GAPS ? QUANTITY_TIME : quantity, 3);
+}
+
+static size_t put_table(const struct recording *recording, struct arena *arena, struct buffer *text)
+{
+    static const char *const heads[] = {"found", "samples", "places", "size", "first at", "what is done"};
+    struct text_table table = {.arena = arena, .columns = (int)COUNT_OF(heads), .gap = 2};
+    size_t kinds = 0;
+    for (size_t i = 0; i < COUNT_OF(heads); i++)
+        cell_text(&table, heads[i]);
+    for (size_t k = 0; k < FINDINGS; k++) {
+        const struct finding *finding = &recording->findings->of[k];
+        struct buffer size = {0};
+        if (finding->count == 0)
+            continue;
+        kinds++;
+        cell_text(&table, row_of(k)->row.name);
+        cell_count(&table, (int64_t)finding->count);
+        cell_count(&table, (int64_t)finding->places);
+        put_size(&size, recording, k);
+        cell_take(&table, &size);
+        cell_places(&table, finding);
+        cell_text(&table, row_of(k)->done);
+    }
+    if (kinds > 0)
+        text_table_put(&table, text);
+    return kinds;
+}
+
+static void reply_record(const struct recording *recording, struct reply *reply)
+{
+    static const char *const remedies[] = {
+        [REMEDY_MASK] = "mask", [REMEDY_WINDOW] = "window", [REMEDY_KEEP] = "keep", [REMEDY_DROPPED] = "dropped"};
+    const struct findings *f = recording->findings;
+    reply_begin(reply, "clean");
+    reply_string(reply, "name", recording->name);
+    reply_bool(reply, "applied", recording->cleaned);
+    reply_int(reply, "rows", (int64_t)recording->rows);
+    reply_int(reply, "masked", (int64_t)f->masked);
+    reply_array(reply, "window");
+    reply_real(reply, NULL, f->window[0]);
+    reply_real(reply, NULL, f->window[1]);
+    reply_close(reply);
+    reply_real(reply, "period", f->period);
+    reply_array(reply, "findings");
+    for (size_t k = 0; k < FINDINGS; k++) {
+        const struct finding *finding = &f->of[k];
+        if (finding->count == 0)
+            continue;
+        reply_object(reply, NULL);
+        reply_string(reply, "kind", row_of(k)->row.name);
+        reply_int(reply, "samples", (int64_t)finding->count);
+        reply_int(reply, "places", (int64_t)finding->places);
+        reply_real(reply, "size", finding->size);
+        reply_array(reply, "first");
+        for (int i = 0; i < FINDING_PLACES && isfinite(finding->first[i]); i++)
+            reply_real(reply, NULL, finding->first[i]);
+        reply_close(reply);
+        reply_string(reply, "remedy", remedies[row_of(k)->remedy]);
+        reply_close(reply);
+    }
+    reply_close(reply);
+    reply_end(reply);
+}
+
+void reply_findings(const struct recording *recording, struct arena *arena, struct reply *reply)
+{
+    const struct findings *f = recording->findings;
+    const bool windowed = f->window[0] > recording->t[0] || f->window[1] < recording->t[recording->rows - 1];
+    struct buffer text = {0};
+    const size_t kinds = put_table(recording, arena, &text);
+    if (kinds == 0)
+        buffer_format(&text, "%s: nothing wrong was found\n", recording->name);
+    if (isnan(f->period))
+        buffer_put(&text, TEXT("it does not oscillate: only times and steps were looked at\n"));
+    if (recording->cleaned)
+        buffer_format(&text, "%s: %zu of %zu samples masked, window %.6g..%.6g s; 'data restore' takes it back",
+                      recording->name, f->masked, recording->rows, recording->window[0], recording->window[1]);
+    else if (f->masked > 0 || windowed)
+        buffer_format(&text, "'data clean apply' would mask %zu of %zu samples and use the window %.6g..%.6g s",
+                      f->masked, recording->rows, f->window[0], f->window[1]);
+    else if (kinds > 0)
+        buffer_put(&text, TEXT("there is nothing to mask"));
+    while (text.len > 0 && text.data[text.len - 1] == '\n')
+        text.len--;
+    reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+    reply_record(recording, reply);
+}

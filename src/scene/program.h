@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Expressions as a graph without repetitions, and the program that it becomes. */
+#ifndef HOOKE_SCENE_PROGRAM_H
+#define HOOKE_SCENE_PROGRAM_H
+
+#include "expr.h"
+
+/* ---- the graph ----
+ *
+ * A node is a number, a name, or an operation on earlier nodes; equal nodes are one. Made simpler as it grows.
+ */
+
+enum node_kind {
+    NODE_NUMBER,
+    NODE_NAME,
+    NODE_NEG,
+    NODE_ABS,
+    NODE_SQRT,
+    NODE_ADD,
+    NODE_SUB,
+    NODE_MUL,
+    NODE_DIV,
+    NODE_LESS,
+    NODE_LESS_EQUAL,
+    NODE_IF, /* a > 0 ? b : c */
+    NODE_ONE,
+    NODE_TWO,
+    /* Only in programs; rounded twice, as two operations: a b + c, a b - c, c - a b */
+    NODE_MUL_ADD,
+    NODE_MUL_SUB,
+    NODE_SUB_MUL,
+    NODE_KINDS
+};
+
+struct node {
+    enum node_kind kind;
+    int operand[3]; /* nodes, earlier ones; of a name: the name */
+    union {
+        double number;
+        double (*one)(double);
+        double (*two)(double, double);
+    };
+};
+
+/* Node 0 is the number 0. After a failure `failed` is set and everything is node 0: check once at the end. */
+struct graph {
+    struct arena *arena;
+    struct node *node;
+    int count, room;
+    int *table; /* hashed nodes, 0: free; `slots` is a power of two */
+    unsigned slots;
+    bool expands; /* powers with known exponents into multiplications */
+    enum { GRAPH_FINE, GRAPH_NO_MEMORY, GRAPH_FULL } failed;
+};
+
+void graph_init(struct graph *graph, struct arena *arena, bool expands);
+int graph_number(struct graph *graph, double number);
+int graph_name(struct graph *graph, int name);
+int graph_apply(struct graph *graph, enum node_kind kind, int a, int b, int c); /* NODE_NEG … NODE_IF */
+int graph_one(struct graph *graph, double (*one)(double), int a);
+int graph_two(struct graph *graph, double (*two)(double, double), int a, int b);
+int graph_copy(struct graph *graph, const struct node *node, const int *map); /* the operation, on the map's nodes */
+bool graph_check(const struct graph *graph, struct error *error);
+/* Marks [count] what the marked nodes need. */
+void graph_reach(const struct node *node, int count, bool *mark);
+int node_arity(enum node_kind kind);
+
+/* The value of an operation. Inlined where it is the body of a loop. */
+static inline double node_value(const struct node *node, double a, double b, double c)
+{
+    switch (node->kind) {
+    case NODE_NUMBER:
+    case NODE_NAME:
+    case NODE_KINDS:
+        break;
+    case NODE_NEG:
+        return -a;
+    case NODE_ABS:
+        return fabs(a);
+    case NODE_SQRT:
+        return sqrt(a);
+    case NODE_ADD:
+        return a + b;
+    case NODE_SUB:
+        return a - b;
+    case NODE_MUL:
+        return a * b;
+    case NODE_DIV:
+        return a / b;
+    case NODE_LESS:
+        return less(a, b);
+    case NODE_LESS_EQUAL:
+        return less_equal(a, b);
+    case NODE_IF:
+        return isnan(a) ? a : a > 0 ? b : c;
+    case NODE_ONE:
+        return node->one(a);
+    case NODE_TWO:
+        return node->two(a, b);
+    case NODE_MUL_ADD:
+        return a * b + c;
+    case NODE_MUL_SUB:
+        return a * b - c;
+    case NODE_SUB_MUL:
+        return c - a * b;
+    }
+    return node->number;
+}
+
+/* ---- derivatives (derive.c) ---- */
+
+/* slope [count]: for each of the first `count` nodes that is marked, its partial derivative by the name, as a node. */
+void graph_derive(struct graph *graph, int name, const bool *mark, int count, int *slope);
+
+/* ---- equations and programs ---- */
+
+struct equations {
+    struct arena arena;
+    struct graph graph;
+    int names;
+    int *meaning; /* [names] the node of a name: itself, or what it was defined as */
+    int *output;  /* [outputs] nodes */
+    int outputs, room;
+};
+
+/* One operation: places are doubles in the frame. What an operation writes is none of its operands. */
+struct instruction {
+    struct node node; /* operand: places */
+    int out;
+    bool last[3]; /* the operand's place is free afterwards */
+};
+
+/* The frame: names, numbers, then intermediate values whose places are used again. */
+struct program {
+    struct arena arena;
+    int names, numbers, places;
+    double *number;
+    struct instruction *code;
+    int count;
+    int *used; /* names that are read */
+    int uses;
+    int *output; /* [outputs] places */
+    int outputs;
+    struct node *node; /* the graph it came from, and there the outputs: for questions */
+    int nodes, *result;
+    struct native *native; /* NULL: none */
+};
+
+/* ---- machine code (native_x86.c; elsewhere always NULL) ---- */
+
+struct native *native_create(const struct program *program); /* NULL: not here, no memory, not allowed */
+void native_destroy(struct native *native);
+void native_run(const struct native *native, const double *input, double *output, double *frame);
+
+#endif

@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Partial derivatives as symbols: nodes that are added to the graph. Forward mode, so that the branch that an if() does
+ * not take stays out of its derivative. The rules of the functions are slopes.def.
+ */
+#include "program.h"
+
+#define NUMBER(x) graph_number(g, x)
+#define NEG(a) graph_apply(g, NODE_NEG, a, 0, 0)
+#define ABS(a) graph_apply(g, NODE_ABS, a, 0, 0)
+#define SQRT(a) graph_apply(g, NODE_SQRT, a, 0, 0)
+#define ADD(a, b) graph_apply(g, NODE_ADD, a, b, 0)
+#define SUB(a, b) graph_apply(g, NODE_SUB, a, b, 0)
+#define MUL(a, b) graph_apply(g, NODE_MUL, a, b, 0)
+#define DIV(a, b) graph_apply(g, NODE_DIV, a, b, 0)
+#define LESS(a, b) graph_apply(g, NODE_LESS, a, b, 0)
+#define LESS_EQUAL(a, b) graph_apply(g, NODE_LESS_EQUAL, a, b, 0)
+#define IF(c, a, b) graph_apply(g, NODE_IF, c, a, b)
+#define CALL(function, a) graph_one(g, function, a)
+#define CALL2(function, a, b) graph_two(g, function, a, b)
+
+static int slope_one(struct graph *g, double (*function)(double), int X, int U)
+{
+#define ONE(name, by_x)                                                                                                \
+    if (function == (name))                                                                                            \
+        return by_x;
+#define TWO(name, by_x, by_y)
+#include "slopes.def"
+#undef ONE
+#undef TWO
+    return 0;
+}
+
+static int slope_two(struct graph *g, double (*function)(double, double), int X, int Y, int U, bool second)
+{
+#define ONE(name, by_x)
+#define TWO(name, by_x, by_y)                                                                                          \
+    if (function == (name))                                                                                            \
+        return second ? by_y : by_x;
+#include "slopes.def"
+#undef ONE
+#undef TWO
+    return 0;
+}
+
+/* The derivative of node i, where those of its operands are known. Node 0 is the number 0. */
+static int derivative(struct graph *g, const struct node *node, int i, const int *slope)
+{
+    const int a = node->operand[0], b = node->operand[1], c = node->operand[2];
+    const int da = slope[a], db = slope[b];
+    switch (node->kind) {
+    case NODE_NEG:
+        return NEG(da);
+    case NODE_ABS:
+        return da ? MUL(slope_one(g, fabs, a, i), da) : 0;
+    case NODE_SQRT:
+        return da ? MUL(slope_one(g, sqrt, a, i), da) : 0;
+    case NODE_ADD:
+        return ADD(da, db);
+    case NODE_SUB:
+        return SUB(da, db);
+    case NODE_MUL:
+        return ADD(MUL(da, b), MUL(a, db));
+    case NODE_DIV: /* (a/b)' = (a' - (a/b) b')/b */
+        return DIV(SUB(da, MUL(i, db)), b);
+    case NODE_IF:
+        return db || slope[c] ? IF(a, db, slope[c]) : 0;
+    case NODE_ONE:
+        return da ? MUL(slope_one(g, node->one, a, i), da) : 0;
+    case NODE_TWO:
+        return ADD(da ? MUL(slope_two(g, node->two, a, b, i, false), da) : 0,
+                   db ? MUL(slope_two(g, node->two, a, b, i, true), db) : 0);
+    default: /* numbers and comparisons; names are seen to */
+        return 0;
+    }
+}
+
+void graph_derive(struct graph *g, int name, const bool *mark, int count, int *slope)
+{
+    for (int i = 0; i < count; i++) {
+        const struct node node = g->node[i]; /* the nodes may move */
+        if (node.kind == NODE_NAME)
+            slope[i] = node.operand[0] == name ? NUMBER(1) : 0;
+        else
+            slope[i] = mark[i] ? derivative(g, &node, i, slope) : 0;
+    }
+}
