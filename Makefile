@@ -100,6 +100,8 @@ $(TOP)/hooke.1: $(TOP)/hooke scripts/reference
 # Loops over many steps: unrolled and vectorised where the configuration is for speed at all.
 $(B)/run/many.o $(B)/run/propagate.o $(patsubst src/%.c,$(B)/%.o,$(wildcard src/method/kernel*.c)): \
   CFLAGS += $(if $(filter -O2,$(OPT_$(CONFIG))),-O3)
+# Packing position and velocity into one register lengthens the chain from step to step.
+$(patsubst src/%.c,$(B)/%.o,$(wildcard src/method/kernel*.c)): CFLAGS += $(call probe,-fno-tree-slp-vectorize)
 
 $(B)/%.o: src/%.c Makefile
 	$(call say,CC,$<)

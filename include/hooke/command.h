@@ -168,7 +168,7 @@ struct measurement {
 struct kept_fit {
     struct fit fit;
     enum quantity quantity; /* of what was fitted */
-    struct measured mass, k; /* NAN: nobody had said what the mass is */
+    struct measured k;      /* NAN: nobody had said what the mass is */
     char of[LIMIT_NAME + 16];
 };
 
@@ -459,6 +459,7 @@ enum plot_kind {
     PLOT_ERROR,
     PLOT_RESIDUAL,
     PLOT_SPECTRUM,
+    PLOT_ENVELOPE,  /* amplitudes read window by window */
     PLOT_PRECISION, /* of the last precision study, not of runs */
 };
 

@@ -18,7 +18,11 @@
  *
  * + - * / ^ ( ), unary -, numbers, pi, functions, and names that a scope knows. Compiled once (operator precedence
  * parsing with constant folding) into a stack program; values are SI numbers. `^` binds tighter than unary minus and to
- * the right: -2^2 = -4. A name may have a hyphen inside (phase-error) where the scope knows it as a whole.
+ * the right: -2^2 = -4. A name may have a hyphen inside (phase-error) where the scope knows it as a whole. Inside of
+ * parentheses and calls < <= > >= compare, to 1 or 0: (x < 0)*k*x. A NaN operand of a comparison gives NaN.
+ *
+ * x^n is multiplications where n is an integer or half of one and |n| <= 16, rounded after each: the bits of |n| from
+ * the highest down, r r for each and r x for a 1, for the half times sqrt(x), and 1/that for n < 0; else pow().
  */
 
 struct expr_scope {
@@ -49,6 +53,57 @@ double expr_gradient(const struct expr *expr, const struct expr_scope *scope, co
                      double *gradient);
 /* Is it, as it is written, linear in these names together: a0 + a1 x1 + a2 x2 with other names only in the a? */
 bool expr_linear(const struct expr *expr, const int *slot, int count);
+
+/* ---- programs ----
+ *
+ * Expressions that are evaluated often. Equations hold several in the same names (0 … names - 1, the slots of their
+ * scope) as a graph: what they share is computed once; derivatives are added to it. A program is some of them with some
+ * names known and the rest as inputs; making it again for other values takes microseconds. It has three forms that give
+ * the same bits: operations on the doubles of a frame, on lanes of doubles, and, where the machine allows, machine code.
+ *
+ * The result is that of expr_value() bit for bit but for the rule of the scene that a term whose coefficient is 0 is
+ * absent: where a factor or a numerator is the number 0 once the known names are in (not a variable that happens to be
+ * 0), the product is the number 0 even for an infinite or NaN rest, and adding or subtracting it leaves no trace, not
+ * even in the sign of a zero.
+ */
+
+#define PROGRAM_SIZE (1 << 17) /* operations of equations with their derivatives */
+#define PROGRAM_LANES 64
+
+struct equations;
+struct program;
+
+struct equations *equations_create(int names, struct error *error); /* NULL: no memory */
+void equations_destroy(struct equations *equations);
+/* From here on the name means this expression of those before. */
+bool equations_let(struct equations *equations, int name, const struct expr *expr, struct error *error);
+/* One more output. */
+bool equations_add(struct equations *equations, const struct expr *expr, struct error *error);
+/* More outputs: for each of `count` outputs from `first` its partial derivatives by the names, [count][names]. Those of
+ * abs, sign, min, max, step, if, comparisons and roundings are those of the branch taken; abs has 0 at 0. */
+bool equations_derive(struct equations *equations, int first, int count, const int *name, int names,
+                      struct error *error);
+int equations_count(const struct equations *equations); /* outputs */
+
+/* `count` outputs from `first`. bound, value [names]: which names are known, and their values; NULL: none. native: as
+ * machine code where possible. The equations may change or go away afterwards. NULL: no memory, too large. */
+struct program *program_create(const struct equations *equations, int first, int count, const bool *bound,
+                               const double *value, bool native, struct error *error);
+void program_destroy(struct program *program);
+bool program_native(const struct program *program);
+bool program_constant(const struct program *program, int output, double *value); /* depends on no input */
+/* Does any of `count` outputs from `first` depend on the input, as it is written? */
+bool program_depends(const struct program *program, int first, int count, int name);
+
+size_t program_frame(const struct program *program); /* doubles of a frame, for lanes PROGRAM_LANES times as many */
+/* Once for each frame; it serves one thread at a time. */
+void program_prepare(const struct program *program, double *frame);
+void program_prepare_lanes(const struct program *program, double *frame);
+/* input [names], those of known names are not read; it may be the frame itself. output [count], apart from the input.
+ * Never allocates. */
+void program_eval(const struct program *program, const double *input, double *output, double *frame);
+/* The same with [PROGRAM_LANES] doubles for each. */
+void program_eval_lanes(const struct program *program, const double *input, double *output, double *frame);
 
 /* A comparison `expr < expr` (also <= > >=), as in `run until y < 0`. The sides may carry units: y < 1 cm. */
 struct condition {

@@ -148,24 +148,24 @@ static bool polish(struct problem *p, double *x, struct curve_fit *fit)
 {
     enum { STEPS = 60 };
     int count = p->curve->parameters;
-    if (!judge(p, x, fit))
+    if (!judge(p, x, false, fit))
         return false;
     double length = p->length, floor = fit->rss * (1 + 1e-12) + p->size * p->size * 1e-31;
-    for (int k = 0; k < STEPS && fit->small_gradient && length > 1e-14; k++) {
+    for (int k = 0; k < STEPS && fit->small_gradient && length > 1e-14 && !cancelled(p->cancel); k++) {
         double trial[CURVE_PARAMETERS];
+        bool allowed = true;
         for (int j = 0; j < count; j++) {
             trial[j] = x[j] + p->step[j];
-            if ((p->low && trial[j] < p->low[j]) || (p->high && trial[j] > p->high[j]))
-                return true;
+            allowed = allowed && !(p->low && trial[j] < p->low[j]) && !(p->high && trial[j] > p->high[j]);
         }
-        if (!judge(p, trial, fit))
+        if (allowed && !judge(p, trial, false, fit))
             return false;
-        if (!(p->length < 0.9 * length && fit->rss <= floor))
-            return judge(p, x, fit);
+        if (!allowed || !(p->length < 0.9 * length && fit->rss <= floor))
+            break;
         length = p->length;
         memcpy(x, trial, (size_t)count * sizeof *x);
     }
-    return true;
+    return judge(p, x, true, fit);
 }
 
 /* Plain, then accelerated where that did not arrive: the better of the two. */
@@ -184,7 +184,7 @@ static enum outcome minimise(struct problem *p, double *x, int most, int *iterat
             return outcome;
         for (int j = 0; j < p->curve->parameters; j++)
             u[j] = inside(p, j, u[j], &slope);
-        if (!judge(p, u, fit))
+        if (!judge(p, u, true, fit))
             return OUTCOME_MEMORY;
         if (accelerate == 0 || fit->converged || !(fit->rss >= best.rss)) {
             best = *fit;

@@ -41,8 +41,8 @@ static void fill_row(const struct problem *p, const double *residual, const stru
 }
 
 /*
- * R and Q^T r of the derivatives, some rows at a time under the R of those before (Golub & Van Loan, 5.3.2): no matrix of
- * n rows, and what is worked on stays in the cache. Then R = U S V^T.
+ * R and Q^T r of the derivatives, some rows at a time under the R of those before (Golub & Van Loan, 5.3.2): no matrix
+ * of n rows, and what is worked on stays in the cache. Then R = U S V^T.
  */
 static bool decompose(const struct problem *p, const double *residual, struct linear *l)
 {
@@ -54,7 +54,8 @@ static bool decompose(const struct problem *p, const double *residual, struct li
     for (size_t k = 0; k < m; k++) {
         l->norm[k] = 0;
         for (size_t i = 0; i < p->n; i++) {
-            double d = p->derivative[i * (size_t)p->curve->parameters + (size_t)l->at[k]] / fmax(p->largest[l->at[k]], 1e-300);
+            double d =
+                p->derivative[i * (size_t)p->curve->parameters + (size_t)l->at[k]] / fmax(p->largest[l->at[k]], 1e-300);
             l->norm[k] += p->weight[i] * d * d;
         }
         l->norm[k] = l->norm[k] > 0 ? sqrt(l->norm[k]) * p->largest[l->at[k]] : 1;
@@ -164,7 +165,7 @@ static bool on_bound(const struct problem *p, int j, double x, double inward[1])
     return low || high;
 }
 
-bool judge(struct problem *p, const double *x, struct curve_fit *fit)
+bool judge(struct problem *p, const double *x, bool probe, struct curve_fit *fit)
 {
     struct linear l = {.count = 0};
     int count = p->curve->parameters;
@@ -214,8 +215,9 @@ bool judge(struct problem *p, const double *x, struct curve_fit *fit)
         fit->small_step = fit->small_step && fabs(p->step[j]) <= most;
         p->length = fmax(p->length, fabs(p->step[j]) / fmax(fabs(x[j]), fit->formal[j]));
         bool exact = length <= 1e-12 * p->size; /* nothing but rounding is left */
-        fit->determined[j] = fit->determined[j] &&
-                             (exact || held(p, x, j, fit->formal[j], p->robust ? p->scale * p->scale : left, fit->rss));
+        fit->determined[j] =
+            fit->determined[j] &&
+            (exact || !probe || held(p, x, j, fit->formal[j], p->robust ? p->scale * p->scale : left, fit->rss));
     }
     fit->small_gradient = offset <= fmax(GRADIENT_MOST * length, rounding);
     fit->converged = fit->small_step && fit->small_gradient;

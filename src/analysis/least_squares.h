@@ -26,8 +26,9 @@ double inside(const struct problem *p, int j, double u, double *slope);
 
 /* ---- judgement.c: what an answer is worth ---- */
 
-/* Fills values, covariance (not widened), what is determined, the two criteria, residual and rss. False: no memory. */
-bool judge(struct problem *p, const double *x, struct curve_fit *fit);
+/* Fills values, covariance (not widened), what is determined, the two criteria, residual and rss; probe: also look a
+ * standard deviation to either side, which takes two evaluations a parameter. False: no memory. */
+bool judge(struct problem *p, const double *x, bool probe, struct curve_fit *fit);
 /* Diagnostics of the residuals, widening, intervals, words. */
 void conclude(const struct problem *p, struct curve_fit *fit);
 /* Intervals from fits to the fitted curve with new noise of the same size and autocorrelation. */

@@ -126,6 +126,7 @@ static void keep_fit(struct session *session, const struct subject *subject, con
                      const struct measured *k)
 {
     const enum quantity quantity = subject->series.quantity;
+    const struct measured unknown = {NAN, NAN};
     const struct {
         const char *name;
         struct measured value;
@@ -134,11 +135,14 @@ static void keep_fit(struct session *session, const struct subject *subject, con
         {"fit_period", fit->period, QUANTITY_TIME}, {"fit_omega", fit->omega, QUANTITY_ANGULAR_FREQUENCY},
         {"fit_gamma", fit->gamma, QUANTITY_RATE},   {"fit_amplitude", fit->amplitude, quantity},
         {"fit_phase", fit->phase, QUANTITY_ANGLE},  {"fit_offset", fit->offset, quantity},
-        {"fit_rms", {fit->rms, 0}, quantity},       {"fit_k", k ? *k : (struct measured){NAN, NAN}, QUANTITY_STIFFNESS},
+        {"fit_rms", {fit->rms, 0}, quantity},       {"fit_k", k ? *k : unknown, QUANTITY_STIFFNESS},
     };
     session->fit = *fit;
     session->has_fit = true;
     session->fit_zero = subject->recording ? subject->recording->zero : 0;
+    struct kept_fit kept = {.fit = *fit, .quantity = quantity, .k = k ? *k : unknown};
+    snprintf(kept.of, sizeof kept.of, "%s", subject->name);
+    session_keep_fit(session, &kept);
     snprintf(session->fit_of, sizeof session->fit_of, "%s", subject->name);
     for (size_t i = 0; i < COUNT_OF(results); i++)
         if (isfinite(results[i].value.value))

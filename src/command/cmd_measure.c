@@ -21,9 +21,17 @@ struct measuring {
 
 /* ---- what every measurement leaves behind: a record, a result, a row of the list ---- */
 
+static struct measurement *latest(const struct measuring *m)
+{
+    return &m->session->measurement[m->session->measurements - 1];
+}
+
 static bool keep(struct measuring *m, const char *name, struct measured value, enum quantity unit, double periods)
 {
-    return session_keep_measurement(m->session, name, m->subject.name, value, unit, periods, m->error);
+    if (!session_keep_measurement(m->session, name, m->subject.name, value, unit, periods, m->error))
+        return false;
+    latest(m)->energy = m->subject.energy;
+    return true;
 }
 
 /* Opens the record; the caller adds fields of its own and ends it. */
@@ -152,6 +160,7 @@ static bool measure_amplitude(struct measuring *m)
             buffer_free(&text);
             return false;
         }
+        latest(m)->at = readings[i].t;
         put(&text, i ? "\nA" : "A", readings[i].amplitude, unit);
         buffer_format(&text, " at t = %.6g s", readings[i].t);
         begin(m, readings[i].amplitude, unit, NAN);

@@ -40,14 +40,14 @@ static bool choose_runs(struct session *session, const struct arguments *given, 
     request->recording = data->count                                     ? data->item->index
                          : runs->count && request->kind != PLOT_RESIDUAL ? -1
                                                                          : figure_recording(session, request->kind);
-    if (request->runs == 0 && request->recording >= 0 && request->kind != PLOT_POSITION &&
-        request->kind != PLOT_RESIDUAL && request->kind != PLOT_SPECTRUM)
-        return error_at(error, data->where, "of a recording there are only plots of position, residual and spectrum");
+    if (request->runs == 0 && request->recording >= 0 && (request->kind == PLOT_ORBIT || request->kind == PLOT_ERROR))
+        return error_at(error, data->where, "of a recording there is no plot of %s",
+                        catalog_row(&plot_catalog, (size_t)request->kind)->name);
     if (request->runs > 0 || request->recording >= 0)
         return true;
     if (session_recording(session)) {
         error_at(error, given_for(given, "KIND")->where,
-                 "this needs a run: of a recording there are only plots of position, residual and spectrum");
+                 "this needs a run, or a recording of positions");
         return error_hint(error, "type: run");
     }
     error_set(error, ERROR_COMMAND, "there is nothing to plot: no run and no recording");

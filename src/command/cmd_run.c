@@ -17,12 +17,14 @@
 bool allow_long(struct session *session, double seconds, double steps, bool force, struct error *error)
 {
     char question[200];
-    /* Who watches it can pause it. */
-    if (!(seconds > SECONDS_ASKED) || force || (session->typed && session->front.watched))
+    if (!(seconds > SECONDS_ASKED) || force)
         return true;
     snprintf(question, sizeof question, "this takes about %.0f s (%.3g steps)", seconds, steps);
-    if (session->typed && session->front.confirm)
-        return session->front.confirm(session->front.context, question) || error_set(error, ERROR_CANCELLED, "not run");
+    if (session->typed && (session->front.watched || session->front.confirm)) {
+        /* Who watches it can pause it. */
+        session->confirmed = session->front.watched || session->front.confirm(session->front.context, question);
+        return session->confirmed || error_set(error, ERROR_CANCELLED, "not run");
+    }
     error_set(error, ERROR_COMMAND, "%s", question);
     return error_hint(error, "--force runs it all the same");
 }

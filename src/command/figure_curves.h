@@ -33,6 +33,8 @@ double run_position(const struct run *run, double t);
 /* Amplitude spectrum of the position between two times; frequency [Hz]. */
 bool run_spectrum(const struct run *run, double from, double to, double period, struct arena *arena,
                   struct curve *curve, struct error *error);
+/* Amplitudes of successive windows against their times. */
+bool data_envelope(const struct series *series, struct arena *arena, struct curve *curve, struct error *error);
 bool data_spectrum(const struct series *series, struct arena *arena, struct curve *curve, struct error *error);
 
 #endif

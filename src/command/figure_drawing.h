@@ -3,6 +3,7 @@
 #ifndef HOOKE_COMMAND_FIGURE_DRAWING_H
 #define HOOKE_COMMAND_FIGURE_DRAWING_H
 
+#include "data_motion.h"
 #include "figure_curves.h"
 
 #define PERIOD_COLUMNS_ASCII 8 /* least columns a period that can still be followed */
@@ -32,8 +33,10 @@ struct drawing {
     double period;             /* [s] of the first run, NAN: none */
     double window[2];          /* [s] */
     double shown, total;       /* [s] */
+    struct data_motion motion; /* of the recording, where the plot needs it */
 };
 
+bool plot_needs_motion(enum plot_kind kind); /* velocities, of a recording too */
 bool plot_is_plane(enum plot_kind kind); /* one part of the state against another */
 /* On the vertical axis: the first of the coordinates that are drawn. */
 const struct variable *vertical_variable(const struct model *model, enum plot_kind kind);

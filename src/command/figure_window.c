@@ -24,12 +24,18 @@ const struct plot_row plot_rows[] = {
                        "residual",
                        false},
     [PLOT_SPECTRUM] = {{"spectrum", "", "amplitude spectrum of y", "", NULL}, NULL, "amplitude", false},
+    [PLOT_ENVELOPE] = {{"envelope", "", "amplitude of successive windows against t", "", NULL}, NULL, "A", false},
     [PLOT_PRECISION] = {{"precision", "", "error against run time, of the last 'precision'", "", NULL},
                         NULL,
                         "error",
                         false},
 };
 const struct catalog plot_catalog = CATALOG("plot", plot_rows);
+
+bool plot_needs_motion(enum plot_kind kind)
+{
+    return kind == PLOT_VELOCITY || kind == PLOT_PHASE || kind == PLOT_ENERGY;
+}
 
 bool plot_is_plane(enum plot_kind kind)
 {
@@ -127,7 +133,7 @@ void drawing_window(struct drawing *d)
     d->window[0] = isnan(request->window[0]) ? from : request->window[0];
     d->window[1] = isnan(request->window[1]) ? to : request->window[1];
     const double most = request->span > 0 ? request->span : longest_window(d);
-    if (asked || request->kind == PLOT_SPECTRUM) {
+    if (asked || request->kind == PLOT_SPECTRUM || request->kind == PLOT_ENVELOPE) {
     } else if (phase) {
         d->window[0] = fmax(from, to - drawing_trail(d) * d->period);
     } else if (request->follow && (request->span > 0 || d->total > most)) {

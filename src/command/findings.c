@@ -69,7 +69,10 @@ static size_t put_table(const struct recording *recording, struct arena *arena, 
         kinds++;
         cell_text(&table, row_of(k)->row.name);
         cell_count(&table, (int64_t)finding->count);
-        cell_count(&table, (int64_t)finding->places);
+        if (finding->places > 0)
+            cell_count(&table, (int64_t)finding->places);
+        else
+            cell_text(&table, "");
         put_size(&size, recording, k);
         cell_take(&table, &size);
         cell_places(&table, finding);

@@ -322,6 +322,7 @@ struct subject {
     bool energy;                /* the series is an energy */
     struct run *run;            /* NULL: a recording */
     struct recording *recording;
+    char how[340]; /* of the energy of a recording: whose m, k and v */
 };
 
 /* The scene that a run or a recording is measured against: its own; for a recording the present one, if somebody has

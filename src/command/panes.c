@@ -34,7 +34,7 @@ static bool has_series(const struct session *session)
 static bool has_mechanics(const struct session *session)
 {
     const struct run *run = session_run(session);
-    return run && run->system.order == 2;
+    return run ? run->system.order == 2 : figure_recording(session, PLOT_VELOCITY) >= 0;
 }
 
 static bool has_orbit(const struct session *session)

@@ -28,7 +28,9 @@ int figure_recording(const struct session *session, enum plot_kind kind)
 {
     const struct run *run = session_run(session);
     const struct recording *recording = session_recording(session);
-    if (!recording || (kind != PLOT_POSITION && kind != PLOT_RESIDUAL && (kind != PLOT_SPECTRUM || run)) ||
+    const bool alone = kind == PLOT_SPECTRUM || kind == PLOT_ENVELOPE || plot_needs_motion(kind);
+    if (!recording || (kind != PLOT_POSITION && kind != PLOT_RESIDUAL && (!alone || run)) ||
+        (plot_needs_motion(kind) && recording->column[recording->value].quantity != QUANTITY_LENGTH) ||
         (kind == PLOT_RESIDUAL && !run && !has_fit_of(session, recording)))
         return -1;
     if (!run)
@@ -105,6 +107,14 @@ static bool add_run(struct drawing *d, const struct run *run)
         d->curves++;
         return run_spectrum(run, d->window[0], d->window[1], d->period, d->arena, curve, d->error);
     }
+    if (d->request->kind == PLOT_ENVELOPE) {
+        struct series series;
+        d->curves++;
+        if (!run_series(run, false, d->arena, &series, d->error))
+            return false;
+        series = series_window(series, d->window[0], d->window[1]);
+        return data_envelope(&series, d->arena, curve, d->error);
+    }
     /* Of a run that ended earlier the phase plot shows its own last periods. */
     const double end = trace_time(run->trace, trace_count(run->trace) - 1);
     const double late = plane && isnan(d->request->window[0]) && end < d->window[1] ? d->window[1] - end : 0;
@@ -135,19 +145,54 @@ static bool add_run(struct drawing *d, const struct run *run)
     return true;
 }
 
+/* Positions, velocities or energies of the recording. */
+static bool recorded_values(struct drawing *d, const struct recording *recording, struct series *series)
+{
+    const struct data_motion *motion = &d->motion;
+    if (!plot_needs_motion(d->request->kind)) {
+        if (!recording_series(recording, d->arena, 1, series, d->error))
+            return false;
+        *series = series_window(*series, d->window[0], d->window[1]);
+        return true;
+    }
+    return motion_series(motion, d->request->kind == PLOT_ENERGY, d->window[0], d->window[1], d->arena, series,
+                         d->error);
+}
+
+/* v against y: about the equilibrium, in the units of the phase plot. */
+static bool recorded_phase(struct drawing *d, struct series series, struct curve *curve)
+{
+    const struct data_motion *motion = &d->motion;
+    double *x = arena_array(d->arena, series.n, sizeof *x), *y = arena_array(d->arena, series.n, sizeof *y);
+    if (!x || !y)
+        return error_memory(d->error);
+    for (size_t i = 0, row = 0; i < series.n; i++) {
+        while (motion->t[row] < series.t[i])
+            row++;
+        x[i] = motion->y[row] - motion->middle;
+        y[i] = series.y[i] / d->omega0;
+    }
+    curve->x = x;
+    curve->y = y;
+    return true;
+}
+
 static bool add_recording(struct drawing *d, const struct recording *recording)
 {
     struct series series;
     struct curve *curve = &d->curve[d->curves];
-    if (!recording_series(recording, d->arena, 1, &series, d->error))
+    if (!recorded_values(d, recording, &series))
         return false;
-    series = series_window(series, d->window[0], d->window[1]);
     *curve = (struct curve){.label = d->request->runs ? "data" : recording->name,
                             .x = series.t,
                             .y = series.y,
                             .n = series.n,
                             .points = true};
     d->curves++;
+    if (d->request->kind == PLOT_PHASE)
+        return recorded_phase(d, series, curve);
+    if (d->request->kind == PLOT_ENVELOPE)
+        return data_envelope(&series, d->arena, curve, d->error);
     if (d->request->kind != PLOT_SPECTRUM)
         return true;
     curve->points = false;
@@ -268,7 +313,7 @@ static enum quantity y_quantity(const struct drawing *d)
 {
     const struct recording *recording = recording_of(d);
     const enum plot_kind kind = d->request->kind;
-    if (recording && d->request->runs == 0)
+    if (recording && d->request->runs == 0 && !plot_needs_motion(kind))
         return recording->column[recording->value].quantity;
     if (d->omega0 != 1)
         return d->model->variable[0].quantity;
@@ -302,6 +347,23 @@ static void mark_present(const struct drawing *d, struct figure *figure)
     figure->point[1] = curve->y[curve->n - 1];
 }
 
+/* What a recording has of the motion; without a run it is that of an oscillator. */
+static bool find_motion(struct drawing *d, const struct recording *recording)
+{
+    if (!data_motion(d->session, recording, NULL, d->request->kind == PLOT_ENERGY, d->arena, &d->motion, d->error))
+        return false;
+    if (d->request->runs > 0)
+        return d->model == &oscillator_model ||
+               error_set(d->error, ERROR_COMMAND, "velocities of %s are those of a spring, no plot shows both",
+                         recording->name);
+    const double omega = d->motion.omega;
+    d->model = &oscillator_model;
+    d->period = 6.283185307179586 / omega;
+    if (d->request->kind == PLOT_PHASE && d->session->setup.settings.phase_axes == PHASE_SCALED && omega > 0)
+        d->omega0 = omega;
+    return true;
+}
+
 bool session_figure(const struct session *session, const struct figure_request *request, struct arena *arena,
                     struct figure *figure, struct error *error)
 {
@@ -323,8 +385,10 @@ bool session_figure(const struct session *session, const struct figure_request *
         if (phase && session->setup.settings.phase_axes == PHASE_SCALED && stiffness > 0)
             d.omega0 = sqrt(stiffness);
     }
-    drawing_window(&d);
     const struct recording *recording = recording_of(&d);
+    if (recording && plot_needs_motion(request->kind) && !find_motion(&d, recording))
+        return false;
+    drawing_window(&d);
     const bool residual = request->kind == PLOT_RESIDUAL, spectrum = request->kind == PLOT_SPECTRUM;
     if (residual && !recording)
         return error_set(error, ERROR_COMMAND, "a residual needs a recording");
@@ -345,7 +409,7 @@ bool session_figure(const struct session *session, const struct figure_request *
     *figure = (struct figure){.title = values ? "values" : plot_rows[request->kind].row.name,
                               .curve = d.curve,
                               .curves = d.curves,
-                              .zero_line = request->kind != PLOT_ENERGY && !spectrum,
+                              .zero_line = request->kind != PLOT_ENERGY && request->kind != PLOT_ENVELOPE && !spectrum,
                               .equal = (phase && d.omega0 != 1) || request->kind == PLOT_ORBIT,
                               .note = make_note(&d)};
     figure->x = plane      ? make_axis(d.model->variable[0].name, d.model->variable[0].quantity, size_of(&d, true))
@@ -369,7 +433,7 @@ bool session_figure(const struct session *session, const struct figure_request *
         figure->x.fixed = true;
         figure->x.to = isfinite(d.period) ? fmin(nyquist, HARMONICS / d.period) : nyquist;
     }
-    if (!residual && !spectrum)
+    if (!residual && !spectrum && request->kind != PLOT_ENVELOPE)
         mark_present(&d, figure);
     return true;
 }

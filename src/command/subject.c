@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What measure and fit act on: a run or a recording as a series; and the distance between the two. */
-#include "internal.h"
+#include "data_motion.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -42,30 +42,15 @@ bool needs_spring(const struct scene *scene, const char *what, struct error *err
     return error_hint(error, "type: scene spring");
 }
 
-/* Kinetic and potential energy of a recording: m and k from the scene, the velocity by central differences. */
-static bool data_energy(const struct session *session, struct arena *arena, struct series *series, struct error *error)
+/* Kinetic and potential energy of a recording, where its velocity is known. */
+static bool data_energy(const struct session *session, struct arena *arena, struct subject *subject,
+                        struct error *error)
 {
-    const size_t n = series->n;
-    const struct scene *scene = &session->setup.scene;
-    const double m = param_value(scene, "m"), k = param_value(scene, "k");
-    double *e = arena_array(arena, n, sizeof *e);
-    if (!e)
-        return error_memory(error);
-    if (!needs_spring(scene, "the energy of a recording", error))
+    struct data_motion motion;
+    if (!data_motion(session, subject->recording, &subject->series, true, arena, &motion, error))
         return false;
-    if (series->quantity != QUANTITY_LENGTH)
-        return error_set(error, ERROR_COMMAND, "the energy needs positions, the recording holds another quantity");
-    double mean = 0;
-    for (size_t i = 0; i < n; i++)
-        mean += series->y[i] / (double)n;
-    for (size_t i = 0; i < n; i++) {
-        const size_t a = i > 0 ? i - 1 : 0, b = i + 1 < n ? i + 1 : n - 1;
-        const double v = (series->y[b] - series->y[a]) / (series->t[b] - series->t[a]), y = series->y[i] - mean;
-        e[i] = 0.5 * (m * v * v + k * y * y);
-    }
-    series->y = e;
-    series->quantity = QUANTITY_ENERGY;
-    return true;
+    snprintf(subject->how, sizeof subject->how, "%s; %s", motion.how_k, motion.how_v);
+    return motion_series(&motion, true, -HUGE_VAL, HUGE_VAL, arena, &subject->series, error);
 }
 
 static bool open_run(struct run *run, const struct given *window, bool energy, size_t least, struct arena *arena,
@@ -107,7 +92,7 @@ static bool open_recording(const struct session *session, struct recording *reco
     recording->window[1] = before[1];
     if (!ok && window && window->count)
         error->where = window->where;
-    return ok && (!energy || data_energy(session, arena, &subject->series, error));
+    return ok && (!energy || data_energy(session, arena, subject, error));
 }
 
 bool subject_open(struct session *session, const struct given *run, const struct given *data,

@@ -16,6 +16,7 @@
 #define SHOULDER_LEAST 3   /* samples in a row; fewer are spikes */
 #define STUCK_LEAST 5      /* samples */
 #define STUCK_MOVES 8.0    /* noise or steps that the motion goes meanwhile */
+#define CLIPPED_LEAST 12   /* samples */
 #define LEVELS_FEW 100     /* in the swing: steps of a percent of it */
 
 static void note(struct finding *finding, double t, size_t samples)
@@ -126,12 +127,12 @@ struct layer {
 
 /*
  * Far more samples within a thin layer near an extreme than just below it: a sine has 2.4 times as many at most, and
- * hardly any lie beyond.
+ * hardly any lie beyond. width 0: the same value again and again.
  */
-static bool densest_layer(const struct cleaning *c, const double *sorted, size_t n, bool upper, struct layer *layer)
+static bool densest_layer(const struct cleaning *c, const double *sorted, size_t n, bool upper, double width,
+                          struct layer *layer)
 {
-    const double width = fmax(0.01 * c->swing, fmax(6 * c->typical, 2.1 * c->quantum));
-    const double middle = sorted[n / 2];
+    const double middle = sorted[n / 2], reach = fmax(width, fmax(0.01 * c->swing, 1.5 * c->quantum));
     size_t first = 0, last = 0, below = 0, above = 0;
     layer->count = 0;
     for (size_t i = 0, end = 0; i < n; i++) {
@@ -144,14 +145,14 @@ static bool densest_layer(const struct cleaning *c, const double *sorted, size_t
         first = i;
         last = end;
     }
-    if (layer->count == 0)
+    if (layer->count < CLIPPED_LEAST)
         return false;
-    for (size_t i = first; i-- > 0 && sorted[i] >= layer->low - width;)
+    for (size_t i = first; i-- > 0 && sorted[i] >= layer->low - reach;)
         below++;
-    for (size_t i = last; i < n && sorted[i] <= layer->high + width; i++)
+    for (size_t i = last; i < n && sorted[i] <= layer->high + reach; i++)
         above++;
     const size_t inside = upper ? below : above, outside = upper ? n - last : first;
-    return layer->count >= 12 && layer->count > 5 * inside && 4 * outside < layer->count;
+    return layer->count > 5 * inside && 4 * outside < layer->count;
 }
 
 static bool in_layer(const struct cleaning *c, size_t i, const struct layer *layer)
@@ -170,7 +171,11 @@ static void find_clipped(struct cleaning *c, bool upper)
         if (!isnan(c->y[i]))
             c->sorted[n++] = c->y[i];
     sorted_quantile(c->sorted, n, 0);
-    if (n < 12 || !densest_layer(c, c->sorted, n, upper, &layer))
+    const double thin = fmax(0.01 * c->swing, 2.1 * c->quantum), widths[] = {0, thin, fmax(thin, 6 * c->typical)};
+    bool found = false;
+    for (size_t k = 0; k < COUNT_OF(widths) && n >= CLIPPED_LEAST && !found; k++)
+        found = densest_layer(c, c->sorted, n, upper, widths[k], &layer);
+    if (!found)
         return;
     for (size_t i = 0; i < c->n; i++) {
         if (!in_layer(c, i, &layer))
@@ -294,6 +299,31 @@ static void mark_far_off(struct cleaning *c, unsigned char mark)
     }
 }
 
+/* What is far off at an end of the window, not for a sample or two, is a hand or the release. */
+static void trim_ends(struct cleaning *c)
+{
+    struct findings *f = c->findings;
+    size_t first = 0, last = c->n - 1, from, to;
+    while (c->t[first] < f->window[0])
+        first++;
+    while (c->t[last] > f->window[1])
+        last--;
+    for (from = first; from < last && f->mask[from]; from++)
+        ;
+    for (to = last; to > from && f->mask[to]; to--)
+        ;
+    if (from - first >= SHOULDER_LEAST) {
+        f->of[FINDING_START].places = 0;
+        note(&f->of[FINDING_START], c->t[0], from - first);
+        f->window[0] = c->t[from];
+    }
+    if (last - to >= SHOULDER_LEAST) {
+        f->of[FINDING_END].places = 0;
+        note(&f->of[FINDING_END], c->t[to + 1], last - to);
+        f->window[1] = c->t[to];
+    }
+}
+
 /* Counts what is masked, in the window; what is outside is not used anyway. */
 static void count_masked(struct cleaning *c)
 {
@@ -326,6 +356,7 @@ static void count_masked(struct cleaning *c)
 
 #define SWAY_LEAST 0.015 /* rms, relative */
 #define SWAY_STRETCHES 6
+#define SWAY_TURNS 4     /* fewer may be a law of drag that no parabola follows */
 
 /* Takes out of y what is along the basis vector. */
 static void take_out(double *y, const double *basis, size_t n)
@@ -374,10 +405,10 @@ static bool find_sway(struct cleaning *c)
         turns += i > 0 && y[i] * y[i - 1] < 0;
     }
     const double sway = sqrt(square / (double)(n - 3)), noise = sqrt(expected / (double)n);
-    if (sway > SWAY_LEAST && sway > 3 * noise) {
+    if (sway > SWAY_LEAST && sway > 3 * noise && turns >= SWAY_TURNS) {
         note(&f->of[FINDING_SWAY], first, n);
         f->of[FINDING_SWAY].size = sway;
-        f->sway_period = turns > 1 ? 2 * (last - first) / (double)turns : NAN;
+        f->sway_period = 2 * (last - first) / (double)turns;
     }
     return true;
 }
@@ -395,6 +426,7 @@ static bool inspect_motion(struct cleaning *c)
         return false;
     find_ends(c);
     mark_far_off(c, 1 + FINDING_SPIKES);
+    trim_ends(c);
     count_masked(c);
     return find_sway(c);
 }

@@ -7,6 +7,7 @@
 #define HOOKE_METHOD_KERNEL_H
 
 #include "../scene/params.h"
+#define FORCE_TERMS "../scene/terms.def"
 #include "rk_body.h"
 #include "rows.h"
 #include "split_body.h"
@@ -31,14 +32,14 @@ INLINE void forces_take(struct forces *forces, const struct system *system)
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-function"
 #define TERM_BODIES
-#include "../scene/terms.def"
+#include FORCE_TERMS
 #undef TERM_BODIES
 #pragma GCC diagnostic pop
 
 enum {
 #define CONSERVATIVE_TERM(name, flags, ...) name##_flags = (flags),
 #define POWERED_TERM(name, flags, ...) name##_flags = (flags),
-#include "../scene/terms.def"
+#include FORCE_TERMS
 };
 
 /* ---- shapes ---- */

@@ -30,12 +30,14 @@ double function_mod(double a, double b);
 /* 1 or 0; NaN where an argument is. */
 static inline double less(double a, double b)
 {
-    return a < b ? 1 : a >= b ? 0 : NAN;
+    double holds = a < b;
+    return a != a || b != b ? NAN : holds;
 }
 
 static inline double less_equal(double a, double b)
 {
-    return a <= b ? 1 : a > b ? 0 : NAN;
+    double holds = a <= b;
+    return a != a || b != b ? NAN : holds;
 }
 
 /*

@@ -65,10 +65,11 @@ bool graph_check(const struct graph *graph, struct error *error);
 void graph_reach(const struct node *node, int count, bool *mark);
 int node_arity(enum node_kind kind);
 
-/* The value of an operation. Inlined where it is the body of a loop. */
-static inline double node_value(const struct node *node, double a, double b, double c)
+/* The value of an operation of this kind, which is a constant where this is the body of a loop. */
+static inline __attribute__((always_inline)) double node_value(enum node_kind kind, const struct node *node, double a,
+                                                               double b, double c)
 {
-    switch (node->kind) {
+    switch (kind) {
     case NODE_NUMBER:
     case NODE_NAME:
     case NODE_KINDS:
@@ -92,7 +93,7 @@ static inline double node_value(const struct node *node, double a, double b, dou
     case NODE_LESS_EQUAL:
         return less_equal(a, b);
     case NODE_IF:
-        return isnan(a) ? a : a > 0 ? b : c;
+        return a > 0 ? b : a <= 0 ? c : a;
     case NODE_ONE:
         return node->one(a);
     case NODE_TWO:
@@ -130,8 +131,11 @@ struct instruction {
     bool last[3]; /* the operand's place is free afterwards */
 };
 
+typedef void program_function(const struct program *program, const double *input, double *output, double *frame);
+
 /* The frame: names, numbers, then intermediate values whose places are used again. */
 struct program {
+    program_function *run;
     struct arena arena;
     int names, numbers, places;
     double *number;
@@ -148,8 +152,8 @@ struct program {
 
 /* ---- machine code (native_x86.c; elsewhere always NULL) ---- */
 
-struct native *native_create(const struct program *program); /* NULL: not here, no memory, not allowed */
+/* NULL: not here, no memory, not allowed; else *run is the code. */
+struct native *native_create(const struct program *program, program_function **run);
 void native_destroy(struct native *native);
-void native_run(const struct native *native, const double *input, double *output, double *frame);
 
 #endif

@@ -14,10 +14,9 @@
 int node_arity(enum node_kind kind)
 {
     static const signed char arity[NODE_KINDS] = {
-        [NODE_NEG] = 1, [NODE_ABS] = 1,  [NODE_SQRT] = 1,       [NODE_ADD] = 2, [NODE_SUB] = 2,
-        [NODE_MUL] = 2, [NODE_DIV] = 2,  [NODE_LESS] = 2,       [NODE_LESS_EQUAL] = 2,
-        [NODE_IF] = 3,  [NODE_ONE] = 1,  [NODE_TWO] = 2,        [NODE_MUL_ADD] = 3,
-        [NODE_MUL_SUB] = 3, [NODE_SUB_MUL] = 3,
+        [NODE_NEG] = 1, [NODE_ABS] = 1, [NODE_SQRT] = 1,    [NODE_ADD] = 2,        [NODE_SUB] = 2,
+        [NODE_MUL] = 2, [NODE_DIV] = 2, [NODE_LESS] = 2,    [NODE_LESS_EQUAL] = 2, [NODE_IF] = 3,
+        [NODE_ONE] = 1, [NODE_TWO] = 2, [NODE_MUL_ADD] = 3, [NODE_MUL_SUB] = 3,    [NODE_SUB_MUL] = 3,
     };
     return arity[kind];
 }
@@ -249,7 +248,7 @@ static int make(struct graph *g, struct node node)
         numbers += is_number(g, node.operand[k]);
     }
     if (numbers == arity)
-        return graph_number(g, node_value(&node, value[0], value[1], value[2]));
+        return graph_number(g, node_value(node.kind, &node, value[0], value[1], value[2]));
     const int other = simpler(g, node);
     if (other >= 0 || g->failed)
         return other >= 0 ? other : 0;

@@ -1,0 +1,558 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * The scene's own equation of motion fitted to a series.
+ *
+ * The steps are chosen once, at the start of a fit, and then stay where they are: the curve is then a smooth function
+ * of the parameters, and the same steps of the variational equations give its derivatives exactly (internal numerical
+ * differentiation: Bock 1981). The samples are read off the dense output.
+ */
+#include "variation.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define TOLERANCE 1e-10      /* of dop853: after 100 periods still far below what is recorded */
+#define TOLERANCE_STIFF 1e-8 /* of rodas5p */
+#define STEPS_MOST 2000000
+#define PHASE_LOST 0.5     /* residuals of that share of the series' spread: curve and data are not in phase */
+#define FIRST_PERIODS 2.5  /* of the first part that a lost fit begins with */
+#define LARGER 1.7         /* by which the part grows */
+#define ITERATIONS 40
+
+struct scene_curve {
+    struct scene scene;
+    int place[CURVE_PARAMETERS], frees; /* the curve's parameters; the offset comes after them */
+    bool offset;
+    int variable; /* what the series is: this state variable, */
+    bool rate;    /* or its derivative */
+    const struct method *method;
+    double *mesh; /* [points] times of the steps' ends, ascending; owned */
+    size_t points;
+    double *work;                /* of the method, for the variation */
+    struct variation *variation; /* where it is bound */
+    const struct cancel *cancel;
+};
+
+/* ---- the curve ---- */
+
+/* One sample from the state there; `system` has the curve's variables first. */
+static void take_sample(const struct scene_curve *c, const struct system *system, double t, const double *y,
+                        double offset, double *value, double *derivative)
+{
+    double rate[LIMIT_VARIABLES];
+    const int n = c->variation->base.n;
+    if (c->rate) {
+        system_derivative(system, t, y, rate);
+        y = rate;
+    }
+    *value = y[c->variable] + offset;
+    for (int j = 0; j < c->frees && derivative; j++)
+        derivative[j] = y[n * (j + 1) + c->variable];
+    if (c->offset && derivative)
+        derivative[c->frees] = 1;
+}
+
+/* Along the mesh. False: a step failed, the start lies behind a sample, or it was cancelled. */
+static bool march_curve(const struct scene_curve *c, const struct system *system, double offset, const double *t,
+                        size_t n, double *value, double *derivative)
+{
+    const size_t size = (size_t)system->n * sizeof(double);
+    const size_t columns = (size_t)(c->frees + c->offset);
+    double y[LIMIT_VARIABLES], low[LIMIT_VARIABLES] = {0}, before[LIMIT_VARIABLES], inside[LIMIT_VARIABLES];
+    struct step step = {.system = system, .t = system->t0, .y = y, .low = low, .work = c->work};
+    size_t i = 0;
+    memcpy(y, system->start, size);
+    for (; i < n && t[i] <= system->t0; i++) {
+        if (t[i] < system->t0)
+            return false;
+        take_sample(c, system, t[i], y, offset, &value[i], derivative ? derivative + i * columns : NULL);
+    }
+    for (size_t k = 0; i < n; k++) {
+        const double from = step.t;
+        if (k == c->points || !(c->mesh[k] > from) || ((k & 63) == 0 && cancelled(c->cancel)))
+            return false;
+        memcpy(before, y, size);
+        step.h = c->mesh[k] - from;
+        if (method_step(c->method, &step) != STEP_OK)
+            return false;
+        step.t = c->mesh[k];
+        for (; i < n && t[i] <= step.t; i++) {
+            const double *at = y;
+            if (t[i] < step.t) {
+                method_dense(c->method, &step, before, (t[i] - from) / step.h, inside);
+                at = inside;
+            }
+            take_sample(c, system, t[i], at, offset, &value[i], derivative ? derivative + i * columns : NULL);
+        }
+    }
+    return true;
+}
+
+static bool scene_at(const struct scene_curve *c, const double *parameter, struct scene *scene)
+{
+    struct error ignored;
+    *scene = c->scene;
+    for (int j = 0; j < c->frees; j++)
+        if (!scene_set(scene, c->place[j], (struct measured){parameter[j], 0}, &ignored))
+            return false;
+    return true;
+}
+
+static bool evaluate(void *context, const double *parameter, const double *t, size_t n, double *value,
+                     double *derivative)
+{
+    struct scene_curve *c = context;
+    struct scene scene;
+    struct error ignored;
+    const double offset = c->offset ? parameter[c->frees] : 0;
+    if (!scene_at(c, parameter, &scene) || !scene_bind(&scene, &c->variation->base, &ignored) ||
+        (derivative && !variation_bind(c->variation, &scene, c->place, c->frees)))
+        return false;
+    const struct system *system = derivative ? &c->variation->whole : &c->variation->base;
+    if (!march_curve(c, system, offset, t, n, value, derivative))
+        return false;
+    for (size_t i = 0; i < n; i++)
+        if (!isfinite(value[i]))
+            return false;
+    return true;
+}
+
+/* ---- the steps ---- */
+
+static bool mesh_add(struct scene_curve *c, double t)
+{
+    if ((c->points & (c->points - 1)) == 0) { /* full at every power of two */
+        double *larger = realloc(c->mesh, (c->points ? 2 * c->points : 1) * sizeof *larger);
+        if (!larger)
+            return false;
+        c->mesh = larger;
+    }
+    c->mesh[c->points++] = t;
+    return true;
+}
+
+enum meshing { MESH_DONE, MESH_FAILED, MESH_MEMORY };
+
+static enum meshing try_mesh(struct scene_curve *c, const struct system *system, const char *name, double tol,
+                             size_t most, double end)
+{
+    double y[LIMIT_VARIABLES];
+    struct step step = {.system = system, .t = system->t0, .y = y};
+    struct controller controller = {.tol = tol};
+    c->method = (const struct method *)(const void *)catalog_find(&method_catalog, text_of(name));
+    c->points = 0;
+    free(c->work);
+    c->work = calloc(method_work_size(c->method, system->n * (c->frees + 1)) + 1, sizeof *c->work);
+    step.work = c->work;
+    if (!c->work)
+        return MESH_MEMORY;
+    memcpy(y, system->start, (size_t)system->n * sizeof *y);
+    while (step.t < end) {
+        if (c->points == most || cancelled(c->cancel) ||
+            method_adapt(c->method, &step, &controller, end) != STEP_OK)
+            return MESH_FAILED;
+        if (!mesh_add(c, step.t))
+            return MESH_MEMORY;
+    }
+    return MESH_DONE;
+}
+
+/* Steps for these parameters, as far as the last sample: explicit unless these would be very many. */
+static bool make_mesh(struct scene_curve *c, const double *parameter, const struct series *series, struct error *error)
+{
+    struct scene scene = c->scene;
+    struct system system;
+    const double end = series->t[series->n - 1];
+    for (int j = 0; j < c->frees; j++)
+        if (!scene_set(&scene, c->place[j], (struct measured){parameter[j], 0}, error))
+            return false;
+    if (!scene_bind(&scene, &system, error))
+        return false;
+    enum meshing meshing = try_mesh(c, &system, "dop853", TOLERANCE, 20000 + 2 * series->n, end);
+    if (meshing == MESH_FAILED)
+        meshing = try_mesh(c, &system, "rodas5p", TOLERANCE_STIFF, STEPS_MOST, end);
+    if (meshing == MESH_DONE)
+        return true;
+    return meshing == MESH_MEMORY  ? error_memory(error)
+           : cancelled(c->cancel) ? error_set(error, ERROR_CANCELLED, "the fit was stopped")
+                                  : error_set(error, ERROR_COMMAND, "the scene cannot be integrated from %g to %g s "
+                                              "with its present parameters", system.t0, end);
+}
+
+/* ---- what is free ---- */
+
+/* In oscillators and pendulums, unless held: what a recording can tell. The others of the same model only shift between
+ * these (m, g, area …). */
+static const struct {
+    const char *name, *with, *without; /* only where the parameter `with` is not 0, `without` is */
+} usual[] = {{"k", NULL, NULL},     {"gamma", NULL, "mu"}, {"length", NULL, NULL}, {"C", "C", NULL},     {"k3", "k3", NULL},
+             {"mu", "mu", NULL},    {"width", "mu", NULL}, {"F0", "F0", NULL},     {"phase", "F0", NULL}};
+
+static double value_of(const struct scene *scene, const char *name)
+{
+    const int place = scene_param(scene, name);
+    return place >= 0 ? scene->value[place] : 0;
+}
+
+static bool is_usual(const struct scene *scene, const char *name)
+{
+    if (scene_param(scene, "m") < 0)
+        return strcmp(name, "t0") != 0;
+    for (size_t i = 0; i < COUNT_OF(usual); i++)
+        if (strcmp(usual[i].name, name) == 0)
+            return (!usual[i].with || value_of(scene, usual[i].with) != 0) &&
+                   (!usual[i].without || value_of(scene, usual[i].without) == 0);
+    return false;
+}
+
+int scene_fit_usual(const struct scene *scene, int *place, int *held, int *helds)
+{
+    int count = 0;
+    *helds = 0;
+    for (int i = 0; i < (int)scene_params(scene)->count && count < CURVE_PARAMETERS - 1; i++) {
+        const char *name = catalog_row(scene_params(scene), (size_t)i)->name;
+        struct direction d;
+        if (strcmp(name, "t0") == 0 || !direction_find(scene, i, &d) || (d.changes == 0 && !d.starts))
+            continue;
+        if (d.changes > 0 && !is_usual(scene, name))
+            continue;
+        if (d.changes > 0 && scene->given[i] && scene->uncertainty[i] == 0)
+            held[(*helds)++] = i;
+        else
+            place[count++] = i;
+    }
+    return count;
+}
+
+/* Where every parameter of the start is free, the start may as well be at the first sample. */
+static bool start_is_free(const struct scene_curve *c)
+{
+    for (int i = 0; i < (int)scene_params(&c->scene)->count; i++) {
+        struct direction d;
+        bool fitted = i == scene_param(&c->scene, "t0");
+        for (int j = 0; j < c->frees; j++)
+            fitted = fitted || c->place[j] == i;
+        if (!fitted && direction_find(&c->scene, i, &d) && d.starts && d.changes == 0)
+            return false;
+    }
+    return true;
+}
+
+/* ---- the start ---- */
+
+static int free_place(const struct scene_curve *c, const char *name)
+{
+    for (int j = 0; j < c->frees; j++)
+        if (c->place[j] == scene_param(&c->scene, name))
+            return j;
+    return -1;
+}
+
+static void propose(struct scene_curve *c, int j, double value, double *start)
+{
+    struct scene trial = c->scene;
+    struct error ignored;
+    if (j < 0 || !isfinite(value) || !scene_set(&trial, c->place[j], (struct measured){value, 0}, &ignored))
+        return;
+    start[j] = value;
+    c->scene = trial;
+}
+
+/* What a damped oscillation through the samples says of the start, and of a spring. */
+static void improve_start(struct scene_curve *c, const struct fit *fit, double *start)
+{
+    struct system system;
+    struct error ignored;
+    const double gamma = isfinite(fit->gamma.value) ? fit->gamma.value : 0, omega = fit->omega.value;
+    if (c->scene.model == &oscillator_model && value_of(&c->scene, "k") > 0) {
+        const struct measured mass = {value_of(&c->scene, "m"), 0};
+        const bool other_drag = value_of(&c->scene, "C") > 0 || value_of(&c->scene, "mu") != 0;
+        if (value_of(&c->scene, "k3") == 0)
+            propose(c, free_place(c, "k"), fit_stiffness(fit, mass).value, start);
+        propose(c, free_place(c, "gamma"), other_drag ? 0.5 * gamma : gamma, start);
+    }
+    if (!scene_bind(&c->scene, &system, &ignored) || system.order != 2)
+        return;
+    /* Each derivative of A exp(-gamma t/2) cos(omega t + phi) is the same, larger by `growth`, earlier by `turn`. */
+    const int order = c->rate ? 2 : c->variable > 0;
+    const double growth = hypot(0.5 * gamma, omega), turn = atan2(omega, -0.5 * gamma), t = system.t0 - fit->t0;
+    const double A = fit->amplitude.value * exp(-0.5 * gamma * t) / pow(growth, order);
+    const double phi = fit->phase.value + omega * t - order * turn;
+    const struct oscillator *o = &system.oscillator;
+    const double middle = o->whole && o->stiffness != 0 ? -o->gravity / o->stiffness : 0;
+    const double wanted[2] = {A * cos(phi) + (c->offset || order > 0 ? middle : fit->offset.value),
+                              A * (-0.5 * gamma * cos(phi) - omega * sin(phi))};
+    for (int j = 0; j < c->frees; j++) {
+        struct direction d;
+        if (!direction_find(&c->scene, c->place[j], &d) || d.changes > 0 || d.t0 != 0)
+            continue;
+        for (int half = 0; half < 2; half++) {
+            const int i = half * system.n / 2;
+            if (d.start[i] != 0)
+                propose(c, j, start[j] + (wanted[half] - system.start[i]) / d.start[i], start);
+        }
+    }
+    if (c->offset)
+        start[c->frees] = fit->offset.value - (order == 0 ? middle : 0);
+}
+
+static void bounds(const struct scene_curve *c, const double *start, double *low, double *high)
+{
+    for (int j = 0; j < c->frees + c->offset; j++) {
+        const struct param_row *row =
+            j < c->frees ? (const struct param_row *)(const void *)catalog_row(scene_params(&c->scene),
+                                                                                (size_t)c->place[j])
+                         : NULL;
+        high[j] = INFINITY;
+        low[j] = row && row->least > -HUGE_VAL ? row->least : -INFINITY;
+        if (row && row->least_excluded)
+            low[j] += 1e-9 * fabs(start[j] - row->least);
+    }
+}
+
+/* ---- the fit ---- */
+
+struct fitting {
+    const struct scene_fit_request *request;
+    struct scene_curve *curve;
+    struct fit_curve as_curve;
+    struct curve_options options;
+    struct arena *arena;
+    double spread;     /* standard deviation of the series */
+    double *at;        /* [parameters] */
+};
+
+static double spread_of(const struct series *series)
+{
+    double mean = 0, square = 0;
+    for (size_t i = 0; i < series->n; i++)
+        mean += series->y[i] / (double)series->n;
+    for (size_t i = 0; i < series->n; i++)
+        square += (series->y[i] - mean) * (series->y[i] - mean) / (double)series->n;
+    return sqrt(square);
+}
+
+/* One fit of a part from f->at, where it then stays if that is an answer. */
+static bool fit_part(struct fitting *f, size_t n, bool last, struct curve_fit *fit, struct error *error)
+{
+    struct series part = *f->request->series;
+    struct curve_options options = f->options;
+    part.n = n;
+    options.robust = last && f->request->robust;
+    options.bootstrap = last ? f->request->bootstrap : 0;
+    options.iterations = ITERATIONS;
+    if (!make_mesh(f->curve, f->at, &part, error) ||
+        !curve_fit(&f->as_curve, &part, f->at, &options, f->arena, fit, error))
+        return false;
+    for (int j = 0; j < fit->parameters; j++)
+        f->at[j] = fit->value[j].value;
+    return true;
+}
+
+/*
+ * The whole at once where the start is good enough; else a few periods first, then more and more, so that the phase is
+ * never lost.
+ */
+static bool approach(struct fitting *f, double period, struct error *error)
+{
+    const struct series *series = f->request->series;
+    double start[CURVE_PARAMETERS], direct[CURVE_PARAMETERS];
+    struct curve_fit fit;
+    const size_t bytes = (size_t)f->as_curve.parameters * sizeof *start;
+    memcpy(start, f->at, bytes);
+    if (!fit_part(f, series->n, false, &fit, error)) {
+        if (error->code != ERROR_COMMAND)
+            return false;
+        fit.sigma = INFINITY;
+        memcpy(f->at, start, bytes);
+    }
+    if (fit.sigma < PHASE_LOST * f->spread || !isfinite(period))
+        return true;
+    const double sigma = fit.sigma;
+    memcpy(direct, f->at, bytes);
+    memcpy(f->at, start, bytes);
+    const size_t least = 4 * (size_t)f->as_curve.parameters;
+    size_t n = least;
+    while (n < series->n && series->t[n] < series->t[0] + FIRST_PERIODS * period)
+        n++;
+    for (bool all = false; !all; n = (size_t)(LARGER * (double)n)) {
+        all = n >= series->n;
+        *error = (struct error){0};
+        if (!fit_part(f, all ? series->n : n, false, &fit, error)) {
+            if (error->code != ERROR_COMMAND)
+                return false;
+            fit.sigma = INFINITY;
+            break;
+        }
+    }
+    if (!(fit.sigma < sigma))
+        memcpy(f->at, direct, bytes);
+    *error = (struct error){0};
+    return true;
+}
+
+/*
+ * What the uncertainties of held values (the mass …) add: a change dq moves the answer by (J^T W J)^-1 J^T W dF/dq dq.
+ */
+static bool add_held(struct fitting *f, struct scene_fit *fit, struct error *error)
+{
+    const struct series *series = f->request->series;
+    struct scene_curve both = *f->curve;
+    struct curve_fit *curve = &fit->curve;
+    const int own = f->curve->frees;
+    for (int i = 0; i < (int)scene_params(&both.scene)->count && both.frees < CURVE_PARAMETERS - 1; i++) {
+        struct direction d;
+        bool is_free = both.scene.uncertainty[i] == 0;
+        for (int j = 0; j < own; j++)
+            is_free = is_free || both.place[j] == i;
+        if (!is_free && direction_find(&both.scene, i, &d) && (d.changes > 0 || d.starts))
+            both.place[both.frees++] = i;
+    }
+    if (both.frees == own || both.variation->base.n * (both.frees + 1) > LIMIT_VARIABLES)
+        return true;
+    const int total = both.frees + both.offset;
+    const size_t columns = (size_t)total;
+    double at[CURVE_PARAMETERS], *value = arena_array(f->arena, series->n, sizeof *value),
+                                 *slope = arena_array(f->arena, series->n * columns, sizeof *slope);
+    both.work = calloc(method_work_size(both.method, both.variation->base.n * (both.frees + 1)) + 1, sizeof *both.work);
+    if (!value || !slope || !both.work) {
+        free(both.work);
+        return error_memory(error);
+    }
+    for (int j = 0; j < both.frees; j++)
+        at[j] = j < own ? curve->value[j].value : both.scene.value[both.place[j]];
+    at[both.frees] = both.offset ? curve->value[own].value : 0;
+    const bool there = evaluate(&both, at, series->t, series->n, value, slope);
+    free(both.work);
+    for (int q = own; q < both.frees && there; q++) {
+        double pull[CURVE_PARAMETERS] = {0}, moved[CURVE_PARAMETERS] = {0};
+        for (size_t i = 0; i < series->n; i++)
+            for (int j = 0; j < curve->parameters; j++) /* the offset stands behind what is held */
+                pull[j] += curve->weight[i] * slope[i * columns + (size_t)(j < own ? j : both.frees)] *
+                           slope[i * columns + (size_t)q];
+        /* The covariance is that inverse times the variance, widened: formal^2/variance is on its diagonal. */
+        for (int j = 0; j < curve->parameters; j++) {
+            const double wide = curve->value[j].uncertainty / curve->formal[j];
+            for (int l = 0; l < curve->parameters && wide > 0; l++)
+                moved[j] -= curve->covariance[j][l] / (wide * wide * curve->sigma * curve->sigma) * pull[l];
+        }
+        for (int j = 0; j < curve->parameters; j++) {
+            struct measured *p = &curve->value[j];
+            const double before = p->uncertainty, more = moved[j] * both.scene.uncertainty[both.place[q]];
+            if (!(before > 0))
+                continue;
+            p->uncertainty = hypot(before, more);
+            for (int side = 0; side < 2; side++)
+                curve->interval[j][side] = p->value + (curve->interval[j][side] - p->value) * p->uncertainty / before;
+        }
+    }
+    return true;
+}
+
+/* Which variable, or rate of one, a series of this quantity is. */
+static bool choose_variable(struct scene_curve *c, const struct system *system, enum quantity quantity,
+                            struct error *error)
+{
+    const enum quantity first = system->model->variable[0].quantity;
+    if (quantity == first || quantity == QUANTITY_OTHER || first == QUANTITY_NUMBER)
+        return true;
+    if (system->order == 2 && quantity == system->model->variable[system->n / 2].quantity) {
+        c->variable = system->n / 2;
+        return true;
+    }
+    if (quantity == QUANTITY_ACCELERATION && first == QUANTITY_LENGTH && system->order == 2) {
+        c->variable = system->n / 2;
+        c->rate = true;
+        return true;
+    }
+    error_set(error, ERROR_COMMAND, "the series is one of %s, the scene moves in %s", quantity_name(quantity),
+              quantity_name(first));
+    return error_hint(error, "choose another scene, or another column of the file");
+}
+
+static bool set_up(const struct scene_fit_request *request, struct scene_curve *c, struct arena *arena,
+                   struct error *error)
+{
+    struct system system;
+    const double first = request->series->t[0];
+    c->scene = *request->scene;
+    c->frees = request->frees;
+    c->offset = request->offset;
+    c->cancel = request->cancel;
+    memcpy(c->place, request->free, (size_t)c->frees * sizeof *c->place);
+    c->variation = arena_alloc(arena, sizeof *c->variation);
+    if (!c->variation)
+        return error_memory(error);
+    const int t0 = scene_param(&c->scene, "t0");
+    if (t0 >= 0 && free_place(c, "t0") < 0 && start_is_free(c) &&
+        !scene_set(&c->scene, t0, (struct measured){first, 0}, error))
+        return false;
+    if (!scene_bind(&c->scene, &system, error) || !choose_variable(c, &system, request->series->quantity, error))
+        return false;
+    if (system.n * (c->frees + 1) > LIMIT_VARIABLES || c->frees + c->offset > CURVE_PARAMETERS || c->frees < 1)
+        return error_set(error, ERROR_COMMAND, "from 1 to %d parameters of this scene can be free, not %d",
+                         LIMIT_VARIABLES / system.n - 1 < CURVE_PARAMETERS - 1 ? LIMIT_VARIABLES / system.n - 1
+                                                                               : CURVE_PARAMETERS - 1,
+                         c->frees);
+    if (first >= system.t0)
+        return true;
+    error_set(error, ERROR_COMMAND, "the first sample, at %g s, lies before the scene's start t0 = %g s", first,
+              system.t0);
+    return error_hint(error, "set t0, or choose a window");
+}
+
+static bool fit_all(struct fitting *f, struct scene_fit *fit, struct error *error)
+{
+    const struct series *series = f->request->series;
+    struct overview overview;
+    struct fit motion = {.model = NULL};
+    struct error ignored = {0};
+    series_overview(series, f->arena, &overview);
+    if (overview.oscillates) {
+        const struct fit_model *row =
+            (const struct fit_model *)(const void *)catalog_find(&fit_catalog, TEXT("damped"));
+        if (row->fit(series, f->arena, f->request->cancel, &motion, &ignored) && motion.converged)
+            improve_start(f->curve, &motion, f->at);
+    }
+    return approach(f, overview.oscillates ? overview.period : NAN, error) &&
+           fit_part(f, series->n, true, &fit->curve, error) && add_held(f, fit, error);
+}
+
+bool study_fit_scene(const struct scene_fit_request *request, struct arena *arena, struct scene_fit *fit,
+                     struct error *error)
+{
+    double low[CURVE_PARAMETERS], high[CURVE_PARAMETERS], at[CURVE_PARAMETERS] = {0};
+    struct scene_curve curve = {.frees = 0};
+    *fit = (struct scene_fit){.scene = *request->scene};
+    if (!set_up(request, &curve, arena, error))
+        return false;
+    const int count = curve.frees + curve.offset;
+    for (int j = 0; j < count; j++) {
+        fit->place[j] = j < curve.frees ? curve.place[j] : -1;
+        fit->name[j] = j < curve.frees ? catalog_row(scene_params(&curve.scene), (size_t)curve.place[j])->name
+                                       : "offset";
+        at[j] = j < curve.frees ? curve.scene.value[curve.place[j]] : 0;
+    }
+    struct fitting f = {.request = request,
+                        .curve = &curve,
+                        .as_curve = {count, fit->name, &curve, evaluate},
+                        .options = {.low = low, .high = high, .seed = request->seed, .cancel = request->cancel},
+                        .arena = arena,
+                        .spread = spread_of(request->series),
+                        .at = at};
+    bounds(&curve, at, low, high);
+    const bool ok = fit_all(&f, fit, error);
+    free(curve.mesh);
+    free(curve.work);
+    if (!ok)
+        return false;
+    fit->method = curve.method;
+    fit->steps = curve.points;
+    fit->scene = curve.scene;
+    for (int j = 0; j < curve.frees; j++) {
+        fit->scene.value[fit->place[j]] = fit->curve.value[j].value;
+        fit->scene.uncertainty[fit->place[j]] = fit->curve.value[j].uncertainty > 0 ? fit->curve.value[j].uncertainty : 0;
+        fit->scene.given[fit->place[j]] = true;
+    }
+    return true;
+}
