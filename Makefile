@@ -100,6 +100,10 @@ $(TOP)/hooke.1: $(TOP)/hooke scripts/reference
 # Loops over many steps: unrolled and vectorised where the configuration is for speed at all.
 $(B)/run/many.o $(B)/run/propagate.o $(patsubst src/%.c,$(B)/%.o,$(wildcard src/method/kernel*.c)): \
   CFLAGS += $(if $(filter -O2,$(OPT_$(CONFIG))),-O3)
+$(B)/scene/program_lanes.o: CFLAGS += $(if $(filter -O2,$(OPT_$(CONFIG))),-O3) -fno-math-errno
+# Hundreds of unrolled bodies: under the sanitizers they would take minutes to compile. The general path, which gives the
+# same bits, is instrumented.
+$(patsubst src/%.c,$(B)/%.o,$(wildcard src/method/kernel*.c)): CFLAGS += $(if $(findstring sanitize,$(OPT_$(CONFIG))),-fno-sanitize=all)
 # Packing position and velocity into one register lengthens the chain from step to step.
 $(patsubst src/%.c,$(B)/%.o,$(wildcard src/method/kernel*.c)): CFLAGS += $(call probe,-fno-tree-slp-vectorize)
 

@@ -126,9 +126,12 @@ struct named_value {
     enum quantity quantity;    /* QUANTITY_OTHER: unknown */
 };
 
+struct events; /* private: what is watched for on the way; a list never changes and lives as long as its session */
+
 /* The part that is plain data: undo copies it. */
 struct setup {
     struct scene scene;
+    const struct events *events; /* of the next run; NULL: none */
     const struct method *method;
     enum drag drag; /* DRAG_DEFAULT: the method's own */
     bool fixed;     /* dt= was given with the method: fixed steps although it could adapt */
@@ -146,6 +149,7 @@ struct held_run {
     char *note;      /* NULL: none */
     struct leg *leg; /* [legs] what was asked of the run since its start: enough to recreate it bit for bit */
     int legs;
+    const struct events *events; /* as they were when it began; NULL: none */
 };
 
 struct held_recording {
@@ -304,7 +308,7 @@ struct front {
     void *context;
     bool (*confirm)(void *context, const char *question);
     void (*progress)(void *context, const struct run *run,
-                     double fraction); /* between slices; fraction < 0: unknown; > 1: over, erase */
+                     double fraction); /* between slices; fraction < 0: unknown; > 1: over, erase; run NULL: a study */
     void (*clear)(void *context);
     /*
      * Live runs. `watched`: a person watches a screen of panes. Then run and continue advance in slices of at most 10
@@ -328,6 +332,8 @@ struct front {
 struct session {
     struct front front;
     struct setup setup;
+    struct typed_models *models; /* all that the user has typed: set-up, runs and undo point there */
+    struct events *events;      /* likewise, the newest first */
     struct held_run *run[LIMIT_RUNS];
     int runs, current_run; /* index, -1: none */
     int next_run;          /* number of the next run */
@@ -341,12 +347,22 @@ struct session {
     struct fit fit;
     char fit_of[LIMIT_NAME + 16]; /* "data swing3", "run 2" */
     double fit_zero;              /* of the recording at that time: its offset counts from there */
+    /* Where the last fit was one of the scene or of a formula: */
+    double *fit_curve[2]; /* [fit_samples] its times and values; NULL: fit_value() */
+    size_t fit_samples;
+    struct scene fit_scene; /* as fitted; model NULL: it was no fit of the scene */
+    bool fit_free[PARAM_MAX]; /* what was fitted there */
     struct measurement *measurement;
     int measurements;
     struct kept_fit *kept_fit;
     int kept_fits;
     struct precision *precision; /* the last study, for `plot precision` and `export FILE table`; NULL: none */
     int precision_runs;          /* next_run at that time: a later run makes the table of the runs the latest one */
+
+    struct sweep *sweep; /* the last one, for `export FILE table`; NULL: none */
+    struct sweep_measure sweep_measure[SWEEP_MEASURES];
+    struct scene sweep_scene;
+    int sweep_runs; /* as precision_runs; the later of both has precision_runs -1 or not */
 
     struct snapshot *undo[LIMIT_UNDO], *redo[LIMIT_UNDO];
     int undos, redos;
@@ -369,6 +385,7 @@ struct session {
     bool typed;       /* the statement being executed was typed by a person */
     int nesting;      /* command_exec inside command_exec */
     bool halted;      /* a run was paused: what stands after it on the line and in the file is not executed */
+    bool reacting;    /* commands of an event are executed: part of the statement that ran into it */
 
     struct view view;
     struct log log;

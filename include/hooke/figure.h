@@ -129,6 +129,28 @@ bool figure_draw(const struct figure *figure, struct canvas *canvas, int x, int 
 bool figure_print(const struct figure *figure, int width, int height, enum charset charset, bool color,
                   struct buffer *out);
 
+/* ---- heat map: a value over two axes, as shades ----
+ *
+ * One cell or more for each point; where there are more points than cells a cell shows the largest of its own. Columns
+ * follow the places on the axes, whatever their values: they are labelled.
+ */
+struct heat_axis {
+    const char *label, *unit;
+    double factor;       /* number shown = value / factor */
+    const double *value; /* [count] */
+    int count;
+};
+
+struct heat {
+    const char *title, *unit;
+    double factor;
+    struct heat_axis x, y; /* y points up */
+    const double *value;   /* [x.count][y.count] NAN: there is none, which is shown, too */
+};
+
+/* As text lines, legend included, of at most width x height cells; false: no memory. */
+bool heat_print(const struct heat *heat, int width, int height, enum charset charset, struct buffer *out);
+
 /* ---- pictures ---- */
 
 enum picture { PICTURE_SVG, PICTURE_PDF, PICTURE_PNG };

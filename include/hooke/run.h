@@ -122,12 +122,45 @@ struct run *run_create(const struct scene *scene, const struct method *method, c
                        double span, struct error *error);
 void run_destroy(struct run *run);
 
+/*
+ * Something to notice on the way: the expression passes through 0. Looked for in each step on the method's dense
+ * output, which is located to rounding; a sign change and back within a step is found if half-way shows it.
+ */
+#define LIMIT_EVENTS 16 /* looked for at once */
+
+struct event {
+    char name[LIMIT_NAME + 1];
+    const struct expr *left, *right; /* the value is left - right; right NULL: left */
+    double left_factor, right_factor; /* of units */
+    int direction;                   /* 1: rising, -1: falling, 0: both */
+    bool stop;                       /* the run stops there: STOP_CONDITION */
+    const struct expr_scope *scope;  /* loads observables of the run's present state; set by the caller */
+};
+
+/* EXPR [rising|falling], or a comparison: where it becomes true. Fills left … direction; *used [byte]. */
+bool event_compile(struct text text, const struct expr_scope *scope, struct arena *arena, struct event *event,
+                   size_t *used, struct error *error);
+
+/* One that was noticed. */
+struct happening {
+    int event;     /* place in the target's list */
+    int direction; /* 1 rising, -1 falling */
+    int64_t step;  /* of the run after it */
+    double t;      /* [s] */
+};
+
+size_t run_happenings(const struct run *run);
+const struct happening *run_happening(const struct run *run, size_t i);
+const double *run_happening_state(const struct run *run, size_t i); /* [n] */
+
 struct run_target {
     double t;                          /* [s] go there; HUGE_VAL: no end */
     int64_t steps;                     /* at most so many more steps, counted from this call; < 0: no limit */
     const struct condition *condition; /* stop where it becomes true (located inside the step by steps of the method),
                                           or NULL; true at the start, it must become false first */
     const struct expr_scope *scope;    /* of the condition; loads observables of this run's current state */
+    const struct event *event;         /* [events] */
+    int events;
 };
 
 /*
@@ -201,11 +234,14 @@ const char *observable_unit(const struct observable *observable, const struct sy
 bool run_column(const struct run *run, const struct observable *observable, double *out, struct error *error);
 /* State variable i (0 … n - 1) over all rows of the trace into out [trace_count]. */
 void run_variable_column(const struct run *run, int i, double *out);
+/* Quantity i that a typed scene observes, likewise, and at the present state. */
+void run_observed_column(const struct run *run, int i, double *out);
+double run_observed(const struct run *run, int i);
 /* Value at the run's present state. NAN if not defined. */
 double run_observable(const struct run *run, const struct observable *observable);
 /*
- * Names for expressions: the state variables, then the observables (energy-error is also energy_error), at the run's
- * present state. A caller that knows more names wraps find, load and offer; slots here are 0 … run_scope_slots() - 1.
+ * Names for expressions: the state variables, then what the scene observes, then the observables (energy-error is also
+ * energy_error), at the run's present state. A caller that knows more names wraps find, load and offer; slots here are 0 … run_scope_slots() - 1.
  */
 bool run_scope(const struct run *run, struct expr_scope *scope);
 int run_scope_slots(const struct run *run);

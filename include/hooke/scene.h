@@ -73,7 +73,8 @@ bool expr_linear(const struct expr *expr, const int *slot, int count);
 struct equations;
 struct program;
 
-struct equations *equations_create(int names, struct error *error); /* NULL: no memory */
+/* After a failure no more can be added; what there is stays good. NULL: no memory. */
+struct equations *equations_create(int names, struct error *error);
 void equations_destroy(struct equations *equations);
 /* From here on the name means this expression of those before. */
 bool equations_let(struct equations *equations, int name, const struct expr *expr, struct error *error);
@@ -85,23 +86,27 @@ bool equations_derive(struct equations *equations, int first, int count, const i
                       struct error *error);
 int equations_count(const struct equations *equations); /* outputs */
 
-/* `count` outputs from `first`. bound, value [names]: which names are known, and their values; NULL: none. native: as
- * machine code where possible. The equations may change or go away afterwards. NULL: no memory, too large. */
+/* `count` outputs from `first`, at least one. bound, value [names]: which names are known, and their values; NULL: none.
+ * native: as machine code where possible. The equations may change or go away afterwards. NULL: no memory, too large.
+ */
 struct program *program_create(const struct equations *equations, int first, int count, const bool *bound,
                                const double *value, bool native, struct error *error);
 void program_destroy(struct program *program);
 bool program_native(const struct program *program);
+int program_operations(const struct program *program); /* a product and the sum that it goes into count as one */
 bool program_constant(const struct program *program, int output, double *value); /* depends on no input */
 /* Does any of `count` outputs from `first` depend on the input, as it is written? */
 bool program_depends(const struct program *program, int first, int count, int name);
 
-size_t program_frame(const struct program *program); /* doubles of a frame, for lanes PROGRAM_LANES times as many */
-/* Once for each frame; it serves one thread at a time. */
+/* Doubles of a frame, for lanes PROGRAM_LANES times as many and best aligned to 64 bytes. It serves one thread at a
+ * time. */
+size_t program_frame(const struct program *program);
+/* Once for each frame; costs nothing where the program is machine code. */
 void program_prepare(const struct program *program, double *frame);
 void program_prepare_lanes(const struct program *program, double *frame);
 /* input [names], those of known names are not read; it may be the frame itself. output [count], apart from the input.
- * Never allocates. */
-void program_eval(const struct program *program, const double *input, double *output, double *frame);
+ * Returns the first output. Never allocates. */
+double program_eval(const struct program *program, const double *input, double *output, double *frame);
 /* The same with [PROGRAM_LANES] doubles for each. */
 void program_eval_lanes(const struct program *program, const double *input, double *output, double *frame);
 
@@ -124,7 +129,7 @@ bool condition_holds(const struct condition *condition, double value);
  * its row; its place in the table indexes scene.value.
  */
 
-#define PARAM_MAX 64
+#define PARAM_MAX 192 /* of a typed scene: an initial value for each variable, t0 and its own */
 
 struct param_row {
     struct row row; /* name, SI unit, brief */
@@ -199,8 +204,10 @@ const char *reynolds_regime(double reynolds);
 
 struct system;
 
+#define LIMIT_SYMBOL 31 /* bytes in the name of a variable */
+
 struct variable {
-    char name[16];
+    char name[LIMIT_SYMBOL + 1];
     enum quantity quantity;
 };
 
@@ -215,6 +222,7 @@ struct model {
     void (*begin)(const double *param, struct system *system);
     /* As system_exact(); NULL: no closed form, or that of the linear oscillator. */
     void (*exact)(const struct system *system, double t0, const double *start, double t, double *y, double *floor);
+    const struct typed *typed; /* what a user typed; NULL: one of scene_models */
 };
 
 extern const struct model oscillator_model;
@@ -223,6 +231,7 @@ extern const struct model *const scene_models[]; /* all of them, the oscillator 
 /* ---- terms and the bound system ---- */
 
 #define TERM_COEFFICIENTS 6
+#define TERM_VALUES 64 /* of a typed term: what it is, and up to 63 parameters that it reads */
 #define TERM_MAX 16
 
 enum term_flag {
@@ -268,7 +277,7 @@ extern const struct catalog term_catalog; /* those of the oscillator */
 
 struct bound_term {
     const struct term_row *row;
-    double c[TERM_COEFFICIENTS];
+    double c[TERM_VALUES]; /* TERM_COEFFICIENTS, but of typed terms */
 };
 
 struct system {
@@ -277,6 +286,7 @@ struct system {
     int order; /* 2 or 1 */
     int terms;
     struct bound_term term[TERM_MAX];
+    struct bound_term typed; /* of a typed scene: all that was typed at once; row NULL: not there */
     bool linear;       /* every term TERM_LINEAR: y' = A y + b(t) */
     bool autonomous;   /* no TERM_TIME */
     bool velocity;     /* some force depends on velocity */
@@ -324,6 +334,8 @@ double system_dissipation(const struct system *system, double t,
                           const double *y); /* [W] of the drag terms alone, <= 0 */
 
 struct variable system_variable(const struct system *system, int i); /* of state variable i */
+/* Place in the state of a variable's name; y' is the velocity of y. -1: there is none. */
+int model_state(const struct model *model, struct text name);
 
 /* ---- exact solutions ----
  *
@@ -335,5 +347,83 @@ struct variable system_variable(const struct system *system, int i); /* of state
  */
 bool system_has_exact(const struct system *system);
 void system_exact(const struct system *system, double t0, const double *start, double t, double *y, double *floor);
+
+/* ---- typed scenes ----
+ *
+ * A model made of lines that a user types:
+ *   var x = 2              a variable and its initial value; of a second-order one also: var y' = 0.5
+ *   param mu = 1000        a parameter, used by name: changing it acts at once
+ *   x' = EXPR              first order
+ *   y'' = EXPR             second order: its velocity is y' in expressions, also vy, and vy in columns
+ *   force EXPR             [N], divided by the mass: added to the first coordinate of a second-order scene; a potential
+ *                          that was typed for the forces before goes
+ *   force x = EXPR         the same for the coordinate x
+ *   potential EXPR         [J], of the forces that depend on positions only (of those typed, on top of a built-in scene)
+ *   observe E = EXPR       a quantity to look at, and a name for the lines below it
+ * Names in expressions: t, variables, velocities, parameters, observed quantities. Names have to be there when a line
+ * uses them.
+ *
+ * Initial values are parameters: x0 of x and vy0 of vy, x1_0 of x1. So is t0. The mass is the parameter m where there
+ * is one, else 1. If every variable has an equation of second order the scene is of second order: positions, then
+ * velocities; else of first order: variables as they were declared, then velocities.
+ *
+ * Summands of a second derivative are sorted into forces that depend on positions (and time) and drag, which depends on
+ * velocities, so that splittings apply with drag=explicit. A summand whose factor is a parameter that is 0 is absent.
+ * Jacobians are derivatives of the expressions. Without a potential all typed forces count as work.
+ *
+ * A model is immutable: a line makes a new one. All of them live until typed_destroy(). An incomplete one (a variable
+ * without an equation) can be looked at and set; scene_bind() says what is missing. Natural sizes: the largest |initial
+ * value| and |value| on a short trial run of about one time constant; where all are 0, 1.
+ */
+
+enum typed_kind { TYPED_VAR, TYPED_PARAM, TYPED_EQUATION, TYPED_FORCE, TYPED_POTENTIAL, TYPED_OBSERVE };
+
+struct typed_line {
+    enum typed_kind kind;
+    struct text name;       /* of a velocity's initial value: y' (TYPED_VAR); force: "" is the first coordinate */
+    int order;              /* TYPED_EQUATION: 1 or 2 */
+    struct text expr;       /* all but TYPED_VAR and TYPED_PARAM; a whole expression, nothing behind it */
+    double value;           /* TYPED_VAR, TYPED_PARAM: SI */
+    enum quantity quantity; /* the same; QUANTITY_NUMBER: no unit */
+};
+
+struct typed_models; /* all of a session */
+
+struct typed_models *typed_create(struct error *error); /* NULL: no memory */
+void typed_destroy(struct typed_models *models);        /* with every model: nothing may use them any more */
+/*
+ * `from` with one more line; a line of the same kind and name is replaced. On a built-in model var and equations begin
+ * an empty scene, the others add to it. Texts are copied. NULL: error, whose `where` lies in line->expr or line->name.
+ */
+const struct model *typed_add(struct typed_models *models, const struct model *from, const struct typed_line *line,
+                              struct error *error);
+/* Without that line: force, potential, observe; what is left may be the built-in model itself. NULL: it is not there,
+ * or others use it. */
+const struct model *typed_remove(struct typed_models *models, const struct model *from, enum typed_kind kind,
+                                 struct text name, struct error *error);
+/* The lines as they were typed, in the order in which they can be typed again. 0 of a built-in model. */
+int typed_lines(const struct model *model);
+const struct typed_line *typed_line(const struct model *model, int i);
+void typed_describe(const struct typed_line *line, struct buffer *text); /* "y'' = -k*y", as one types it */
+const struct model *typed_base(const struct model *model); /* the built-in model below; NULL: none, all is typed */
+
+/* Settings under the name of a scene that is all typed; NULL: it is not. */
+const struct preset *typed_preset(const struct model *model);
+
+/* The scene with another model: values stay with the names of their parameters, unless the line gave a new one. */
+void scene_remodel(struct scene *scene, const struct model *model);
+
+/*
+ * The whole right-hand side of a scene that is all typed as one program: accelerations or derivatives from t, y and
+ * what is known, which goes into `frame` [room] behind t and y. NULL: it is several terms, or needs more room.
+ */
+const struct program *system_program(const struct system *system, double *frame, size_t room);
+
+#define LIMIT_OBSERVED 64 /* quantities that a typed scene observes */
+
+/* These are 0 … count - 1. */
+int model_observed(const struct model *model);
+struct variable model_observed_variable(const struct model *model, int i);
+double system_observe(const struct system *system, int i, double t, const double *y);
 
 #endif

@@ -119,6 +119,17 @@ static bool read_recording(struct parser *parser, struct item *item, struct erro
     return session->recordings ? error_hint(error, "('data list' lists them)") : error_hint(error, "type: load FILE");
 }
 
+/* Something that moves, or is observed, in what the user has typed: the scene's or a run's. */
+static bool typed_column(const struct session *session, struct text name)
+{
+    bool known = false;
+    for (int i = -1; i < session->runs && !known; i++) {
+        const struct model *model = i < 0 ? session->setup.scene.model : session->run[i]->run->system.model;
+        known = model->typed && (model_variable(model, name) >= 0 || model_observation(model, name) >= 0);
+    }
+    return known;
+}
+
 static bool read_column(struct parser *parser, struct item *item, struct error *error)
 {
     if (!parse_word(parser, ",", item, error))
@@ -127,6 +138,8 @@ static bool read_column(struct parser *parser, struct item *item, struct error *
     for (const struct model *const *model = scene_models; *model; model++)
         if (item->row || model_variable(*model, item->text) >= 0)
             return true;
+    if (typed_column(parser->session, item->text))
+        return true;
     return catalog_unknown(&observable_catalog, item->text, error);
 }
 
@@ -144,6 +157,47 @@ static bool read_condition(struct parser *parser, struct item *item, struct erro
     if (!check_condition(parser, item->text, error))
         return false;
     parser->rest = (struct text){parser->rest.at + used, parser->rest.len - used};
+    return true;
+}
+
+/* NAME=value */
+static bool read_start(struct parser *parser, struct item *item, struct error *error)
+{
+    char what[LIMIT_NAME + 1];
+    const struct text name = peek_name(parser->rest);
+    if (name.len == 0 || name.len > LIMIT_NAME)
+        return error_at(error, peek_word(parser->rest, ","), "NAME=VALUE is missing");
+    memcpy(what, name.at, name.len);
+    what[name.len] = 0;
+    parser->rest = (struct text){name.at + name.len, parser->rest.len - name.len};
+    skip_blanks(&parser->rest);
+    if (parser->rest.len == 0 || parser->rest.at[0] != '=')
+        return error_at(error, name, "'%s' needs a value: %s=VALUE", what, what);
+    parser->rest = (struct text){parser->rest.at + 1, parser->rest.len - 1};
+    if (!parse_value(parser, what, QUANTITY_OTHER, item, error))
+        return false;
+    item->text = name;
+    return true;
+}
+
+static bool read_model(struct parser *parser, const struct argument *argument, const char *stops, struct item *item,
+                       struct error *error)
+{
+    struct formula formula;
+    struct error why = {0};
+    size_t used = 0;
+    const struct text rest = parser->rest, word = peek_word(rest, "");
+    if (strchr("'\"", rest.at[0]))
+        return parse_word(parser, stops, item, error);
+    /* A lone name is no formula. */
+    if (peek_name(rest).len == word.len)
+        return read_choice(parser, argument, stops, item, error);
+    if (!formula_compile(before_option(rest), NULL, NULL, 0, parser->arena, &formula, &used, &why)) {
+        *error = why;
+        return false;
+    }
+    item->text = text_trim((struct text){rest.at, used});
+    parser->rest = (struct text){rest.at + used, rest.len - used};
     return true;
 }
 
@@ -185,10 +239,22 @@ static bool read_item(struct parser *parser, const struct argument *argument, co
             return error_at(error, peek_word(parser->rest, ""), "%s needs a name", argument->name);
         parser->rest = (struct text){parser->rest.at + item->text.len, parser->rest.len - item->text.len};
         return true;
+    case TYPE_PARAM:
+        item->text = peek_name(parser->rest);
+        if (item->text.len == 0)
+            return error_at(error, peek_word(parser->rest, ""), "%s needs the names of parameters", argument->name);
+        item->index = scene_param_at(&parser->session->setup.scene, item->text);
+        parser->rest = (struct text){parser->rest.at + item->text.len, parser->rest.len - item->text.len};
+        return true;
+    case TYPE_START:
+        return read_start(parser, item, error);
+    case TYPE_MODEL:
+        return read_model(parser, argument, stops, item, error);
     case TYPE_TEXT:
     case TYPE_FILE:
         return parse_word(parser, stops, item, error);
     case TYPE_REST:
+    case TYPE_FORMULA:
         item->text = parser->rest;
         parser->rest = (struct text){parser->rest.at + parser->rest.len, 0};
         return true;
@@ -254,6 +320,15 @@ static int find_argument(const struct command *command, enum argument_form form,
     return -1;
 }
 
+/* The argument that takes any NAME=VALUE, -1: none. */
+static int find_start(const struct command *command)
+{
+    for (int i = 0; i < command->arguments; i++)
+        if (command->argument[i].type == TYPE_START)
+            return i;
+    return -1;
+}
+
 static bool is_lead(const struct command *command, struct text word)
 {
     for (int i = 0; i < command->arguments; i++)
@@ -305,6 +380,11 @@ static int next_place(const struct progress *progress, struct text word)
     return -1;
 }
 
+static bool takes_rest(const struct argument *argument)
+{
+    return argument->type == TYPE_REST || argument->type == TYPE_FORMULA;
+}
+
 static bool read_next(struct progress *progress, struct error *error)
 {
     struct parser *parser = progress->parser;
@@ -313,7 +393,7 @@ static bool read_next(struct progress *progress, struct error *error)
     const struct text name = rest->at[0] == '>' ? (struct text){rest->at, 1} : peek_name(*rest);
     size_t used = 0;
     int place = next_place(progress, (struct text){rest->at, 0});
-    if (place >= 0 && progress->command->argument[place].type == TYPE_REST)
+    if (place >= 0 && takes_rest(&progress->command->argument[place]))
         return read_into(progress, place, start, error);
     if (text_starts(*rest, TEXT("--")) && rest->len > 2 && is_name_start(rest->at[2])) {
         const struct text option = peek_name((struct text){rest->at + 2, rest->len - 2});
@@ -324,6 +404,8 @@ static bool read_next(struct progress *progress, struct error *error)
         used = used ? used : option.len + 2;
     } else if ((used = key_length(*rest, name)) > 0) {
         place = find_argument(progress->command, FORM_KEY, name);
+        if (place < 0 && (place = find_start(progress->command)) >= 0)
+            used = 0; /* the name is part of it */
         /* `let NAME = value`: the = belongs to what follows. */
         if (place < 0 && next_place(progress, name) >= 0 &&
             progress->command->argument[next_place(progress, name)].type == TYPE_NAME) {

@@ -22,6 +22,7 @@ static const struct row quantities[] = {
     [MEASURE_DRIFT] = ROW("drift", "error of the energy balance of a run"),
     [MEASURE_REYNOLDS] = ROW("reynolds", "Reynolds number at the largest speed"),
     [MEASURE_K] = ROW("k", "spring constant from the period and the mass"),
+    [MEASURE_SPRING] = ROW("spring", "k and the spring's effective mass from T^2 against m of several recordings"),
 };
 const struct catalog quantity_catalog = CATALOG("quantity to measure", quantities);
 
@@ -42,6 +43,7 @@ static const struct row lists[] = {
     [LIST_SETTINGS] = ROW("settings", ""),   [LIST_UNITS] = ROW("units", ""),
     [LIST_FUNCTIONS] = ROW("functions", ""), [LIST_FORMATS] = ROW("formats", ""),
     [LIST_LIMITS] = ROW("limits", ""),       [LIST_MEASUREMENTS] = ROW("measurements", ""),
-    [LIST_RUNS] = ROW("runs", ""),           [LIST_RECORDINGS] = ROW("recordings", ""),
+    [LIST_EVENTS] = ROW("events", ""),       [LIST_RUNS] = ROW("runs", ""),
+    [LIST_RECORDINGS] = ROW("recordings", ""),
 };
 const struct catalog list_catalog = CATALOG("list", lists);

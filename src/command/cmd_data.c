@@ -216,7 +216,7 @@ static void reply_joined(const struct recording *recording, struct reply *reply)
         buffer_free(&mass);
     }
     if (recording->velocity[0])
-        reply_line(reply, "%s: velocities from %s, at equal times", recording->name, recording->velocity);
+        reply_line(reply, "%s: velocities from %s", recording->name, recording->velocity);
 }
 
 static bool change(struct session *session, struct recording *recording, const struct arguments *given,

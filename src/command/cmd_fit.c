@@ -1,20 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* fit, adopt */
 #ifndef COMMAND_ROWS
-#include "choices.h"
+#include "fit_text.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-
-static void put(struct buffer *text, const char *name, struct measured value, enum quantity quantity)
-{
-    buffer_format(text, "%s = ", name);
-    if (isfinite(value.value))
-        buffer_measured(text, value, quantity, 6);
-    else
-        buffer_put(text, TEXT("unknown"));
-}
 
 /* The mass on the spring, if somebody has said what it is. */
 static bool known_mass(const struct scene *scene, struct measured *mass)
@@ -24,102 +15,6 @@ static bool known_mass(const struct scene *scene, struct measured *mass)
         return false;
     *mass = (struct measured){scene->value[m], scene->uncertainty[m]};
     return true;
-}
-
-static struct measured quotient(double numerator, struct measured x)
-{
-    return (struct measured){numerator / x.value, fabs(numerator / x.value) * fabs(x.uncertainty / x.value)};
-}
-
-static void reply_fit_text(const struct subject *subject, const struct fit *fit, const struct measured *k, bool spring,
-                           struct reply *reply)
-{
-    const enum quantity quantity = subject->series.quantity;
-    struct buffer text = {0};
-    buffer_format(&text, "fit %s to %s, %.6g..%.6g s: %zu samples used, %zu rejected\n  ", fit->model, subject->name,
-                  fit->window[0], fit->window[1], fit->used, fit->rejected);
-    put(&text, "T", fit->period, QUANTITY_TIME);
-    put(&text, "   omega", fit->omega, QUANTITY_ANGULAR_FREQUENCY);
-    if (isfinite(fit->gamma.value)) {
-        put(&text, "\n  gamma", fit->gamma, QUANTITY_RATE);
-        buffer_put(&text, TEXT("   (amplitude falls as exp(-gamma t/2), energy as exp(-gamma t))\n  "));
-        if (fit->gamma.value > 0) {
-            put(&text, "tau", quotient(2, fit->gamma), QUANTITY_TIME);
-            put(&text, "   Q",
-                (struct measured){fit->omega.value / fit->gamma.value,
-                                  fit->omega.value / fit->gamma.value *
-                                      fabs(fit->gamma.uncertainty / fit->gamma.value)},
-                QUANTITY_NUMBER);
-        } else {
-            buffer_put(&text, TEXT("no decay"));
-        }
-    }
-    put(&text, "\n  A", fit->amplitude, quantity);
-    put(&text, "   phase", fit->phase, QUANTITY_ANGLE);
-    buffer_format(&text, " at t = %.6g s", fit->t0);
-    put(&text, "   offset", fit->offset, quantity);
-    if (k)
-        put(&text, "\n  k", *k, QUANTITY_STIFFNESS);
-    buffer_put(&text, k ? TEXT("   rms ") : TEXT("\n  rms "));
-    buffer_quantity(&text, fit->rms, quantity, 3);
-    if (isfinite(fit->halves[0].value) && isfinite(fit->halves[1].value)) {
-        put(&text, "\n  halves: gamma", fit->halves[0], QUANTITY_RATE);
-        buffer_put(&text, TEXT(" and "));
-        buffer_measured(&text, fit->halves[1], QUANTITY_RATE, 4);
-    }
-    const char *law = drag_law_name(fit->preferred);
-    if (law) {
-        buffer_format(&text, "\n  drag law of the envelope: %s (BIC linear ", law);
-        buffer_short(&text, fit->evidence[0], 6);
-        buffer_put(&text, TEXT(", quadratic "));
-        buffer_short(&text, fit->evidence[1], 6);
-        buffer_put(&text, TEXT(", mixed "));
-        buffer_short(&text, fit->evidence[2], 6);
-        buffer_char(&text, ')');
-    }
-    if (!k && spring)
-        buffer_put(&text, TEXT("\n  (set the mass, for example m = 200 g, to get k)"));
-    reply_text(reply, buffer_text(&text));
-    buffer_free(&text);
-}
-
-static void reply_fit_record(const struct subject *subject, const struct fit *fit, const struct measured *k,
-                             struct reply *reply)
-{
-    const enum quantity quantity = subject->series.quantity;
-    reply_begin(reply, "fit");
-    reply_string(reply, "model", fit->model);
-    reply_string(reply, "of", subject->name);
-    reply_measured(reply, "period", fit->period, QUANTITY_TIME);
-    reply_measured(reply, "omega", fit->omega, QUANTITY_ANGULAR_FREQUENCY);
-    reply_measured(reply, "gamma", fit->gamma, QUANTITY_RATE);
-    reply_measured(reply, "amplitude", fit->amplitude, quantity);
-    reply_measured(reply, "phase", fit->phase, QUANTITY_ANGLE);
-    reply_measured(reply, "offset", fit->offset, quantity);
-    if (k)
-        reply_measured(reply, "k", *k, QUANTITY_STIFFNESS);
-    else
-        reply_null(reply, "k");
-    reply_real(reply, "rms", fit->rms);
-    reply_int(reply, "used", (int64_t)fit->used);
-    reply_int(reply, "rejected", (int64_t)fit->rejected);
-    reply_array(reply, "window");
-    reply_real(reply, NULL, fit->window[0]);
-    reply_real(reply, NULL, fit->window[1]);
-    reply_close(reply);
-    reply_object(reply, "halves");
-    reply_array(reply, "gamma");
-    reply_real(reply, NULL, fit->halves[0].value);
-    reply_real(reply, NULL, fit->halves[1].value);
-    reply_close(reply);
-    reply_close(reply);
-    reply_string(reply, "preferred", drag_law_name(fit->preferred));
-    reply_bool(reply, "converged", fit->converged);
-    reply_array(reply, "warnings");
-    for (int i = 0; i < fit->warnings; i++)
-        reply_string(reply, NULL, fit->warning[i]);
-    reply_close(reply);
-    reply_end(reply);
 }
 
 static void keep_fit(struct session *session, const struct subject *subject, const struct fit *fit,
@@ -137,54 +32,98 @@ static void keep_fit(struct session *session, const struct subject *subject, con
         {"fit_phase", fit->phase, QUANTITY_ANGLE},  {"fit_offset", fit->offset, quantity},
         {"fit_rms", {fit->rms, 0}, quantity},       {"fit_k", k ? *k : unknown, QUANTITY_STIFFNESS},
     };
+    session_drop_curve(session);
     session->fit = *fit;
     session->has_fit = true;
     session->fit_zero = subject->recording ? subject->recording->zero : 0;
     struct kept_fit kept = {.fit = *fit, .quantity = quantity, .k = k ? *k : unknown};
-    snprintf(kept.of, sizeof kept.of, "%s", subject->name);
+    memcpy(kept.of, subject->name, sizeof kept.of);
     session_keep_fit(session, &kept);
-    snprintf(session->fit_of, sizeof session->fit_of, "%s", subject->name);
+    memcpy(session->fit_of, subject->name, sizeof session->fit_of);
     for (size_t i = 0; i < COUNT_OF(results); i++)
         if (isfinite(results[i].value.value))
             session_set_result(session, results[i].name, results[i].value, results[i].quantity);
 }
 
-HANDLER(fit)
+static const struct row kinds[] = {
+    {"damped", "", "y = c + A exp(-gamma t/2) cos(omega t + phase): the default", "", NULL},
+    {"sine", "", "the same without damping", "", NULL},
+    {"drag", "", "linear, quadratic, mixed drag and dry friction, and which of them it is", "", NULL},
+    {"scene", "", "the scene's own equation of motion, integrated", "", NULL},
+};
+
+const struct catalog fit_kind_catalog = CATALOG("fit", kinds);
+
+static bool not_converged(const char *why, struct error *error)
 {
-    const struct given *model = given_for(given, "MODEL"), *run = given_for(given, "run"), *to = given_for(given, "to");
-    const struct row *row = model->count ? model->item->row : catalog_row(&fit_catalog, 0);
-    struct subject subject;
-    struct fit fit = {0};
-    /* Recordings are what is fitted, unless there is none or a run is named. */
-    struct item current = {.index = session->current_recording};
-    const struct given data = to->count || current.index < 0 ? *to : (struct given){.count = 1, .item = &current};
-    if (!subject_open(session, run, &data, given_for(given, "window"), false, 8, given->arena, &subject, error))
-        return false;
-    if (!((const struct fit_model *)(const void *)row)
-             ->fit(&subject.series, given->arena, session->front.cancel, &fit, error))
-        return false;
-    struct measured mass, stiffness;
-    const struct scene *scene = &session->setup.scene;
-    /* Neither is the motion of something else that of a spring. */
-    const bool spring = scene->model == &oscillator_model &&
-                        (!subject.run || subject.run->system.model == &oscillator_model);
-    const bool with_k = spring && known_mass(scene, &mass);
-    if (with_k)
-        stiffness = fit_stiffness(&fit, mass);
-    const struct measured *k = with_k ? &stiffness : NULL;
-    if (fit.converged)
-        keep_fit(session, &subject, &fit, k);
-    reply_fit_text(&subject, &fit, k, spring, reply);
-    reply_fit_record(&subject, &fit, k, reply);
-    for (int i = 0; i < fit.warnings; i++)
-        reply_warning(reply, "%s", fit.warning[i]);
-    if (fit.converged)
-        return true;
-    error_set(error, ERROR_NUMERICAL, "the fit did not converge in %d iterations", fit.iterations);
+    error_set(error, ERROR_NUMERICAL, "the fit %s", why);
     return error_hint(error, "choose a window where the motion is regular: fit window=FROM:TO");
 }
 
+static bool fit_motion(const struct asked_fit *asked, const char *name, struct error *error)
+{
+    static const char *const others[] = {"free", "NAME", "bootstrap", "robust"};
+    struct session *session = asked->session;
+    const struct subject *subject = asked->subject;
+    struct arena *arena = asked->given->arena;
+    struct fit fit = {0};
+    for (size_t i = 0; i < COUNT_OF(others); i++)
+        if (is_given(asked->given, others[i])) {
+            error->where = given_for(asked->given, others[i])->where;
+            error_set(error, ERROR_COMMAND, "'fit %s' needs no starts and frees what it needs", name);
+            return error_hint(error, "that belongs to 'fit scene' and 'fit EXPR'");
+        }
+    const struct fit_model *model = (const struct fit_model *)(const void *)catalog_find(&fit_catalog, text_of(name));
+    if (!model->fit(&subject->series, arena, session->front.cancel, &fit, error))
+        return false;
+    struct measured mass, stiffness = {NAN, NAN};
+    const struct scene *scene = &session->setup.scene;
+    /* Neither is the motion of something else that of a spring. */
+    const bool spring = scene->model == &oscillator_model &&
+                        (!subject->run || subject->run->system.model == &oscillator_model);
+    const bool with_k = spring && known_mass(scene, &mass);
+    if (with_k)
+        stiffness = fit_stiffness(&fit, mass);
+    if (fit.converged)
+        keep_fit(session, subject, &fit, with_k ? &stiffness : NULL);
+    struct told_fit told = {.subject = subject, .model = fit.model, .motion = &fit, .k = stiffness, .spring = spring};
+    for (int i = 0; i < fit.warnings; i++)
+        fit_tell_warning(&told, "%s", fit.warning[i]);
+    reply_fit(&told, arena, asked->reply);
+    char why[64];
+    snprintf(why, sizeof why, "did not converge in %d iterations", fit.iterations);
+    return fit.converged || not_converged(why, error);
+}
+
+HANDLER(fit)
+{
+    const struct given *model = given_for(given, "MODEL"), *run = given_for(given, "run"), *to = given_for(given, "to");
+    struct subject subject;
+    /* Recordings are what is fitted, unless there is none or a run is named. */
+    struct item current = {.index = session->current_recording};
+    const struct given data = to->count || current.index < 0 ? *to : (struct given){.count = 1, .item = &current};
+    const bool formula = model->count && !model->item->row;
+    if (!subject_open(session, run, &data, given_for(given, "window"), false, formula ? 2 : 8, given->arena, &subject,
+                      error))
+        return false;
+    const struct asked_fit asked = {session, given, &subject, reply};
+    if (formula)
+        return fit_a_formula(&asked, model->item->text, error);
+    const char *name = model->count ? model->item->row->name : kinds[0].name;
+    return strcmp(name, "scene") == 0 ? fit_the_scene(&asked, error) : fit_motion(&asked, name, error);
+}
+
 /* ---- adopt ---- */
+
+static void put(struct buffer *text, const char *name, struct measured value, enum quantity quantity)
+{
+    buffer_format(text, "%s = ", name);
+    if (isfinite(value.value))
+        buffer_measured(text, value, quantity, 6);
+    else
+        buffer_put(text, TEXT("unknown"));
+}
+
 
 static bool adopt_value(struct scene *scene, const char *name, double value, double uncertainty, struct error *error)
 {
@@ -210,6 +149,56 @@ static int derivatives(enum quantity quantity)
     }
 }
 
+/* Place of the recording that was fitted, -1: it was none, or is gone. */
+static int fitted_recording(const struct session *session)
+{
+    const struct text of = text_of(session->fit_of);
+    return text_starts(of, TEXT("data ")) ? session_find_recording(session, (struct text){of.at + 5, of.len - 5}) : -1;
+}
+
+/* Of a fit of the scene: what was free, as it was fitted. */
+static bool adopt_curve(struct session *session, const struct arguments *given, struct reply *reply,
+                        struct error *error)
+{
+    struct scene scene = session->setup.scene;
+    const struct scene *fitted = &session->fit_scene;
+    if (!fitted->model) {
+        error_set(error, ERROR_COMMAND, "a formula has nothing that the scene could take");
+        return error_hint(error, "type: fit, or: fit scene");
+    }
+    if (fitted->model != scene.model)
+        return error_set(error, ERROR_COMMAND, "the fit was one of %s, the scene is %s", fitted->preset->row.name,
+                         scene.preset->row.name);
+    if (is_given(given, "amplitude"))
+        return error_set(error, ERROR_COMMAND, "'adopt amplitude' belongs to the fit of a damped oscillation");
+    struct buffer text = {0};
+    const int t0 = scene_param(fitted, "t0");
+    for (int i = 0; i < (int)scene_params(&scene)->count; i++) {
+        if (!session->fit_free[i] && (i != t0 || scene.value[i] == fitted->value[i]))
+            continue;
+        const struct measured value = {fitted->value[i], session->fit_free[i] ? fitted->uncertainty[i] : 0};
+        if (!scene_set(&scene, i, value, error)) {
+            buffer_free(&text);
+            return false;
+        }
+        buffer_put(&text, text.len ? TEXT("  ") : TEXT(""));
+        put(&text, param_at(&scene, i)->row.name, value, param_at(&scene, i)->quantity);
+    }
+    session->setup.scene = scene;
+    const int data = fitted_recording(session);
+    if (data >= 0 && session->fit.offset.value != 0) {
+        struct recording *recording = session->recording[data]->recording;
+        recording->zero = session->fit_zero + session->fit.offset.value;
+        put(&text, "\nzero of the recording", (struct measured){recording->zero, 0},
+            recording->column[recording->value].quantity);
+        buffer_put(&text, TEXT(" (the offset of the fit)"));
+    }
+    session_changed(session);
+    reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+    return true;
+}
+
 HANDLER(adopt)
 {
     const struct fit *fit = &session->fit;
@@ -217,6 +206,8 @@ HANDLER(adopt)
         error_set(error, ERROR_COMMAND, "there is no fit to adopt yet");
         return error_hint(error, "type: fit");
     }
+    if (session->fit_samples > 0)
+        return adopt_curve(session, given, reply, error);
     struct scene scene = session->setup.scene;
     if (!needs_spring(&scene, "adopt", error))
         return false;
@@ -243,9 +234,7 @@ HANDLER(adopt)
                    !adopt_value(&scene, "t0", at_rest ? 0 : fit->t0, 0, error)))
         return false;
     session->setup.scene = scene;
-    const struct text of = text_of(session->fit_of);
-    const int data =
-        text_starts(of, TEXT("data ")) ? session_find_recording(session, (struct text){of.at + 5, of.len - 5}) : -1;
+    const int data = fitted_recording(session);
     const double zero = session->fit_zero + fit->offset.value - (n == 0 ? middle : 0);
     if (data >= 0)
         session->recording[data]->recording->zero = zero;
@@ -277,18 +266,36 @@ HANDLER(adopt)
 }
 #endif
 
-COMMAND(fit, .row = {"fit", "", "fit a damped oscillation to a recording or a run", "", NULL}, .group = "DATA",
+COMMAND(fit, .row = {"fit", "", "fit an oscillation, the scene or a formula to a recording or a run", "", NULL},
+        .group = "DATA",
         .text =
-            "y = c + A exp(-gamma t/2) cos(omega t + phase), t from the first sample of the window: gamma is that of\n"
+            "damped: y = c + A exp(-gamma t/2) cos(omega t + phase), t from the first sample of the window: gamma is "
+            "that of\n"
             "y'' + gamma y' + omega0^2 y = 0. No guesses are needed. Both halves and the law of the envelope are "
-            "always compared.",
-        .examples = "load bare.txt; fit\nfit sine window=2:8", .see = "adopt measure load",
-        ARGUMENTS(PLACE("MODEL", TYPE_CHOICE, .choices = &fit_catalog), WORD("to", TYPE_RECORDING, .group = 1),
-                  WORD("run", TYPE_RUN, .group = 1), KEY("window", TYPE_RANGE, .quantity = QUANTITY_TIME)))
+            "always compared.\n"
+            "drag: the whole oscillation under linear, quadratic, mixed drag and dry friction, and which it is.\n"
+            "scene: the scene's equation, integrated. Free are the start, and k, gamma and the drag that is there "
+            "unless you have\n"
+            "given them without an uncertainty, or what free= says; NAME=VALUE changes a value for this fit, offset=0 "
+            "holds the offset.\n"
+            "EXPR: a formula in t; names that mean nothing yet, and those with free= or NAME=START, are its "
+            "parameters. Their values\n"
+            "are fit_NAME afterwards. --robust gives samples far off no weight; --bootstrap N makes the intervals "
+            "from N synthetic fits.",
+        .examples = "load bare.txt; fit; fit sine window=2:8\n"
+                    "fit scene free=k,gamma,y0,v0; adopt; run\n"
+                    "fit a*exp(-b*t)+c b=0.1",
+        .see = "adopt measure load",
+        ARGUMENTS(PLACE("MODEL", TYPE_MODEL, .choices = &fit_kind_catalog), WORD("to", TYPE_RECORDING, .group = 1),
+                  WORD("run", TYPE_RUN, .group = 1), KEY("window", TYPE_RANGE, .quantity = QUANTITY_TIME),
+                  KEY("free", TYPE_PARAM, .flags = ARG_MANY), KEY("NAME", TYPE_START, .flags = ARG_MANY | ARG_NEGATIVE),
+                  OPTION("robust", TYPE_NONE), OPTION("bootstrap", TYPE_INTEGER)))
 
-COMMAND(adopt, .row = {"adopt", "", "take k, gamma and the start from the last fit", "", NULL}, .group = "DATA",
+COMMAND(adopt, .row = {"adopt", "", "take what the last fit found into the scene: k, gamma, the start", "", NULL},
+        .group = "DATA",
         .text = "y0, v0 and t0 are those of the fit at the first sample of its window, and the offset is taken off the "
                 "recording, so that the\n"
-                "run lies over the data. 'adopt amplitude' starts at y0 = A, v0 = 0, t0 = 0 instead, as on the sheet.",
+                "run lies over the data. 'adopt amplitude' starts at y0 = A, v0 = 0, t0 = 0 instead, as on the sheet.\n"
+                "Of 'fit scene' everything that was free is taken.",
         .examples = "load bare.txt; m = 200 g; fit; adopt; run\nadopt amplitude", .see = "fit run",
         .flags = COMMAND_CHANGES, ARGUMENTS(WORD("amplitude", TYPE_NONE)))

@@ -2,6 +2,7 @@
 /* help, apropos, list */
 #ifndef COMMAND_ROWS
 #include "choices.h"
+#include "events.h"
 
 #include <limits.h>
 #include <math.h>
@@ -279,6 +280,13 @@ static void help_model(const struct model *model, struct text name, bool *known,
         buffer_format(text, "%s%s [%s], a state variable of %s", text->len ? "\n" : "", moves->name,
                       *quantity_unit(moves->quantity) ? quantity_unit(moves->quantity) : "1", model->row.name);
     }
+    for (int i = 0; i < typed_lines(model); i++) {
+        const struct typed_line *line = typed_line(model, i);
+        if (line->kind != TYPED_OBSERVE || !text_equal(line->name, name))
+            continue;
+        buffer_put(text, text->len ? TEXT("\n") : TEXT(""));
+        typed_describe(line, text);
+    }
 }
 
 /* The present scene's first. */
@@ -471,6 +479,8 @@ HANDLER(list)
     const enum listed kind = (enum listed)given_for(given, "KIND")->item->index;
     if (kind == LIST_MEASUREMENTS) {
         list_measurements(session, reply);
+    } else if (kind == LIST_EVENTS) {
+        reply_happenings(session, reply);
     } else if (kind < LIST_MEASUREMENTS) {
         const struct scene *scene = &session->setup.scene;
         const struct catalog *catalog = kind == LIST_PARAMETERS ? scene_params(scene)
@@ -502,7 +512,7 @@ COMMAND(apropos, .row = {"apropos", "", "search names and explanations", "", NUL
 COMMAND(list, .row = {"list", "", "list what there is of a kind", "", "ls"}, .group = "SESSION",
         .text = "commands, scenes, methods, parameters, derived, observables, settings, units, functions, formats, "
                 "limits, measurements,\n"
-                "runs, recordings. parameters and derived are those of the present scene.",
+                "events, runs, recordings. parameters and derived are those of the present scene.",
         .examples = "list methods\nlist measurements", .see = "help show",
         .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME,
         ARGUMENTS(PLACE("KIND", TYPE_CHOICE, .flags = ARG_REQUIRED, .choices = &list_catalog)))

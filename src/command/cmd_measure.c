@@ -2,6 +2,7 @@
 /* measure */
 #ifndef COMMAND_ROWS
 #include "choices.h"
+#include "measuring.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -9,15 +10,6 @@
 #include <string.h>
 
 #define PI 3.14159265358979323846
-
-struct measuring {
-    struct session *session;
-    const struct arguments *given;
-    struct reply *reply;
-    struct subject subject;
-    const char *quantity; /* "period" */
-    struct error *error;
-};
 
 /* ---- what every measurement leaves behind: a record, a result, a row of the list ---- */
 
@@ -34,25 +26,14 @@ static bool keep(struct measuring *m, const char *name, struct measured value, e
     return true;
 }
 
-/* Opens the record; the caller adds fields of its own and ends it. */
 static void begin(struct measuring *m, struct measured value, enum quantity unit, double periods)
 {
-    reply_begin(m->reply, "measure");
-    reply_string(m->reply, "quantity", m->quantity);
-    reply_real(m->reply, "value", value.value);
-    reply_real(m->reply, "uncertainty", value.uncertainty);
-    reply_string(m->reply, "unit", quantity_unit(unit));
-    reply_real(m->reply, "periods", periods);
-    reply_string(m->reply, "of", m->subject.name);
+    measure_begin(m, m->quantity, value, unit, periods);
 }
 
-/* Nothing where the value is not known. */
 static void put(struct buffer *text, const char *name, struct measured value, enum quantity unit)
 {
-    if (!isfinite(value.value))
-        return;
-    buffer_format(text, "%s = ", name);
-    buffer_measured(text, value, unit, 6);
+    put_measured(text, name, value, unit);
 }
 
 /* "   theory 1.9390 s (-0.09 %)" */
@@ -92,16 +73,28 @@ static struct measured inverse(struct measured x)
 
 static bool measure_period(struct measuring *m)
 {
+    const struct given *windows = given_for(m->given, "windows");
     struct period p;
+    struct measured alike = {NAN, NAN};
+    struct buffer text = {0};
+    if (windows->count) {
+        if (measure_periods(m, (int)windows->item->value.value, &text))
+            return say(m, &text);
+        buffer_free(&text);
+        return false;
+    }
     if (!series_period(&m->subject.series, m->given->arena, &p, m->error) ||
         !keep(m, m->quantity, p.period, QUANTITY_TIME, p.periods))
         return false;
-    struct buffer text = {0};
     put(&text, "T", p.period, QUANTITY_TIME);
     buffer_format(&text, " (%g period%s, up-crossings)", p.periods, p.periods == 1 ? "" : "s");
     if (!m->subject.energy)
         put_theory(&text, p.period.value, theory_period(m), QUANTITY_TIME);
+    if (m->subject.recording && series_correlation_period(&m->subject.series, m->given->arena, &alike))
+        put(&text, "\nautocorrelation: T", alike, QUANTITY_TIME);
     begin(m, p.period, QUANTITY_TIME, p.periods);
+    if (m->subject.recording)
+        reply_measured(m->reply, "autocorrelation", alike, QUANTITY_TIME);
     reply_end(m->reply);
     return say(m, &text);
 }
@@ -167,6 +160,7 @@ static bool measure_amplitude(struct measuring *m)
         reply_real(m->reply, "t", readings[i].t);
         reply_end(m->reply);
     }
+    measure_fall(m, readings, count, &text);
     return say(m, &text);
 }
 
@@ -259,9 +253,12 @@ static bool measure_energy(struct measuring *m)
     buffer_measured(&text, (struct measured){last, 0}, s->quantity, 6);
     buffer_put(&text, TEXT(", a factor of "));
     buffer_short(&text, last / first, 6);
+    if (m->subject.how[0])
+        buffer_format(&text, "\n%s", m->subject.how);
     begin(m, mean, s->quantity, NAN);
     reply_real(m->reply, "first", first);
     reply_real(m->reply, "last", last);
+    reply_string(m->reply, "from", m->subject.how[0] ? m->subject.how : NULL);
     reply_end(m->reply);
     return say(m, &text);
 }
@@ -355,7 +352,10 @@ static bool measure_k(struct measuring *m)
     if (!needs_spring(scene, "k", m->error))
         return false;
     const int index = scene_param(scene, "m");
-    const double mass = scene->value[index], u = scene->uncertainty[index];
+    const struct recording *recording = m->subject.recording;
+    const bool own = recording && recording->mass.value > 0;
+    const double mass = own ? recording->mass.value : scene->value[index],
+                 u = own ? recording->mass.uncertainty : scene->uncertainty[index];
     if (!series_period(&m->subject.series, m->given->arena, &p, m->error))
         return false;
     const double omega = 2 * PI / p.period.value;
@@ -371,7 +371,7 @@ static bool measure_k(struct measuring *m)
     buffer_char(&text, ')');
     if (m->subject.run)
         put_theory(&text, k.value, param_value(scene, "k"), QUANTITY_STIFFNESS);
-    else if (!scene->given[index])
+    else if (!own && !scene->given[index])
         reply_warning(m->reply, "the mass is the default of the scene: set it, for example m = 200 g");
     begin(m, k, QUANTITY_STIFFNESS, p.periods);
     reply_end(m->reply);
@@ -384,7 +384,8 @@ HANDLER(measure)
         [MEASURE_PERIOD] = measure_period,       [MEASURE_FREQUENCY] = measure_frequency,
         [MEASURE_AMPLITUDE] = measure_amplitude, [MEASURE_DECAY] = measure_decay,
         [MEASURE_ENERGY] = measure_energy,       [MEASURE_DRIFT] = measure_drift,
-        [MEASURE_REYNOLDS] = measure_reynolds,   [MEASURE_K] = measure_k};
+        [MEASURE_REYNOLDS] = measure_reynolds,   [MEASURE_K] = measure_k,
+        [MEASURE_SPRING] = measure_spring};
     const struct item *quantity = given_for(given, "QUANTITY")->item;
     const enum measurable which = (enum measurable)quantity->index;
     const bool energy = is_given(given, "energy") || which == MEASURE_ENERGY;
@@ -394,6 +395,8 @@ HANDLER(measure)
         snprintf(m.subject.name, sizeof m.subject.name, "the scene");
         return measures[which](&m);
     }
+    if (which == MEASURE_SPRING)
+        return measure_spring(&m);
     return subject_open(session, given_for(given, "run"), given_for(given, "data"), given_for(given, "window"), energy,
                         2, given->arena, &m.subject, error) &&
            measures[which](&m);
@@ -403,8 +406,13 @@ HANDLER(measure)
 COMMAND(measure, .row = {"measure", "", "measure a quantity of a run or a recording", "", NULL}, .group = "MEASURE",
         .text = "Acts on the most recent run or recording unless told. The period comes from line fits at the "
                 "up-crossings and is given\n"
-                "with its standard uncertainty. at= or windows= choose where the amplitude is read.",
-        .examples = "run; measure period\nmeasure amplitude at=1,4,8 of run 1", .see = "fit list plot",
+                "with its standard uncertainty. at= or windows= choose where the amplitude is read; from three readings "
+                "gamma follows.\n"
+                "'period windows=N' tells whether T depends on the amplitude. 'spring' takes every recording whose mass "
+                "is known ('data\n"
+                "mass'): T^2 against m gives k and the effective mass of the spring, and each k is held against the "
+                "first.",
+        .examples = "run; measure period\nload disk.txt; measure amplitude windows=6", .see = "fit list plot",
         .flags = COMMAND_ANYTIME,
         ARGUMENTS(PLACE("QUANTITY", TYPE_CHOICE, .flags = ARG_REQUIRED, .choices = &quantity_catalog),
                   WORD("run", TYPE_RUN, .lead = "of", .group = 1),

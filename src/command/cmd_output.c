@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* export, print, echo */
 #ifndef COMMAND_ROWS
-#include "export.h"
+#include "events.h"
 
 #include <math.h>
 #include <string.h>
@@ -25,12 +25,17 @@ static bool fill_table(struct session *session, const struct arguments *given, s
     const struct given *runs = given_for(given, "run");
     if (is_given(given, "measurements"))
         return export_measurements(session, export, error);
+    if (is_given(given, "events"))
+        return export_happenings(session, export, error);
+    if (is_given(given, "table") && session->sweep && session->precision_runs < 0 &&
+        session->sweep_runs == session->next_run)
+        return export_sweep(session, export, error);
     if (is_given(given, "table"))
         return session->precision && session->precision_runs == session->next_run
                    ? export_precision(session, export, error)
                    : export_run_table(session, export, error);
     if (is_given(given, "data"))
-        return export_recording(session, export, error);
+        return export_recorded(session, given_for(given, "COLUMN"), export, error);
     return export_runs(session, runs, given_for(given, "COLUMN"), given_for(given, "every"), export, error);
 }
 
@@ -120,6 +125,7 @@ COMMAND(export, .row = {"export", "", "write columns of runs, a recording or mea
         ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED),
                   WORD("run", TYPE_RUN, .flags = ARG_MANY | ARG_ALL, .group = 1), WORD("data", TYPE_NONE, .group = 1),
                   WORD("measurements", TYPE_NONE, .group = 1), WORD("table", TYPE_NONE, .group = 1),
+                  WORD("events", TYPE_NONE, .group = 1),
                   PLACE("COLUMN", TYPE_COLUMN, .flags = ARG_MANY),
                   KEY("every", TYPE_VALUE, .quantity = QUANTITY_OTHER), OPTION("force", TYPE_NONE),
                   OPTION("format", TYPE_CHOICE, .choices = &table_format_catalog)))

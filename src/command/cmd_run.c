@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* run, continue, step, back, reset */
 #ifndef COMMAND_ROWS
+#include "events.h"
 #include "journal.h"
 
 #include <math.h>
@@ -39,6 +40,21 @@ struct journey {
     double t;
 };
 
+/* The run's own events, in the names of its own scene. */
+static bool watch(struct session *session, const struct arguments *given, struct journey *journey, struct error *error)
+{
+    struct in_force *force = arena_alloc(given->arena, sizeof *force);
+    struct names *names = arena_alloc(given->arena, sizeof *names);
+    struct expr_scope *scope = arena_alloc(given->arena, sizeof *scope);
+    const struct held_run *held = journey->held;
+    if (!force || !names || !scope)
+        return error_memory(error);
+    *force = (struct in_force){.held = held, .legs = -1};
+    *names = (struct names){.session = session, .in_force = force, .saved_only = true, .run = held->run};
+    *scope = names_scope(names);
+    return events_compile(held->events, scope, given->arena, &journey->target.event, &journey->target.events, error);
+}
+
 static bool set_out(struct session *session, const struct arguments *given, int64_t steps, struct journey *journey,
                     struct error *error)
 {
@@ -60,7 +76,7 @@ static bool set_out(struct session *session, const struct arguments *given, int6
         }
         journey->target.condition = condition;
     }
-    return true;
+    return !held->events || watch(session, given, journey, error);
 }
 
 static void travel(struct session *session, struct run *run, const struct run_target *target, bool clocked,
@@ -95,10 +111,36 @@ static void tell(struct session *session, const struct journey *journey)
                       &session->live.record);
 }
 
+/* What the event that stopped it wants executed; the run's statement stands for it in what is recorded and saved. */
+static bool react(struct session *session, const struct event_line *event, const struct arguments *given,
+                  struct reply *reply, struct error *error)
+{
+    const struct source where = {event->name, 1, given->where};
+    if (event->action != EVENT_COMMANDS)
+        return true;
+    session->reacting = true;
+    const bool ok = command_exec(session, text_of(event->commands), &where, reply);
+    session->reacting = false;
+    if (!ok)
+        *error = (struct error){.code = ERROR_NONE}; /* it was reported there */
+    return ok;
+}
+
+static void reply_event(const struct held_run *held, const struct event_line *stopped, struct reply *reply)
+{
+    const size_t count = run_happenings(held->run);
+    if (stopped)
+        reply_line(reply, "event %s: stopped at t = %.9g s", stopped->name, held->run->t);
+    if (count > (stopped ? 1 : 0))
+        reply_line(reply, "%zu event%s noticed so far: 'list events' shows them", count, count == 1 ? "" : "s");
+}
+
 /* Says how it went; false if it did not get where it should. */
-static bool arrive(struct session *session, const struct journey *journey, struct reply *reply, struct error *error)
+static bool arrive(struct session *session, const struct journey *journey, const struct arguments *given,
+                   struct reply *reply, struct error *error)
 {
     struct run *run = journey->held->run;
+    const struct event_line *stopped = event_stopped_at(journey->held);
     session->data_is_latest = false;
     session_changed(session);
     if (run->stop == STOP_CONDITION)
@@ -108,6 +150,7 @@ static bool arrive(struct session *session, const struct journey *journey, struc
         reply_line(reply, "%s at t = %.6g s; 'continue' goes on", session->front.watched ? "paused" : "stopped",
                    run->t);
     reply_run(session, run, reply);
+    reply_event(journey->held, stopped, reply);
     reply_growth(run, reply);
     if (run->stop == STOP_CANCELLED) {
         session->halted = session->front.watched;
@@ -126,7 +169,7 @@ static bool arrive(struct session *session, const struct journey *journey, struc
         buffer_free(&why);
         return false;
     }
-    return true;
+    return !stopped || react(session, stopped, given, reply, error);
 }
 
 /*
@@ -143,9 +186,9 @@ static bool advance(struct session *session, const struct arguments *given, int6
     travel(session, run, &journey.target, clocked, reply);
     const bool early = run->stop == STOP_END && run->t != journey.leg.t && steps >= 0 && run->steps < journey.leg.end;
     if (!early)
-        return arrive(session, &journey, reply, error);
+        return arrive(session, &journey, given, reply, error);
     journey.target.condition = NULL; /* it was not waited for */
-    const bool ok = arrive(session, &journey, reply, error);
+    const bool ok = arrive(session, &journey, given, reply, error);
     run->stop = STOP_CANCELLED;
     return ok;
 }
@@ -163,7 +206,10 @@ static struct run *new_run(struct session *session, double span, int64_t steps, 
         run_destroy(run);
         return NULL;
     }
-    return session_add_run(session, run, error) ? run : NULL;
+    if (!session_add_run(session, run, error))
+        return NULL;
+    session->run[session->current_run]->events = session->setup.events;
+    return run;
 }
 
 /* A leg from where the current run is. */
@@ -245,7 +291,8 @@ static void warn_other_scene(const struct session *session, const struct run *ru
     const struct scene *now = &session->setup.scene;
     struct scene in_force;
     journal_scene(session->run[session->current_run], &in_force);
-    if (now->model != in_force.model || memcmp(now->value, in_force.value, sizeof now->value) != 0 ||
+    if (now->model != in_force.model || session->setup.events != session->run[session->current_run]->events ||
+        memcmp(now->value, in_force.value, sizeof now->value) != 0 ||
         run->method != session->setup.method)
         reply_warning(reply,
                       "run %d goes on with the parameters and the method it has; 'change' gives it others, 'run' "

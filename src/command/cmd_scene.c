@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* scene, set, unset, let, show, plan */
 #ifndef COMMAND_ROWS
-#include "internal.h"
+#include "events.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -33,17 +33,23 @@ static void reply_scene(const struct session *session, struct reply *reply)
     static const char always[] = " m k gamma y0 v0 ";
     const struct scene *scene = &session->setup.scene;
     struct buffer text = {0};
-    buffer_format(&text, "%s: %s\n ", scene->preset->row.name, scene->preset->row.brief);
+    buffer_format(&text, "%s: %s\n", scene->preset->row.name, scene->preset->row.brief);
+    scene_lines(scene, "  ", &text);
+    buffer_char(&text, ' ');
     for (int i = 0; i < (int)scene_params(scene)->count; i++) {
         const char *name = param_at(scene, i)->row.name;
         char padded[LIMIT_NAME + 3];
         snprintf(padded, sizeof padded, " %s ", name);
-        if (scene->model == &oscillator_model && !strstr(always, padded) && !scene->given[i] &&
+        if (is_oscillator(scene) && !strstr(always, padded) && !scene->given[i] &&
             !preset_sets(scene->preset, name))
             continue;
         buffer_char(&text, ' ');
         put_param(session, i, &text);
         buffer_char(&text, ' ');
+    }
+    if (session->setup.events) {
+        buffer_char(&text, '\n');
+        events_save(session->setup.events, false, &text);
     }
     reply_text(reply, text_trim(buffer_text(&text)));
     buffer_free(&text);
@@ -65,7 +71,10 @@ HANDLER(scene)
     UNUSED(error);
     const struct given *name = given_for(given, "NAME");
     if (name->count) {
+        const struct model *before = session->setup.scene.model;
         scene_init(&session->setup.scene, (const struct preset *)(const void *)name->item->row);
+        if (session->setup.scene.model != before)
+            session->setup.events = NULL; /* they may speak of what is not there */
         session_changed(session);
         warn_hidden(session, reply);
     }
@@ -317,8 +326,10 @@ HANDLER(plan)
 COMMAND(
     scene, .row = {"scene", "", "choose a scene, or show the present one", "", NULL}, .group = "SCENE",
     .text =
-        "Sets all parameters to those of the scene; method, dt and recordings stay. 'list scenes' shows what there is.",
-    .examples = "scene damped\nscene", .see = "set show plan", .flags = COMMAND_CHANGES,
+        "Sets all parameters to those of the scene; method, dt and recordings stay. 'list scenes' shows what there is. "
+        "Without NAME it\nshows the present one, with the equations, forces and events that were typed. One of your own "
+        "begins with var.",
+    .examples = "scene damped\nscene", .see = "set show plan var force", .flags = COMMAND_CHANGES,
     ARGUMENTS(PLACE("NAME", TYPE_CHOICE, .choices = &preset_catalog)))
 
 COMMAND(set, .row = {"set", "", "set a parameter or a setting", "", NULL}, .group = "SCENE",

@@ -78,7 +78,12 @@ static void show_settings(const struct session *session, bool display_only, stru
 static void show_scene(const struct session *session, struct reply *reply)
 {
     const struct row *preset = &session->setup.scene.preset->row;
+    struct buffer lines = {0};
     reply_line(reply, "scene %s: %s", preset->name, preset->brief);
+    scene_lines(&session->setup.scene, "  ", &lines);
+    if (lines.len > 0)
+        reply_text(reply, (struct text){lines.data, lines.len - 1});
+    buffer_free(&lines);
     show_catalog_values(session, scene_params(&session->setup.scene), reply);
     show_catalog_values(session, scene_derived(&session->setup.scene), reply);
 }
@@ -136,6 +141,14 @@ static void show_state(const struct session *session, const struct model *model,
             continue; /* y and v are observables, too */
         memcpy(value.name, name.at, name.len + 1);
         show_value(session, &value, "state variable", reply);
+    }
+    for (int i = 0; i < model_observed(model); i++) {
+        const struct variable observed = model_observed_variable(model, i);
+        struct named_value value = {.quantity = QUANTITY_OTHER};
+        if (!names_value(session, text_of(observed.name), &value))
+            continue;
+        memcpy(value.name, observed.name, sizeof observed.name);
+        show_value(session, &value, "observed", reply);
     }
     for (size_t i = 0; i < observable_catalog.count; i++) {
         const struct row *row = catalog_row(&observable_catalog, i);
@@ -202,7 +215,8 @@ HANDLER(show)
             row = catalog_find(catalogs[i], name);
         /* `y` of two coordinates is not the first of them, which the observable means. */
         const bool is_state = run && run->system.model != &oscillator_model &&
-                              model_variable(run->system.model, name) >= 0;
+                              (model_variable(run->system.model, name) >= 0 ||
+                               model_observation(run->system.model, name) >= 0);
         memcpy(value.name, name.at, name.len < LIMIT_NAME ? name.len : LIMIT_NAME);
         if (row && !is_state)
             show_name(session, row, reply);

@@ -68,6 +68,18 @@ static void offer_names(struct completion *c)
     offer_catalog(c, &function_catalog);
 }
 
+/* In what defines a scene, its names are there whatever runs have been made. */
+static void offer_formula(struct completion *c)
+{
+    const struct model *model = c->session->setup.scene.model;
+    for (int i = 0; i < model->n; i++)
+        offer(c, model->variable[i].name, quantity_name(model->variable[i].quantity));
+    for (int i = 0; i < model_observed(model); i++)
+        offer(c, model_observed_variable(model, i).name, "observed");
+    offer_catalog(c, scene_params(&c->session->setup.scene));
+    offer_catalog(c, &function_catalog);
+}
+
 static void offer_runs(struct completion *c, bool all)
 {
     for (int i = 0; i < c->session->runs; i++) {
@@ -96,6 +108,8 @@ static void offer_columns(struct completion *c)
     for (int i = 0; i < moving->n; i++)
         if (!catalog_find(&observable_catalog, text_of(moving->variable[i].name)))
             offer(c, moving->variable[i].name, quantity_name(moving->variable[i].quantity));
+    for (int i = 0; i < model_observed(moving); i++)
+        offer(c, model_observed_variable(moving, i).name, "observed");
     for (size_t i = 0; i < observable_catalog.count; i++) {
         const struct row *row = catalog_row(&observable_catalog, i);
         if (model_offers(moving, (const struct observable *)(const void *)row))
@@ -124,6 +138,7 @@ static void offer_item(struct completion *c, const struct argument *argument, st
         offer_names(c);
         break;
     case TYPE_CHOICE:
+    case TYPE_MODEL:
         offer_catalog(c, argument->choices);
         break;
     case TYPE_COLUMN:
@@ -142,9 +157,16 @@ static void offer_item(struct completion *c, const struct argument *argument, st
     case TYPE_NAME:
         offer_settable(c);
         break;
+    case TYPE_PARAM:
+        offer_catalog(c, scene_params(&c->session->setup.scene));
+        break;
+    case TYPE_FORMULA:
+        offer_formula(c);
+        break;
     case TYPE_FILE:
         c->wants_file = true;
         break;
+    case TYPE_START:
     case TYPE_NONE:
     case TYPE_INTEGER:
     case TYPE_TEXT:
@@ -243,7 +265,7 @@ static void offer_arguments(struct completion *c, const struct command *command,
             place = argument;
         if (argument->form == FORM_WORD && argument->name[0] != '>' && !argument->lead)
             offer(c, argument->name, "");
-        else if (argument->form == FORM_KEY)
+        else if (argument->form == FORM_KEY && argument->type != TYPE_START)
             offer_suffixed(c, "", argument->name, "=", "");
         else if (argument->form == FORM_OPTION)
             offer_suffixed(c, "--", argument->name, "", "");
@@ -300,6 +322,17 @@ static void complete_arguments(struct completion *c, const struct command *comma
         offer_arguments(c, command, before);
 }
 
+/* Words of formulas end at operators, too. */
+static bool is_formula(struct text statement)
+{
+    skip_blanks(&statement);
+    const struct text name = peek_name(statement);
+    const struct command *command = (const struct command *)(const void *)catalog_find(&command_catalog, name);
+    const bool marked = name.len < statement.len && statement.at[name.len] == '\'';
+    return marked || (command && command->arguments > 0 &&
+                      command->argument[command->arguments - 1].type == TYPE_FORMULA);
+}
+
 bool command_complete(struct session *session, struct text line, size_t cursor, size_t *start,
                       void (*offer_to)(void *context, const char *candidate, const char *brief), void *context)
 {
@@ -314,8 +347,9 @@ bool command_complete(struct session *session, struct text line, size_t cursor, 
         else if (rest.len == 0)
             statement.len = (size_t)(rest.at - statement.at); /* with the blanks at its end */
     }
+    const bool formula = is_formula(statement);
     size_t word = statement.len;
-    while (word > 0 && !strchr(" \t=,;:", statement.at[word - 1]))
+    while (word > 0 && !strchr(formula ? " \t=,;:+-*/^()<>" : " \t=,;:", statement.at[word - 1]))
         word--;
     *start = (size_t)(statement.at + word - line.at);
     struct completion c = {session, {statement.at + word, statement.len - word}, offer_to, context, false};
@@ -330,7 +364,9 @@ bool command_complete(struct session *session, struct text line, size_t cursor, 
     struct text after = {before.at + name.len, before.len - name.len};
     skip_blanks(&after);
     const struct command *command = (const struct command *)(const void *)catalog_find(&command_catalog, name);
-    if (after.len > 0 && after.at[0] == '=')
+    if (formula && (after.at[0] == '\'' || command->arguments == 1 || count_words(after) > 0))
+        offer_formula(&c);
+    else if (after.len > 0 && after.at[0] == '=')
         offer_for_name(&c, name, before);
     else if (command)
         complete_arguments(&c, command, (struct text){before.at + name.len, before.len - name.len});

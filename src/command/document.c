@@ -10,6 +10,7 @@ static const struct {
     [BLOCK_PART] = {"## ", "\n\n", "<h2>", "</h2>\n"},
     [BLOCK_SECTION] = {"### ", "\n\n", "<h3>", "</h3>\n"},
     [BLOCK_QUESTION] = {"#### ", "\n\n", "<h4>", "</h4>\n"},
+    [BLOCK_TOGETHER] = {"", "", "<section>\n", "</section>\n"},
     [BLOCK_PARAGRAPH] = {"", "\n\n", "<p>", "</p>\n"},
     [BLOCK_LIST] = {"", "\n", "<ul>\n", "</ul>\n"},
     [BLOCK_ITEM] = {"- ", "\n", "<li>", "</li>\n"},
@@ -28,11 +29,11 @@ static const char style[] =
     "table { border-collapse: collapse; margin: 1em 0; font-size: 0.9em }\n"
     "th, td { border-bottom: 1px solid #ccc; padding: 0.2em 0.9em 0.2em 0; text-align: left; vertical-align: top }\n"
     "thead th { border-bottom: 1px solid #333 } tr { break-inside: avoid }\n"
-    "figure { margin: 1.2em 0 0.2em; break-inside: avoid } img { width: 100%; max-width: 40em; height: auto }\n"
-    "pre { font: 8pt/1.15 monospace; overflow-x: auto }\n"
+    "section { break-inside: avoid } figure { margin: 1.2em 0 0.2em; break-after: avoid; break-inside: avoid } img { width: 100%; max-width: 40em; height: auto }\n"
+    "pre { font: 8pt/1.15 monospace; overflow: auto }\n"
     "code { font-family: monospace; overflow-wrap: anywhere }\n"
-    ".answer { border: 1px solid #bbb; min-height: 7em; margin: 0.5em 0 1.5em; break-inside: avoid }\n"
-    "@media print { body { margin: 0; padding: 0; max-width: none; font-size: 10pt } }\n";
+    ".answer { border: 1px solid #bbb; min-height: 7em; margin: 0.5em 0 1.5em}\n"
+    "@media print { pre { white-space: pre-wrap } body { margin: 0; padding: 0; max-width: none; font-size: 10pt } }\n";
 
 /* ---- escaping ---- */
 

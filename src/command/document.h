@@ -13,6 +13,7 @@ enum block {
     BLOCK_PART,
     BLOCK_SECTION,
     BLOCK_QUESTION,
+    BLOCK_TOGETHER, /* on one page, where there are pages */
     BLOCK_PARAGRAPH,
     BLOCK_LIST, /* of items */
     BLOCK_ITEM,

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "data_motion.h"
 #include "precision_text.h"
+#include "sweep_text.h"
 #include "journal.h"
 
 #include <math.h>
@@ -123,13 +125,34 @@ static bool finish(const struct keys *keys, struct export *export, struct error 
     return !keys->failed || error_memory(error);
 }
 
+bool export_run_keys(const struct session *session, int place, struct export *export, struct error *error)
+{
+    struct keys keys;
+    if (!begin(&keys, export, error))
+        return false;
+    add_run_keys(&keys, session, &place, 1);
+    return finish(&keys, export, error);
+}
+
 /* ---- runs ---- */
 
-/* A column of a run: a state variable or an observable. */
+/* A column of a run: a state variable, or what its scene observes, numbered behind them; or an observable. */
 struct chosen_column {
-    const struct row *row; /* NULL: state variable number `variable` */
+    const struct row *row; /* NULL: number `variable` */
     int variable;
 };
+
+/* -1: none */
+static int find_variable(const struct model *model, struct text name)
+{
+    const int variable = model_variable(model, name), observed = model_observation(model, name);
+    return variable >= 0 ? variable : observed >= 0 ? model->n + observed : -1;
+}
+
+static struct variable variable_of(const struct model *model, int variable)
+{
+    return variable < model->n ? model->variable[variable] : model_observed_variable(model, variable - model->n);
+}
 
 /* Which rows of a run are written: mark[i], and how many. */
 static size_t select_rows(const struct run *run, const struct given *every, bool *mark)
@@ -184,7 +207,7 @@ static const struct observable *observable_of(const struct chosen_column *column
 
 static void add_column(const struct model *model, struct text name, struct chosen_column *list, int *count)
 {
-    const int variable = model_variable(model, name);
+    const int variable = find_variable(model, name);
     const struct chosen_column one = {variable < 0 ? catalog_find(&observable_catalog, name) : NULL, variable};
     for (int i = 0; i < *count; i++)
         if (list[i].row == one.row && list[i].variable == one.variable)
@@ -199,7 +222,7 @@ static bool list_columns(const struct model *model, const struct given *column, 
     add_column(model, TEXT("t"), list, count);
     for (int i = 0; i < column->count; i++) {
         const struct text name = column->item[i].text;
-        if (!column->item[i].row && model_variable(model, name) < 0) {
+        if (!column->item[i].row && find_variable(model, name) < 0) {
             error_at(error, name, "this run has no state variable '%.*s'", (int)name.len, name.at);
             struct buffer own = {0};
             for (int v = 0; v < model->n; v++)
@@ -214,19 +237,27 @@ static bool list_columns(const struct model *model, const struct given *column, 
         add_column(model, text_of(model->variable[v].name), list, count);
     if (!column->count && model->order == 2)
         add_column(model, TEXT("energy"), list, count);
+    for (int v = 0; v < model_observed(model) && !column->count; v++)
+        add_column(model, text_of(model_observed_variable(model, v).name), list, count);
     return true;
 }
 
-static const char *column_name(const struct model *model, const struct chosen_column *column)
+static const char *column_name(const struct model *model, const struct chosen_column *column, struct arena *arena)
 {
-    return column->row ? column->row->name : model->variable[column->variable].name;
+    if (column->row)
+        return column->row->name;
+    const struct variable variable = variable_of(model, column->variable);
+    return arena_text(arena, text_of(variable.name));
 }
 
 static bool fill_column(const struct run *run, const struct chosen_column *column, double *out, struct error *error)
 {
     if (column->row)
         return run_column(run, observable_of(column), out, error);
-    run_variable_column(run, column->variable, out);
+    if (column->variable < run->system.n)
+        run_variable_column(run, column->variable, out);
+    else
+        run_observed_column(run, column->variable - run->system.n, out);
     return true;
 }
 
@@ -259,7 +290,7 @@ bool export_runs(const struct session *session, const struct given *runs, const 
     const struct model *model = system->model;
     if (!same_model(session, place, count, error) || !check_every(every, error) || !begin(&keys, export, error))
         return false;
-    struct chosen_column *list = arena_array(arena, (size_t)column->count + (size_t)model->n + 2, sizeof *list);
+    struct chosen_column *list = arena_array(arena, (size_t)column->count + (size_t)(model->n + model_observed(model)) + 2, sizeof *list);
     size_t rows = 0, largest = 0;
     bool **mark = arena_array(arena, (size_t)count, sizeof *mark);
     if (!list || !mark)
@@ -297,9 +328,10 @@ bool export_runs(const struct session *session, const struct given *runs, const 
         if (c < lead)
             continue;
         const struct chosen_column *chosen = &list[c - lead];
-        out[c].name = column_name(model, chosen);
+        if (!(out[c].name = column_name(model, chosen, arena)))
+            return error_memory(error);
         out[c].unit = chosen->row ? observable_unit(observable_of(chosen), system)
-                                  : quantity_unit(model->variable[chosen->variable].quantity);
+                                  : quantity_unit(variable_of(model, chosen->variable).quantity);
     }
     add_run_keys(&keys, session, place, count);
     export->table = (struct table){.column = out, .columns = columns + lead, .rows = rows};
@@ -308,31 +340,87 @@ bool export_runs(const struct session *session, const struct given *runs, const 
 
 /* ---- a recording ---- */
 
-bool export_recording(const struct session *session, struct export *export, struct error *error)
+enum recorded { RECORDED_T, RECORDED_Y, RECORDED_V, RECORDED_ENERGY, RECORDED_COUNT };
+
+/* t first, then what was asked for, or y, each once. */
+static bool list_recorded(const struct given *column, bool wanted[RECORDED_COUNT], struct error *error)
+{
+    static const char *const names[RECORDED_COUNT] = {"t", "y", "v", "energy"};
+    wanted[RECORDED_T] = true;
+    wanted[RECORDED_Y] = column->count == 0;
+    for (int i = 0; i < column->count; i++) {
+        const struct text name = column->item[i].text;
+        bool known = false;
+        for (int c = 0; c < RECORDED_COUNT; c++)
+            if (text_is(name, names[c]))
+                wanted[c] = known = true;
+        if (known)
+            continue;
+        error_at(error, name, "a recording has no column '%.*s'", (int)name.len, name.at);
+        return error_hint(error, "it has t, y, v, energy");
+    }
+    return true;
+}
+
+static void add_motion_keys(struct keys *keys, const struct data_motion *motion, bool energy)
+{
+    add_text_key(keys, "v", motion->how_v);
+    if (energy)
+        add_text_key(keys, "energy", motion->how_k);
+}
+
+bool export_recorded(const struct session *session, const struct given *column, struct export *export,
+                     struct error *error)
 {
     struct recording *recording = session_recording(session);
+    bool wanted[RECORDED_COUNT] = {false};
     if (!recording) {
         error_set(error, ERROR_COMMAND, "there is no recording to export");
         return error_hint(error, "type: load FILE");
     }
     struct keys keys;
     struct series series;
-    struct table_column *out = arena_array(export->arena, 2, sizeof *out);
+    struct data_motion motion;
+    struct table_column *out = arena_array(export->arena, RECORDED_COUNT, sizeof *out);
     if (!out)
         return error_memory(error);
-    if (!begin(&keys, export, error) || !recording_series(recording, export->arena, 1, &series, error))
+    if (!list_recorded(column, wanted, error) || !begin(&keys, export, error) ||
+        !recording_series(recording, export->arena, 1, &series, error))
+        return false;
+    const bool moves = wanted[RECORDED_V] || wanted[RECORDED_ENERGY];
+    if (moves &&
+        !data_motion(session, recording, &series, wanted[RECORDED_ENERGY], export->arena, &motion, error))
         return false;
     const struct column *value = &recording->column[recording->value];
     add_text_key(&keys, "recording", recording->name);
     add_text_key(&keys, "file", recording->path);
     add_text_key(&keys, "column", value->name);
-    struct buffer zero = {0};
+    struct buffer zero = {0}, cleaned = {0};
     buffer_exact(&zero, (struct measured){recording->zero, 0}, value->quantity);
     add_key(&keys, "zero", &zero);
-    out[0] = (struct table_column){.name = "t", .unit = "s", .value = series.t};
-    out[1] = (struct table_column){.name = "y", .unit = quantity_unit(series.quantity), .value = series.y};
-    export->table = (struct table){.column = out, .columns = 2, .rows = series.n};
+    recording_describe_masked(recording, &cleaned);
+    if (cleaned.len > 0) {
+        cleaned.len--; /* the newline */
+        add_key(&keys, "samples", &cleaned);
+    }
+    if (moves)
+        add_motion_keys(&keys, &motion, wanted[RECORDED_ENERGY]);
+    const struct table_column all[RECORDED_COUNT] = {
+        {.name = "t", .unit = "s", .value = series.t},
+        {.name = "y", .unit = quantity_unit(series.quantity), .value = series.y},
+        {.name = "v", .unit = quantity_unit(QUANTITY_VELOCITY), .value = moves ? motion.v : NULL},
+        {.name = "energy", .unit = quantity_unit(QUANTITY_ENERGY), .value = moves ? motion.energy : NULL}};
+    int columns = 0;
+    for (int c = 0; c < RECORDED_COUNT; c++)
+        if (wanted[c])
+            out[columns++] = all[c];
+    export->table = (struct table){.column = out, .columns = columns, .rows = series.n};
     return finish(&keys, export, error);
+}
+
+bool export_recording(const struct session *session, struct export *export, struct error *error)
+{
+    return export_recorded(session, &(const struct given){.count = 0}, export, error);
 }
 
 /* ---- measurements, runs in brief ---- */
@@ -386,6 +474,16 @@ bool export_precision(const struct session *session, struct export *export, stru
     add_key(&keys, "duration", &duration);
     add_key(&keys, "reference", &reference);
     add_scene_keys(&keys, &precision->scene);
+    return finish(&keys, export, error);
+}
+
+bool export_sweep(const struct session *session, struct export *export, struct error *error)
+{
+    const struct swept swept = {session->sweep, session->sweep_measure, session->sweep_scene.model};
+    struct keys keys;
+    if (!begin(&keys, export, error) || !sweep_table(&swept, export, error))
+        return false;
+    add_scene_keys(&keys, &session->sweep_scene);
     return finish(&keys, export, error);
 }
 

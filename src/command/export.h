@@ -15,8 +15,14 @@ struct export
 bool export_runs(const struct session *session, const struct given *runs, const struct given *column,
                  const struct given *every, struct export *export, struct error *error);
 bool export_recording(const struct session *session, struct export *export, struct error *error);
+/* column: t, y, v, energy; none means t and y. */
+bool export_recorded(const struct session *session, const struct given *column, struct export *export,
+                     struct error *error);
 bool export_measurements(const struct session *session, struct export *export, struct error *error);
+bool export_sweep(const struct session *session, struct export *export, struct error *error);
 bool export_precision(const struct session *session, struct export *export, struct error *error);
+/* Fills the keys of the table: what made this run. */
+bool export_run_keys(const struct session *session, int place, struct export *export, struct error *error);
 bool export_run_table(const struct session *session, struct export *export, struct error *error);
 
 #endif

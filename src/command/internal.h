@@ -28,9 +28,13 @@ enum argument_type {
     TYPE_RUN,       /* number or name of a run; -1 for `all` where ARG_ALL allows it */
     TYPE_RECORDING, /* name of a recording */
     TYPE_NAME,      /* something that can be set or shown */
+    TYPE_PARAM,     /* a name, completed as a parameter of the scene; index: its place there, -1 */
+    TYPE_START,     /* after FORM_KEY: stands for any key that no other argument has; text: that name, value */
+    TYPE_MODEL,     /* a row of `choices`, or a formula in t: a string, or as it stands (then row is NULL) */
     TYPE_TEXT,      /* a word or a string */
     TYPE_FILE,      /* the same, completed as a file name */
     TYPE_REST,      /* all that is left of the statement, as it is */
+    TYPE_FORMULA,   /* the same: an expression in the names of the scene, and what belongs to it */
 };
 
 enum argument_flag {
@@ -184,9 +188,14 @@ int catalog_place(const struct catalog *catalog, const struct row *row);
 /* ---- what a scene has, by name (parameters.c) ---- */
 
 const struct param_row *param_at(const struct scene *scene, int place);
+int scene_param_at(const struct scene *scene, struct text name); /* as scene_param() */
 double param_value(const struct scene *scene, const char *name); /* NAN: the scene has no such parameter */
 bool param_given(const struct scene *scene, const char *name);
-int model_variable(const struct model *model, struct text name); /* place, -1: none */
+bool is_oscillator(const struct scene *scene); /* also with forces that were typed */
+/* What was typed, a line each after `before`. */
+void scene_lines(const struct scene *scene, const char *before, struct buffer *text);
+int model_variable(const struct model *model, struct text name); /* place, -1: none; y' is vy of a typed model */
+int model_observation(const struct model *model, struct text name); /* place of what a typed model observes, -1: none */
 const struct model *model_with(struct text name); /* the first with such a parameter, derived quantity or variable */
 const char *model_scene(const struct model *model); /* name of a scene that is one */
 enum quantity model_quantity(const struct model *model, const struct observable *observable);
@@ -197,8 +206,16 @@ bool unknown_parameter(const struct session *session, struct text name, struct e
 
 /* ---- names in expressions (names.c) ---- */
 
+/* The scene of a run that goes on, with what was changed on the way. */
+struct in_force {
+    const struct held_run *held;
+    int legs; /* of its journal that `scene` knows; -1: none yet */
+    struct scene scene;
+};
+
 struct names {
     const struct session *session;
+    struct in_force *in_force; /* whose parameters; NULL: those of the set-up */
     bool expects_run;      /* state and observables are known although there is no run yet: it is about to start */
     bool saved_only;       /* without variables and results: what means the same when a saved session is read again */
     const struct run *run; /* whose state and observables; NULL: those of the current run */
@@ -241,7 +258,9 @@ void held_run_release(struct held_run *held);
 void held_recording_release(struct held_recording *held);
 int session_find_run(const struct session *session, struct text name);       /* number or name; -1: none */
 int session_find_recording(const struct session *session, struct text name); /* -1: none */
-/* The latest one of each model and recording or run; without memory it is only not in the report. */
+/* The latest one of each model, recording or run, and window; without memory it is only not in the report. */
+/* Value of the last fit at time t [s]; NAN: outside of what it was fitted to. */
+double session_fit_value(const struct session *session, double t);
 void session_keep_fit(struct session *session, const struct kept_fit *fit);
 void session_set_result(struct session *session, const char *name, struct measured value, enum quantity quantity);
 struct write_policy session_policy(const struct session *session, bool force);
@@ -295,7 +314,7 @@ bool live_bind(struct session *session, int param, double *from, struct error *e
 /* " from t = 3.2 s on", nothing where `from` is NAN. */
 void buffer_since(struct buffer *text, double from);
 
-extern const struct catalog cursor_action_catalog, axis_catalog;
+extern const struct catalog cursor_action_catalog, axis_catalog, fit_kind_catalog;
 
 bool command_set(HANDLER_PARAMETERS);
 

@@ -15,6 +15,19 @@ static bool is_assignment(struct text statement)
     return name.len > 0 && rest.len > 0 && rest.at[0] == '=' && (rest.len == 1 || rest.at[1] != '=');
 }
 
+/* NAME' = …, NAME'' = … */
+static bool is_equation(struct text statement)
+{
+    const struct text name = peek_name(statement);
+    struct text rest = {statement.at + name.len, statement.len - name.len};
+    const size_t marked = rest.len;
+    while (rest.len > 0 && rest.at[0] == '\'')
+        rest = (struct text){rest.at + 1, rest.len - 1};
+    const bool marks = rest.len < marked;
+    skip_blanks(&rest);
+    return name.len > 0 && marks && rest.len > 0 && rest.at[0] == '=';
+}
+
 static bool unknown_command(const struct session *session, struct text word, struct error *error)
 {
     struct named_value value;
@@ -33,6 +46,10 @@ static bool find_command(struct session *session, struct parser *parser, const s
         *command = (const struct command *)(const void *)catalog_find(&command_catalog, TEXT("set"));
         return true;
     }
+    if (is_equation(parser->rest)) {
+        *command = (const struct command *)(const void *)catalog_find(&command_catalog, TEXT("equation"));
+        return true;
+    }
     const struct text word = peek_word(parser->rest, "");
     *command = (const struct command *)(const void *)choose(session, &command_catalog, word);
     parser->rest = (struct text){word.at + word.len, parser->rest.len - word.len};
@@ -45,8 +62,8 @@ static bool run_handler(struct session *session, const struct arguments *argumen
 {
     const struct command *command = arguments->command;
     struct snapshot *before = NULL;
-    /* What changes while a run goes on is undone with the run. */
-    if ((command->flags & COMMAND_CHANGES) && session->live.state != LIVE_RUNNING) {
+    /* What changes while a run goes on, or by its events, is undone with the run. */
+    if ((command->flags & COMMAND_CHANGES) && session->live.state != LIVE_RUNNING && !session->reacting) {
         before = snapshot_take(session, command->row.name);
         if (!before)
             return error_memory(error);
@@ -111,6 +128,10 @@ static bool exec_statement(struct session *session, struct text statement, const
                   running->number);
         return error_hint(error, "'pause' or Ctrl-C pauses it");
     }
+    if (session->reacting && !(arguments->command->flags & COMMAND_ANYTIME)) {
+        error_set(error, ERROR_COMMAND, "an event cannot execute %s", arguments->command->row.name);
+        return error_hint(error, "its commands stand where a run has stopped: what would disturb it comes later");
+    }
     /* Only a condition looks into a run that is about to start. */
     const bool starts = strcmp(arguments->command->row.name, "run") == 0;
     names.expects_run = starts;
@@ -121,7 +142,7 @@ static bool exec_statement(struct session *session, struct text statement, const
     const uint64_t changes = session->changes;
     session->confirmed = false;
     const bool ok = run_handler(session, arguments, reply, error);
-    if (ok || session->changes != changes)
+    if ((ok || session->changes != changes) && !session->reacting)
         story_tell(session, arguments, statement, running != NULL, ok, told);
     reply_command_end(reply, arguments->command->row.name);
     if (!ok && !running) {
@@ -131,7 +152,7 @@ static bool exec_statement(struct session *session, struct text statement, const
     if (!ok)
         return false;
     session->commands++;
-    const bool told_by_source = where && where->parent;
+    const bool told_by_source = session->reacting || (where && where->parent);
     if (told_by_source && !running)
         buffer_free(&session->live.record);
     if (!(arguments->command->flags & COMMAND_UNRECORDED) && !told_by_source &&

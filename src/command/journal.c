@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "events.h"
 #include "journal.h"
 
 #include <math.h>
@@ -78,10 +79,14 @@ void journal_scene(const struct held_run *held, struct scene *scene)
 
 /* ---- doing it again ---- */
 
-/* On along a leg until step `end`. */
-static void go(struct session *session, struct run *run, const struct leg *leg, int64_t end)
+/* On along a leg until step `end`; so_far: the run with the legs done before. */
+static void go(struct session *session, const struct held_run *so_far, const struct leg *leg, int64_t end)
 {
+    struct run *run = so_far->run;
     struct names names = {.session = session, .run = run};
+    struct in_force force = {.held = so_far, .legs = -1};
+    struct names watched = {.session = session, .run = run, .in_force = &force, .saved_only = true};
+    const struct expr_scope watching = names_scope(&watched);
     const struct expr_scope scope = names_scope(&names);
     struct arena arena = {0};
     struct condition condition;
@@ -90,6 +95,7 @@ static void go(struct session *session, struct run *run, const struct leg *leg, 
     struct run_target target = {.t = leg->t, .steps = end - run->steps, .scope = &scope};
     if (leg->condition && condition_compile(text_of(leg->condition), &scope, &arena, &condition, &used, &ignored))
         target.condition = &condition;
+    events_compile(so_far->events, &watching, &arena, &target.event, &target.events, &ignored);
     if (target.steps > 0)
         run_advance(run, &target, 0, NULL);
     arena_reset(&arena);
@@ -100,9 +106,10 @@ static void replay(struct session *session, struct held_run *held, const struct 
     struct run *run = held->run;
     const struct leg *going = NULL;
     struct error ignored;
-    for (int i = 0; i < legs; i++) {
+    struct held_run so_far = {.run = run, .events = held->events, .leg = (struct leg *)(uintptr_t)leg};
+    for (int i = 0; i < legs; i++, so_far.legs = i) {
         if (going)
-            go(session, run, going, leg[i].from);
+            go(session, &so_far, going, leg[i].from);
         if (leg[i].from < run->steps && leg[i].kind != LEG_GO)
             continue; /* done before */
         if (leg[i].kind == LEG_GO) {
@@ -110,14 +117,14 @@ static void replay(struct session *session, struct held_run *held, const struct 
         } else if (leg[i].kind == LEG_BACK) {
             run_back(run, leg[i].rows);
         } else {
-            const struct held_run before = {.run = run, .leg = (struct leg *)(uintptr_t)leg, .legs = i + 1};
             struct scene scene;
-            journal_scene(&before, &scene);
+            so_far.legs = i + 1;
+            journal_scene(&so_far, &scene);
             run_rebind(run, &scene, &ignored);
         }
     }
     if (going)
-        go(session, run, going, steps);
+        go(session, &so_far, going, steps);
 }
 
 static bool same_leg(const struct leg *a, const struct leg *b)

@@ -78,6 +78,8 @@ bool write_tables(struct report *report, struct error *error);
 
 /* ---- sections ---- */
 
+/* Those of a section that the session has something for. first: the run that the sections on simulation begin with. */
+void put_questions(struct report *report, enum section section, const struct run *first);
 bool write_sections(struct report *report, struct error *error);
 /* Sections that are not there, with what to type. */
 void report_missing(const struct report *report, void (*say)(void *context, const char *what), void *context);

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What names mean in expressions: state and observables of the current run first, then parameters and derived
- * quantities of the scene, settings, variables, results. */
-#include "internal.h"
+/*
+ * What names mean in expressions: state and observables of the current run first, then parameters and derived
+ * quantities of the scene, settings, variables, results. Parameters that a user has typed come before observables.
+ */
+#include "journal.h"
 
 #include <math.h>
 #include <string.h>
 
-enum name_kind { NAME_STATE, NAME_OBSERVABLE, NAME_PARAM, NAME_DERIVED, NAME_SETTING, NAME_LET, NAME_RESULT };
+enum name_kind { NAME_STATE, NAME_OBSERVED, NAME_OBSERVABLE, NAME_PARAM, NAME_DERIVED, NAME_SETTING, NAME_LET, NAME_RESULT };
 
 #define SLOT_KIND 16 /* slot = kind << SLOT_KIND | place */
 
@@ -48,15 +50,32 @@ static bool in_state(const struct model *model, struct text name, int *place)
     return *place >= 0;
 }
 
+/* Whose parameters have names. */
+static const struct scene *scene_of(const struct names *names)
+{
+    struct in_force *force = names->in_force;
+    if (!force)
+        return &names->session->setup.scene;
+    if (force->legs != force->held->legs) {
+        journal_scene(force->held, &force->scene);
+        force->legs = force->held->legs;
+    }
+    return &force->scene;
+}
+
 static bool find_name(const struct names *names, struct text name, int *slot)
 {
     const struct session *session = names->session;
-    const struct scene *scene = &session->setup.scene;
+    const struct scene *scene = scene_of(names);
     const struct model *moving = state_model(names);
     enum name_kind kind;
     int place = 0;
     if (moving && in_state(moving, name, &place))
         kind = NAME_STATE;
+    else if (moving && (place = model_observation(moving, name)) >= 0)
+        kind = NAME_OBSERVED;
+    else if (scene->model->typed && in_catalog(scene_params(scene), name, &place))
+        kind = NAME_PARAM;
     else if (moving && in_catalog(&observable_catalog, name, &place))
         kind = NAME_OBSERVABLE;
     else if (in_catalog(scene_params(scene), name, &place))
@@ -93,6 +112,7 @@ static struct named_value slot_value(const struct names *names, int slot)
     const struct run *run = names->run ? names->run : session_run(session);
     const size_t place = (size_t)(slot & ((1 << SLOT_KIND) - 1));
     const struct setup *setup = &session->setup;
+    const struct scene *scene = scene_of(names);
     struct named_value value = {.value = NAN, .quantity = QUANTITY_OTHER};
     const struct model *moving = state_model(names);
     switch ((enum name_kind)(slot >> SLOT_KIND)) {
@@ -100,6 +120,11 @@ static struct named_value slot_value(const struct names *names, int slot)
         value.quantity = moving->variable[place].quantity;
         if (run && run->system.model == moving)
             value.value = run->y[place];
+        break;
+    case NAME_OBSERVED:
+        value.quantity = model_observed_variable(moving, (int)place).quantity;
+        if (run && run->system.model == moving)
+            value.value = run_observed(run, (int)place);
         break;
     case NAME_OBSERVABLE: {
         const struct observable *observable =
@@ -110,14 +135,14 @@ static struct named_value slot_value(const struct names *names, int slot)
         break;
     }
     case NAME_PARAM:
-        value.value = setup->scene.value[place];
-        value.uncertainty = setup->scene.uncertainty[place];
-        value.quantity = param_at(&setup->scene, (int)place)->quantity;
+        value.value = scene->value[place];
+        value.uncertainty = scene->uncertainty[place];
+        value.quantity = param_at(scene, (int)place)->quantity;
         break;
     case NAME_DERIVED: {
         const struct derived_row *derived =
-            (const struct derived_row *)(const void *)catalog_row(scene_derived(&setup->scene), place);
-        const struct measured measured = derived->value(&setup->scene);
+            (const struct derived_row *)(const void *)catalog_row(scene_derived(scene), place);
+        const struct measured measured = derived->value(scene);
         value.value = measured.value;
         value.uncertainty = measured.uncertainty;
         value.quantity = derived->quantity;
@@ -151,6 +176,8 @@ static void each_name(const struct session *session, const struct model *moving,
     for (int i = 0; i < moving->n; i++)
         if (!catalog_find(&observable_catalog, text_of(moving->variable[i].name)))
             offer(context, moving->variable[i].name, quantity_name(moving->variable[i].quantity));
+    for (int i = 0; i < model_observed(moving); i++)
+        offer(context, model_observed_variable(moving, i).name, "observed");
     for (size_t c = 0; c < COUNT_OF(catalogs); c++)
         for (size_t i = 0; i < catalogs[c]->count; i++) {
             const struct row *row = catalog_row(catalogs[c], i);
@@ -210,7 +237,9 @@ bool names_explain(const struct session *session, struct error *error)
     int slot;
     if (find_name(&names, name, &slot))
         return false;
-    if (catalog_find(&observable_catalog, name) || model_variable(session->setup.scene.model, name) >= 0) {
+    const struct model *model = session->setup.scene.model;
+    if (catalog_find(&observable_catalog, name) || model_variable(model, name) >= 0 ||
+        model_observation(model, name) >= 0) {
         error_at(error, name, "'%.*s' has no value: there is no run yet", (int)name.len, name.at);
         return error_hint(error, "type: run");
     }
@@ -241,6 +270,10 @@ bool name_is_taken(const struct session *session, struct text name, const char *
     int place;
     if (in_state(scene->model, name, &place)) {
         *kind = "state variable";
+        return true;
+    }
+    if (model_observation(scene->model, name) >= 0) {
+        *kind = "observed quantity";
         return true;
     }
     *kind = in_values(session->result, session->results, name, &place) ? "result" : "constant";

@@ -9,6 +9,12 @@ const struct param_row *param_at(const struct scene *scene, int place)
     return (const struct param_row *)(const void *)catalog_row(scene_params(scene), (size_t)place);
 }
 
+int scene_param_at(const struct scene *scene, struct text name)
+{
+    const struct row *row = catalog_find(scene_params(scene), name);
+    return row ? catalog_place(scene_params(scene), row) : -1;
+}
+
 double param_value(const struct scene *scene, const char *name)
 {
     const int place = scene_param(scene, name);
@@ -19,6 +25,20 @@ bool param_given(const struct scene *scene, const char *name)
 {
     const int place = scene_param(scene, name);
     return place >= 0 && scene->given[place];
+}
+
+bool is_oscillator(const struct scene *scene)
+{
+    return typed_base(scene->model) == &oscillator_model;
+}
+
+void scene_lines(const struct scene *scene, const char *before, struct buffer *text)
+{
+    for (int i = 0; i < typed_lines(scene->model); i++) {
+        buffer_put(text, text_of(before));
+        typed_describe(typed_line(scene->model, i), text);
+        buffer_char(text, '\n');
+    }
 }
 
 enum effect { EFFECT_NONE, EFFECT_START, EFFECT_FORCE };
@@ -50,15 +70,20 @@ bool param_matters(const struct scene *scene, int place)
     const struct param_row *row = param_at(scene, place);
     const struct text name = text_of(row->row.name);
     const bool set = scene->given[place] || scene->value[place] != row->initial;
-    if (scene->model == &oscillator_model)
+    if (is_oscillator(scene))
         return text_is(name, "m") || text_is(name, "k") || (set && scene->value[place] != 0);
     return scene->value[place] != 0 && !text_is(name, "t0") && effect_of(scene, place) != EFFECT_NONE;
 }
 
 int model_variable(const struct model *model, struct text name)
 {
-    for (int i = 0; i < model->n; i++)
-        if (text_is(name, model->variable[i].name))
+    return model_state(model, name);
+}
+
+int model_observation(const struct model *model, struct text name)
+{
+    for (int i = 0; i < model_observed(model); i++)
+        if (text_is(name, model_observed_variable(model, i).name))
             return i;
     return -1;
 }

@@ -302,6 +302,7 @@ void reply_command_begin(struct reply *reply, enum output_format format)
     reply->format = format;
     reply->recorded = false;
     buffer_clear(&reply->lines);
+    buffer_clear(&reply->json); /* a record that no line of text has shown */
 }
 
 void reply_command_end(struct reply *reply, const char *kind)

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The set-up as commands: only what differs from a new session, numbers that read back to the same doubles. */
+#include "events.h"
 #include "journal.h"
 
 #include <math.h>
@@ -8,10 +9,29 @@
 
 #define SECONDS_MOST 2.0 /* [s] of computing: what takes longer is not done again when a session is resumed */
 
+/* A line may use what was typed after it, where it has taken the place of another: here each comes after all that it
+ * can use. */
+static void save_lines(const struct model *model, struct buffer *text)
+{
+    static const enum typed_kind order[] = {TYPED_VAR,      TYPED_PARAM, TYPED_OBSERVE,
+                                            TYPED_EQUATION, TYPED_FORCE, TYPED_POTENTIAL};
+    for (size_t kind = 0; kind < COUNT_OF(order); kind++)
+        for (int i = 0; i < typed_lines(model); i++) {
+            if (typed_line(model, i)->kind != order[kind])
+                continue;
+            typed_describe(typed_line(model, i), text);
+            buffer_char(text, '\n');
+        }
+}
+
 static void save_scene(const struct scene *scene, bool always, struct buffer *text)
 {
-    if (always || scene->preset != (const struct preset *)(const void *)catalog_row(&preset_catalog, 0))
-        buffer_format(text, "scene %s\n", scene->preset->row.name);
+    const struct row *first = catalog_row(&preset_catalog, 0);
+    const bool own = !typed_base(scene->model);
+    /* What is all typed begins on a built-in scene, whatever was there. */
+    if (always || own || &scene->preset->row != first)
+        buffer_format(text, "scene %s\n", own ? first->name : scene->preset->row.name);
+    save_lines(scene->model, text);
     for (size_t i = 0; i < scene_params(scene)->count; i++) {
         const struct param_row *param = param_at(scene, (int)i);
         if (!scene->given[i])
@@ -158,6 +178,7 @@ void session_save(const struct session *session, struct buffer *text)
     buffer_put(text, TEXT("# set-up saved by hooke " HOOKE_VERSION "\n"));
     save_let(&session->setup, text); /* the scene may have a parameter of that name */
     save_scene(&session->setup.scene, false, text);
+    events_save(session->setup.events, false, text);
     save_method(&session->setup, false, text);
     save_settings(&session->setup.settings, false, text);
     save_recordings(session, false, text);
@@ -175,6 +196,8 @@ static bool save_run(const struct session *session, const struct held_run *held,
     const struct setup setup = {.method = run->method, .drag = run->settings.drag};
     const size_t before = text->len;
     save_scene(&run->scene, true, text);
+    buffer_put(text, TEXT("event off\n"));
+    events_save(held->events, true, text); /* what they execute is in the journal */
     buffer_format(text, "method %s dt=", setup.method->row.name);
     buffer_exact(text, (struct measured){run->settings.dt, 0}, QUANTITY_TIME);
     if (run->plan.adaptive) {
@@ -225,6 +248,8 @@ void session_autosave(const struct session *session, struct buffer *text)
         current |= there && i == session->current_run;
     }
     save_scene(&session->setup.scene, kept, text);
+    buffer_put(text, kept ? TEXT("event off\n") : TEXT(""));
+    events_save(session->setup.events, false, text);
     save_method(&session->setup, kept, text);
     save_settings(&session->setup.settings, kept, text);
     if (!session->data_is_latest)

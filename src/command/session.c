@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The session: its runs, recordings and results. */
+#include "events.h"
 #include "journal.h"
 
 #include <math.h>
@@ -11,9 +12,14 @@
 struct session *session_create(const struct front *front)
 {
     struct session *session = calloc(1, sizeof *session);
+    struct error ignored;
     if (!session)
         return NULL;
     session->front = *front;
+    if (!(session->models = typed_create(&ignored))) {
+        free(session);
+        return NULL;
+    }
     scene_init(&session->setup.scene, NULL);
     session->setup.method = (const struct method *)(const void *)catalog_find(&method_catalog, TEXT("euler"));
     session_default_settings(&session->setup.settings);
@@ -42,16 +48,23 @@ void session_destroy(struct session *session)
     free(session->history);
     free(session->measurement);
     free(session->kept_fit);
+    free(session->fit_curve[0]);
+    free(session->fit_curve[1]);
     buffer_free(&session->story);
     if (session->precision)
         precision_free(session->precision);
     free(session->precision);
+    if (session->sweep)
+        sweep_free(session->sweep);
+    free(session->sweep);
     log_clear(&session->log);
     buffer_free(&session->live.record);
     buffer_free(&session->live.typed);
     free(session->record_path);
     if (session->record_fd >= 0)
         close(session->record_fd);
+    typed_destroy(session->models);
+    events_destroy(session->events);
     free(session);
 }
 
@@ -204,7 +217,9 @@ void session_keep_fit(struct session *session, const struct kept_fit *fit)
 {
     struct kept_fit *kept = NULL;
     for (int i = 0; i < session->kept_fits; i++)
-        if (strcmp(session->kept_fit[i].of, fit->of) == 0 && strcmp(session->kept_fit[i].fit.model, fit->fit.model) == 0)
+        if (strcmp(session->kept_fit[i].of, fit->of) == 0 &&
+            strcmp(session->kept_fit[i].fit.model, fit->fit.model) == 0 &&
+            memcmp(session->kept_fit[i].fit.window, fit->fit.window, sizeof fit->fit.window) == 0)
             kept = &session->kept_fit[i];
     if (!kept) {
         struct kept_fit *larger =

@@ -214,7 +214,7 @@ static bool add_residual(struct drawing *d, const struct recording *recording)
     const double shift = recording->zero - d->session->fit_zero; /* since the fit */
     for (size_t i = 0; i < curve->n; i++)
         left[i] =
-            curve->y[i] - (fitted ? fit_value(&d->session->fit, curve->x[i]) - shift : run_position(run, curve->x[i]));
+            curve->y[i] - (fitted ? session_fit_value(d->session, curve->x[i]) - shift : run_position(run, curve->x[i]));
     curve->y = left;
     curve->label = fitted ? "data - fit" : "data - run";
     return true;
@@ -304,6 +304,8 @@ static const char *make_note(const struct drawing *d)
     else if (isfinite(d->period) && plot_rows[request->kind].periods &&
              d->shown * PERIOD_COLUMNS_DOTS > d->period * (request->width - FRAME_COLUMNS))
         buffer_format(&text, "%.0f periods: envelope", d->shown / d->period);
+    else if (request->kind == PLOT_ENERGY && d->motion.n > 0)
+        buffer_put(&text, text_of(d->motion.how_k));
     const char *note = text.len ? arena_text(d->arena, buffer_text(&text)) : NULL;
     buffer_free(&text);
     return note;

@@ -35,7 +35,7 @@ bool run_series(const struct run *run, bool energy, struct arena *arena, struct 
 
 bool needs_spring(const struct scene *scene, const char *what, struct error *error)
 {
-    if (scene->model == &oscillator_model)
+    if (is_oscillator(scene))
         return true;
     error_set(error, ERROR_COMMAND, "%s needs the mass and the spring of an oscillator, the scene is %s", what,
               scene->preset->row.name);
@@ -181,7 +181,7 @@ const struct scene *subject_scene(const struct session *session, const struct ru
     const struct scene *scene = &session->setup.scene;
     if (run)
         return &run->scene;
-    return scene->model == &oscillator_model && (param_given(scene, "k") || param_given(scene, "m")) ? scene : NULL;
+    return is_oscillator(scene) && (param_given(scene, "k") || param_given(scene, "m")) ? scene : NULL;
 }
 
 double derived_value(const struct scene *scene, const char *name)

@@ -96,7 +96,9 @@ static bool to_si(const struct part *part, const struct unit *fallback, const ch
 /* Quantity of an expression that is a single name. */
 static enum quantity quantity_of_name(const struct parser *parser, struct text typed)
 {
-    return peek_name(typed).len == typed.len ? name_quantity(parser->scope, typed) : QUANTITY_OTHER;
+    const size_t used = peek_name(typed).len;
+    const bool whole = used == typed.len || (used > 0 && used + 1 == typed.len && typed.at[used] == '\''); /* y' */
+    return whole ? name_quantity(parser->scope, typed) : QUANTITY_OTHER;
 }
 
 bool parse_value(struct parser *parser, const char *what, enum quantity wanted, struct item *item, struct error *error)

@@ -16,16 +16,7 @@
 #define SHOULDER_LEAST 3   /* samples in a row; fewer are spikes */
 #define STUCK_LEAST 5      /* samples */
 #define STUCK_MOVES 8.0    /* noise or steps that the motion goes meanwhile */
-#define CLIPPED_LEAST 12   /* samples */
 #define LEVELS_FEW 100     /* in the swing: steps of a percent of it */
-
-static void note(struct finding *finding, double t, size_t samples)
-{
-    if (finding->places < FINDING_PLACES)
-        finding->first[finding->places] = t;
-    finding->places++;
-    finding->count += samples;
-}
 
 static void note_size(struct finding *finding, double size)
 {
@@ -42,7 +33,7 @@ static void find_gaps(struct cleaning *c)
     c->step = sorted_quantile(c->sorted, c->n - 1, 0.5);
     for (size_t i = 0; i + 1 < c->n; i++)
         if (c->t[i + 1] - c->t[i] > GAP * c->step) {
-            note(gaps, c->t[i], 1);
+            clean_note(gaps, c->t[i], 1);
             note_size(gaps, c->t[i + 1] - c->t[i]);
         }
 }
@@ -56,7 +47,7 @@ static void find_missing(struct cleaning *c)
         c->excluded[i] = 1;
         missing->count++;
         if (i == 0 || !c->excluded[i - 1])
-            note(missing, c->t[i], 0);
+            clean_note(missing, c->t[i], 0);
     }
     c->findings->of[FINDING_REPEATED].count = c->recording->repeated;
     c->findings->of[FINDING_BACKWARD].count = c->recording->backward;
@@ -109,97 +100,13 @@ static void find_stuck(struct cleaning *c)
         }
         const bool end = from == 0 || to == c->n, many = to - from >= STUCK_LEAST;
         const bool lasts = c->t[to - 1] - c->t[from] > 0.5 * c->period && c->typical > c->quantum;
-        if (end || !many || !(high - low > least || lasts))
+        if (end || !many || c->excluded[from] || !(high - low > least || lasts))
             continue;
         for (size_t i = from + 1; i < to; i++) {
             c->findings->mask[i] = 1 + FINDING_STUCK;
             c->excluded[i] = 1;
         }
     }
-}
-
-/* ---- flat tops ---- */
-
-struct layer {
-    double low, high;
-    size_t count;
-};
-
-/*
- * Far more samples within a thin layer near an extreme than just below it: a sine has 2.4 times as many at most, and
- * hardly any lie beyond. width 0: the same value again and again.
- */
-static bool densest_layer(const struct cleaning *c, const double *sorted, size_t n, bool upper, double width,
-                          struct layer *layer)
-{
-    const double middle = sorted[n / 2], reach = fmax(width, fmax(0.01 * c->swing, 1.5 * c->quantum));
-    size_t first = 0, last = 0, below = 0, above = 0;
-    layer->count = 0;
-    for (size_t i = 0, end = 0; i < n; i++) {
-        while (end < n && sorted[end] <= sorted[i] + width)
-            end++;
-        const double centre = sorted[i] + 0.5 * width;
-        if ((upper ? centre - middle : middle - centre) < 0.2 * c->swing || end - i <= layer->count)
-            continue;
-        *layer = (struct layer){sorted[i], sorted[i] + width, end - i};
-        first = i;
-        last = end;
-    }
-    if (layer->count < CLIPPED_LEAST)
-        return false;
-    for (size_t i = first; i-- > 0 && sorted[i] >= layer->low - reach;)
-        below++;
-    for (size_t i = last; i < n && sorted[i] <= layer->high + reach; i++)
-        above++;
-    const size_t inside = upper ? below : above, outside = upper ? n - last : first;
-    return layer->count > 5 * inside && 4 * outside < layer->count;
-}
-
-static bool in_layer(const struct cleaning *c, size_t i, const struct layer *layer)
-{
-    return c->y[i] >= layer->low && c->y[i] <= layer->high;
-}
-
-/* In at least three cycles, none of which holds half of it: that is no rest. */
-static void find_clipped(struct cleaning *c, bool upper)
-{
-    struct finding tops = {.size = NAN}, *clipped = &c->findings->of[FINDING_CLIPPED];
-    struct layer layer = {0};
-    size_t n = 0, most = 0, here = 0;
-    double until = -HUGE_VAL, sum = 0;
-    for (size_t i = 0; i < c->n; i++)
-        if (!isnan(c->y[i]))
-            c->sorted[n++] = c->y[i];
-    sorted_quantile(c->sorted, n, 0);
-    const double thin = fmax(0.01 * c->swing, 2.1 * c->quantum), widths[] = {0, thin, fmax(thin, 6 * c->typical)};
-    bool found = false;
-    for (size_t k = 0; k < COUNT_OF(widths) && n >= CLIPPED_LEAST && !found; k++)
-        found = densest_layer(c, c->sorted, n, upper, widths[k], &layer);
-    if (!found)
-        return;
-    for (size_t i = 0; i < c->n; i++) {
-        if (!in_layer(c, i, &layer))
-            continue;
-        here = c->t[i] > until ? 0 : here;
-        note(&tops, c->t[i], 0);
-        tops.places -= c->t[i] > until ? 0 : 1;
-        here++;
-        most = here > most ? here : most;
-        tops.count++;
-        sum += c->y[i];
-        until = c->t[i] + 0.25 * c->period;
-    }
-    if (tops.places < 3 || 2 * most > tops.count)
-        return;
-    const bool earlier = clipped->count > 0 && clipped->first[0] < tops.first[0];
-    for (int k = 0; k < FINDING_PLACES && !earlier; k++)
-        clipped->first[k] = tops.first[k];
-    clipped->size = sum / (double)tops.count;
-    clipped->count += tops.count;
-    clipped->places += tops.places;
-    for (size_t i = 0; i < c->n; i++)
-        if (in_layer(c, i, &layer))
-            c->excluded[i] = 2;
 }
 
 /* ---- the ends ---- */
@@ -270,9 +177,9 @@ static void find_ends(struct cleaning *c)
     c->findings->window[0] = c->t[from];
     c->findings->window[1] = c->t[to - 1];
     if (from > 0)
-        note(&c->findings->of[FINDING_START], c->t[0], from);
+        clean_note(&c->findings->of[FINDING_START], c->t[0], from);
     if (to < c->n)
-        note(&c->findings->of[FINDING_END], c->t[to], c->n - to);
+        clean_note(&c->findings->of[FINDING_END], c->t[to], c->n - to);
 }
 
 /* ---- bad echoes ---- */
@@ -314,12 +221,12 @@ static void trim_ends(struct cleaning *c)
         ;
     if (from - first >= SHOULDER_LEAST) {
         f->of[FINDING_START].places = 0;
-        note(&f->of[FINDING_START], c->t[0], from - first);
+        clean_note(&f->of[FINDING_START], c->t[0], from - first);
         f->window[0] = c->t[from];
     }
     if (last - to >= SHOULDER_LEAST) {
         f->of[FINDING_END].places = 0;
-        note(&f->of[FINDING_END], c->t[to + 1], last - to);
+        clean_note(&f->of[FINDING_END], c->t[to + 1], last - to);
         f->window[1] = c->t[to];
     }
 }
@@ -347,7 +254,7 @@ static void count_masked(struct cleaning *c)
         }
         if (outside)
             continue;
-        note(&f->of[found], c->t[from], to - from);
+        clean_note(&f->of[found], c->t[from], to - from);
         f->masked += to - from;
     }
 }
@@ -406,7 +313,7 @@ static bool find_sway(struct cleaning *c)
     }
     const double sway = sqrt(square / (double)(n - 3)), noise = sqrt(expected / (double)n);
     if (sway > SWAY_LEAST && sway > 3 * noise && turns >= SWAY_TURNS) {
-        note(&f->of[FINDING_SWAY], first, n);
+        clean_note(&f->of[FINDING_SWAY], first, n);
         f->of[FINDING_SWAY].size = sway;
         f->sway_period = 2 * (last - first) / (double)turns;
     }
@@ -419,8 +326,8 @@ static bool inspect_motion(struct cleaning *c)
 {
     if (!clean_fit(c))
         return false;
-    find_clipped(c, true);
-    find_clipped(c, false);
+    clean_clipped(c, true);
+    clean_clipped(c, false);
     find_stuck(c);
     if (!clean_fit(c)) /* without what was found so far */
         return false;

@@ -25,7 +25,7 @@ struct cleaning {
     double quantum;          /* SI; values are multiples of it; 0: no step is seen */
     double swing;            /* of all but the extreme values */
     double typical;          /* median of the local scales */
-    unsigned char *excluded; /* [n] takes no part in the local fits: censored, stuck, missing */
+    unsigned char *excluded; /* [n] takes no part in the local fits: clipped, stuck, missing */
     double *residual;        /* [n] y - local fit; 0 where there is none */
     double *model;           /* [n] local fit, NAN where there is none */
     double *sorted;          /* [n] work */
@@ -40,5 +40,18 @@ double sorted_quantile(double *value, size_t n, double q); /* sorts */
  * robustly; fills local, residual, model and typical. False: no memory.
  */
 bool clean_fit(struct cleaning *cleaning);
+
+/* Notes a stretch of samples that begins at t. */
+static inline void clean_note(struct finding *finding, double t, size_t samples)
+{
+    if (finding->places < FINDING_PLACES)
+        finding->first[finding->places] = t;
+    finding->places++;
+    finding->count += samples;
+}
+
+/* Flat tops on one side, three samples at least in each of at least three cycles, none of which holds half of them (that were a rest): noted, and
+ * excluded from the local fits. */
+void clean_clipped(struct cleaning *cleaning, bool upper);
 
 #endif

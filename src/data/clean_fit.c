@@ -15,7 +15,7 @@ enum { TERMS = 6, SAMPLES_LEAST = 2 * TERMS, ROUNDS_HUBER = 6, ROUNDS = 12 };
 #define TWO_PI 6.28318530717958647692
 #define MAD_TO_SIGMA 1.4826
 #define BISQUARE 4.685 /* robust standard deviations: 95 % efficiency */
-#define NOTHING 1e-12  /* of the swing */
+#define NEAR_ENOUGH 0.002 /* of the swing: so far the amplitude may bend within two periods */
 
 static int ascending(const void *a, const void *b)
 {
@@ -146,8 +146,9 @@ static void fit_local(struct cleaning *c, struct local *local, const struct stre
             terms_at(c->t[i], local->t, c->period, s.term[s.n]);
             s.y[s.n++] = c->y[i];
         }
-    const double least = fmax(c->quantum / sqrt(12.0), NOTHING * c->swing);
+    const double least = fmax(c->quantum / sqrt(12.0), NEAR_ENOUGH * c->swing);
     local->fitted = s.n >= SAMPLES_LEAST && robust_fit(&s, least, parameter, &local->scale);
+    local->scale *= local->fitted ? (double)s.n / (double)(s.n - TERMS) : 1; /* so few samples are followed too closely */
     local->amplitude = local->fitted ? hypot(parameter[2], parameter[3]) : NAN;
     for (size_t i = local->from; i < local->to; i++) {
         terms_at(c->t[i], local->t, c->period, here);

@@ -204,6 +204,7 @@ void recording_restore(struct recording *recording)
     recording->window[1] = recording->t[recording->rows - 1];
     recording->zero = 0;
     recording->cleaned = false;
+    recording->velocity[0] = 0;
 }
 
 /* First row with t >= from. */

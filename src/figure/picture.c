@@ -4,6 +4,7 @@
 
 #ifdef HAVE_CAIRO
 #include <stdio.h>
+#include <string.h>
 
 #define CELL_WIDTH 6.0 /* [pt] of a digit: ticks are chosen as for cells of this size */
 #define CELL_HEIGHT 12.0
@@ -278,6 +279,19 @@ static cairo_surface_t *make_surface(const struct cairo_api *api, enum picture k
     return surface;
 }
 
+/* cairo numbers the surfaces of a process in the SVG; without that the same figure gives the same file. */
+static void forget_count(struct buffer *out, size_t from)
+{
+    static const char mark[] = "id=\"surface";
+    char *at = out->data ? memmem(out->data + from, out->len - from, mark, sizeof mark - 1) : NULL;
+    if (!at)
+        return;
+    at += sizeof mark - 1;
+    const size_t digits = strspn(at, "0123456789");
+    memmove(at, at + digits, (size_t)(out->data + out->len - at) - digits + 1); /* with the NUL */
+    out->len -= digits;
+}
+
 static double page_length(double asked, double usual)
 {
     return !(asked > 0) ? usual : fmin(fmax(asked, LEAST), MOST);
@@ -291,6 +305,7 @@ bool picture_with(const struct cairo_api *api, const struct figure *figure, enum
                         .width = page_length(width, PICTURE_WIDTH),
                         .height = page_length(height, PICTURE_HEIGHT)};
     struct arena arena = {0};
+    const size_t before = out->len;
     cairo_surface_t *surface = make_surface(api, kind, page.width, page.height, out);
     page.cairo = api->create(surface);
 
@@ -311,6 +326,8 @@ bool picture_with(const struct cairo_api *api, const struct figure *figure, enum
     api->surface_finish(surface);
     drawn = drawn && api->surface_status(surface) == CAIRO_STATUS_SUCCESS && !out->failed;
     api->surface_destroy(surface);
+    if (drawn && kind == PICTURE_SVG)
+        forget_count(out, before);
     buffer_free(&page.text);
     arena_reset(&arena);
     return drawn || error_memory(error); /* what else can fail */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Kernels: the step bodies again, each row of explicit Runge-Kutta methods and splittings with each shape of oscillator
- * that is not linear (those have the propagator). The compiler knows coefficients and forces, so loops unroll, zeros
+ * Kernels: the step bodies again, each row of explicit Runge-Kutta methods and splittings with each shape that is not
+ * linear (those have the propagator). The compiler knows coefficients and forces, so loops unroll, zeros
  * vanish and the state stays in registers.
  */
 #define UNROLL _Pragma("GCC unroll 32")
@@ -9,45 +9,46 @@
 
 /* ---- explicit Runge-Kutta ---- */
 
-INLINE void rk_march(const struct method *method, slope_function *slope, const struct march *march)
+INLINE void rk_march(const struct method *method, int n, slope_function *slope, const struct march *march)
 {
     const struct tableau *tableau = method->tableau;
     struct step *step = march->step;
     const int stages = tableau->stages;
-    double k[STAGES_MAX * N], z[N], y[N] = {step->y[0], step->y[1]};
-    double *const last = k + (stages - 1) * N, *const kept = step->work + (stages - 1) * N;
+    double k[STAGES_MAX * MOST], z[MOST], y[MOST];
+    double *const last = k + (stages - 1) * n, *const kept = step->work + (stages - 1) * n;
     struct forces forces;
     forces_take(&forces, step->system);
+    copy_numbers(n, step->y, y);
     const bool known = tableau->fsal && step->warm;
     if (known)
-        memcpy(last, kept, N * sizeof *last);
+        copy_numbers(n, kept, last);
     else if (tableau->fsal)
         slope(&forces, march->origin + (double)march->first * step->h, y, last);
 
     double *row = march->row;
-    for (int64_t i = 0; i < march->count; i++, row += N) {
+    for (int64_t i = 0; i < march->count; i++, row += n) {
         if (tableau->fsal)
-            memcpy(k, last, N * sizeof *k);
-        rk_stages(tableau, N, slope, &forces, march->origin + (double)(march->first + i) * step->h, step->h, y, k, z,
+            copy_numbers(n, last, k);
+        rk_stages(tableau, n, slope, &forces, march->origin + (double)(march->first + i) * step->h, step->h, y, k, z,
                   NULL, tableau->fsal);
-        row[0] = y[0] = z[0];
-        row[1] = y[1] = z[1];
+        copy_numbers(n, z, y);
+        copy_numbers(n, z, row);
     }
     if (tableau->fsal)
-        memcpy(kept, last, N * sizeof *last);
-    memcpy(step->y, y, sizeof y);
+        copy_numbers(n, last, kept);
+    copy_numbers(n, y, step->y);
     step->warm = true;
     step->cost.evals += march->count * (stages - tableau->fsal) + (tableau->fsal && !known);
 }
 
 /* ---- splittings, with the drag that they have by default ---- */
 
-INLINE void split_march(const struct method *method, enum drag drag, force_function *force, force_function *velocity,
-                        const struct march *march)
+INLINE void split_march(const struct method *method, int n, enum drag drag, force_function *force,
+                        force_function *velocity, const struct march *march)
 {
     struct step *step = march->step;
     const double h = step->h;
-    double z[N] = {step->y[0], step->y[1]}, pull[1];
+    double z[MOST], pull[MOST / 2];
     struct forces known;
     forces_take(&known, step->system);
     const struct oscillator oscillator = step->system->oscillator;
@@ -60,22 +61,22 @@ INLINE void split_march(const struct method *method, enum drag drag, force_funct
     const bool freezes = drag == DRAG_EXACT && !way.around;
     for (int i = 0; freezes && i < way.splitting->count; i++)
         frozen[i] = frozen_over(&oscillator, splitting_weight(way.splitting, i) * h);
-    pull[0] = 0;
-    if (split_known(&way, step)) {
-        pull[0] = step->work[N];
-    } else if (way.continues) {
+    copy_numbers(n, step->y, z);
+    if (split_known(&way, step))
+        copy_numbers(n / 2, step->work + n, pull);
+    else if (way.continues)
         force(&known, march->origin + (double)march->first * h, z, pull);
-    }
+    else
+        sum_begin(n / 2, pull);
     double *row = march->row;
-    for (int64_t i = 0; i < march->count; i++, row += N) {
-        split_stages(&way, N, &forces, &half, freezes ? frozen : NULL, march->origin + (double)(march->first + i) * h,
+    for (int64_t i = 0; i < march->count; i++, row += n) {
+        split_stages(&way, n, &forces, &half, freezes ? frozen : NULL, march->origin + (double)(march->first + i) * h,
                      h, z, pull, NULL, way.continues);
-        row[0] = z[0];
-        row[1] = z[1];
+        copy_numbers(n, z, row);
     }
     step->cost.evals += march->count * (way.kicks - way.continues) + (way.continues && !step->warm);
-    step->work[N] = pull[0];
-    memcpy(step->y, z, sizeof z);
+    copy_numbers(n / 2, pull, step->work + n);
+    copy_numbers(n, z, step->y);
     step->warm = true;
 }
 
@@ -88,11 +89,11 @@ INLINE void split_march(const struct method *method, enum drag drag, force_funct
 #define RK_KERNEL(shape)                                                                                               \
     static void RK_NAME(shape)(const struct march *march)                                                              \
     {                                                                                                                  \
-        rk_march(&RK_ROW, shape##_slope, march);                                                                       \
+        rk_march(&RK_ROW, SIZE_##shape, shape##_slope, march);                                                         \
     }
 #define RUNGE_KUTTA(...)                                                                                               \
-    static const struct method RK_ROW = {.step = rk_step, __VA_ARGS__};                                                                 \
-    SHAPES(RK_KERNEL)
+    static const struct method RK_ROW = {.step = rk_step, __VA_ARGS__};                                                \
+    ALL_SHAPES(RK_KERNEL)
 #include "rk.def"
 #undef RUNGE_KUTTA
 
@@ -101,11 +102,11 @@ INLINE void split_march(const struct method *method, enum drag drag, force_funct
     static void SPLIT_NAME(shape)(const struct march *march)                                                           \
     {                                                                                                                  \
         const enum drag drag = (0 TERMS_OF_##shape(HAS_VELOCITY)) ? SPLIT_ROW.drag : DRAG_DEFAULT;                     \
-        split_march(&SPLIT_ROW, drag, shape##_force, shape##_drag, march);                                             \
+        split_march(&SPLIT_ROW, SIZE_##shape, drag, shape##_force, shape##_drag, march);                               \
     }
 #define SPLITTING(...)                                                                                                 \
-    static const struct method SPLIT_ROW = {.step = split_step, __VA_ARGS__};                                                              \
-    SHAPES(SPLIT_KERNEL)
+    static const struct method SPLIT_ROW = {.step = split_step, __VA_ARGS__};                                          \
+    ALL_SHAPES(SPLIT_KERNEL)
 #include "split.def"
 #undef SPLITTING
 
@@ -120,15 +121,17 @@ struct kernels {
 #define SPLIT_ENTRY(shape) SPLIT_NAME(shape),
 
 static const struct kernels kernels[] = {
-#define RUNGE_KUTTA(...) {&RK_ROW, {SHAPES(RK_ENTRY)}},
+#define RUNGE_KUTTA(...) {&RK_ROW, {ALL_SHAPES(RK_ENTRY)}},
 #include "rk.def"
-#define SPLITTING(...) {&SPLIT_ROW, {SHAPES(SPLIT_ENTRY)}},
+#define SPLITTING(...) {&SPLIT_ROW, {ALL_SHAPES(SPLIT_ENTRY)}},
 #include "split.def"
 };
 
 march_function *method_kernel(const struct method *method, const struct system *system, enum drag drag)
 {
     const int shape = shape_of(system);
+    if (system->model && system->model->typed)
+        return typed_kernel(method, system);
     if (shape < 0 || (method->splitting && system->velocity && drag != method->drag))
         return NULL;
     for (size_t i = 0; i < COUNT_OF(kernels); i++)

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * What kernels share: shapes of oscillators, each a list of terms in the order of terms.def, whose own functions are
- * used again. A shape is a line below and a line in SHAPES.
+ * What kernels share: shapes of scenes, each a list of terms in the order in which its model adds them, whose own
+ * functions are used again. A shape is a line below and a line in SHAPES or MODEL_SHAPES.
  */
 #ifndef HOOKE_METHOD_KERNEL_H
 #define HOOKE_METHOD_KERNEL_H
 
+#include "../scene/model_forces.h"
 #include "../scene/params.h"
 #define FORCE_TERMS "../scene/terms.def"
 #include "rk_body.h"
@@ -15,7 +16,7 @@
 #define JOIN_(a, b) a##b
 #define JOIN(a, b) JOIN_(a, b)
 
-enum { N = 2, STAGES_MAX = 16, WEIGHTS_MAX = 40, SHAPE_TERMS = 4 };
+enum { N = 2, MOST = 4, STAGES_MAX = 16, WEIGHTS_MAX = 40, SHAPE_TERMS = 4 };
 
 /* Coefficients of the terms, in order, where the compiler can keep them in registers. */
 struct forces {
@@ -40,11 +41,16 @@ enum {
 #define CONSERVATIVE_TERM(name, flags, ...) name##_flags = (flags),
 #define POWERED_TERM(name, flags, ...) name##_flags = (flags),
 #include FORCE_TERMS
+    weight_flags = 0,
+    attraction_flags = 0,
+    well_flags = 0,
 };
 
 /* ---- shapes ---- */
 
 #define SHAPES(S) S(drag) S(damped_drag) S(driven) S(duffing) S(driven_duffing) S(vanderpol)
+#define MODEL_SHAPES(S) S(pendulum) S(driven_pendulum) S(kepler) S(henon_heiles)
+#define ALL_SHAPES(S) SHAPES(S) MODEL_SHAPES(S)
 
 #define TERMS_OF_drag(T) T(0, spring) T(1, drag)
 #define TERMS_OF_damped_drag(T) T(0, spring) T(1, damping) T(2, drag)
@@ -52,6 +58,20 @@ enum {
 #define TERMS_OF_duffing(T) T(0, spring) T(1, cubic)
 #define TERMS_OF_driven_duffing(T) T(0, spring) T(1, damping) T(2, drive) T(3, cubic)
 #define TERMS_OF_vanderpol(T) T(0, spring) T(1, vanderpol)
+/* The pendulum's own damping and drive are the same text. */
+#define TERMS_OF_pendulum(T) T(0, weight)
+#define TERMS_OF_driven_pendulum(T) T(0, weight) T(1, damping) T(2, drive)
+#define TERMS_OF_kepler(T) T(0, attraction)
+#define TERMS_OF_henon_heiles(T) T(0, well)
+
+/* Their variables and models. */
+#define SHAPE_SIZE(shape) SIZE_##shape = 2,
+enum { SHAPES(SHAPE_SIZE) SIZE_pendulum = 2, SIZE_driven_pendulum = 2, SIZE_kepler = 4, SIZE_henon_heiles = 4 };
+
+#define model_of_pendulum pendulum_model
+#define model_of_driven_pendulum pendulum_model
+#define model_of_kepler kepler_model
+#define model_of_henon_heiles henon_heiles_model
 
 #define TERM_ALWAYS(i, name) name##_add(forces->c[i], t, y, a);
 #define TERM_IF_FORCE(i, name)                                                                                         \
@@ -62,44 +82,73 @@ enum {
         name##_add(forces->c[i], t, y, a);
 #define TERM_NAME(i, name) #name,
 
+INLINE void copy_numbers(int count, const double *from, double *to)
+{
+    for (int i = 0; i < count; i++)
+        to[i] = from[i];
+}
+
+INLINE void sum_begin(int count, double *sum)
+{
+    for (int i = 0; i < count; i++)
+        sum[i] = -0.0;
+}
+
 #define SHAPE_FUNCTIONS(shape)                                                                                         \
     INLINE void shape##_force(const void *known, double t, const double *y, double *a)                                 \
     {                                                                                                                  \
         const struct forces *forces = known;                                                                           \
-        a[0] = -0.0;                                                                                                   \
+        sum_begin(SIZE_##shape / 2, a);                                                                                \
         TERMS_OF_##shape(TERM_IF_FORCE)                                                                                \
     }                                                                                                                  \
     INLINE void shape##_drag(const void *known, double t, const double *y, double *a)                                  \
     {                                                                                                                  \
         const struct forces *forces = known;                                                                           \
-        a[0] = -0.0;                                                                                                   \
+        sum_begin(SIZE_##shape / 2, a);                                                                                \
         TERMS_OF_##shape(TERM_IF_DRAG)                                                                                 \
     }                                                                                                                  \
     INLINE void shape##_slope(const void *known, double t, const double *y, double *dydt)                              \
     {                                                                                                                  \
         const struct forces *forces = known;                                                                           \
-        double *a = dydt + 1;                                                                                          \
-        dydt[0] = y[1];                                                                                                \
-        a[0] = -0.0;                                                                                                   \
+        double *a = dydt + SIZE_##shape / 2;                                                                           \
+        copy_numbers(SIZE_##shape / 2, y + SIZE_##shape / 2, dydt);                                                    \
+        sum_begin(SIZE_##shape / 2, a);                                                                                \
         TERMS_OF_##shape(TERM_ALWAYS)                                                                                  \
     }
-SHAPES(SHAPE_FUNCTIONS)
+ALL_SHAPES(SHAPE_FUNCTIONS)
 
 #define SHAPE_PLACE(shape) SHAPE_##shape,
-enum { SHAPES(SHAPE_PLACE) SHAPE_COUNT };
+enum { ALL_SHAPES(SHAPE_PLACE) SHAPE_COUNT };
+
+static inline bool has_terms(const struct system *system, const struct model *model, const char *const *name)
+{
+    int i = 0;
+    while (i < system->terms && name[i] && strcmp(system->term[i].row->row.name, name[i]) == 0)
+        i++;
+    return system->model == model && i == system->terms && !name[i];
+}
+
+/* Which of these lists are the terms of this oscillator, -1: none. */
+static inline int shape_among(const struct system *system, const char *const (*names)[SHAPE_TERMS + 1], int count)
+{
+    for (int shape = 0; shape < count; shape++)
+        if (has_terms(system, &oscillator_model, names[shape]))
+            return shape;
+    return -1;
+}
 
 /* The system's shape, -1: it has none of these. */
 static inline int shape_of(const struct system *system)
 {
-#define SHAPE_TERMS_ROW(shape) {TERMS_OF_##shape(TERM_NAME)},
-    static const char *const names[SHAPE_COUNT][SHAPE_TERMS + 1] = {SHAPES(SHAPE_TERMS_ROW)};
-    for (int shape = 0; shape < SHAPE_COUNT; shape++) {
-        int i = 0;
-        while (i < system->terms && names[shape][i] && strcmp(system->term[i].row->row.name, names[shape][i]) == 0)
-            i++;
-        if (system->model == &oscillator_model && i == system->terms && !names[shape][i])
+#define OSCILLATOR_ROW(shape) {&oscillator_model, {TERMS_OF_##shape(TERM_NAME)}},
+#define MODEL_ROW(shape) {&model_of_##shape, {TERMS_OF_##shape(TERM_NAME)}},
+    static const struct {
+        const struct model *model;
+        const char *term[SHAPE_TERMS + 1];
+    } rows[SHAPE_COUNT] = {SHAPES(OSCILLATOR_ROW) MODEL_SHAPES(MODEL_ROW)};
+    for (int shape = 0; shape < SHAPE_COUNT; shape++)
+        if (has_terms(system, rows[shape].model, rows[shape].term))
             return shape;
-    }
     return -1;
 }
 

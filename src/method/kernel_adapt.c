@@ -11,8 +11,6 @@
 #include "kernel.h"
 #include "rk_error.h"
 
-#define MOST 4 /* variables */
-
 INLINE enum step_status one_step(const struct method *method, int n, slope_function *slope, const void *forces,
                                  struct step *step)
 {
@@ -49,6 +47,7 @@ INLINE enum step_status one_step(const struct method *method, int n, slope_funct
 #define LINEAR_SHAPES(S) S(spring) S(damped)
 #define TERMS_OF_spring(T) T(0, spring)
 #define TERMS_OF_damped(T) T(0, spring) T(1, damping)
+enum { LINEAR_SHAPES(SHAPE_SIZE) };
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-function"
 LINEAR_SHAPES(SHAPE_FUNCTIONS)
@@ -82,7 +81,7 @@ INLINE void plane_slope(const void *system, double t, const double *y, double *d
         struct forces forces;                                                                                          \
         (void)method;                                                                                                  \
         forces_take(&forces, step->system);                                                                            \
-        return one_step(&RK_ROW, N, shape##_slope, &forces, step);                                                     \
+        return one_step(&RK_ROW, SIZE_##shape, shape##_slope, &forces, step);                                          \
     }
 #define ANY_STEP(name, n)                                                                                              \
     static enum step_status STEP_NAME(name)(const struct method *method, struct step *step)                            \
@@ -92,7 +91,7 @@ INLINE void plane_slope(const void *system, double t, const double *y, double *d
     }
 #define RUNGE_KUTTA(...)                                                                                               \
     static const struct method RK_ROW = {__VA_ARGS__};                                                                 \
-    SHAPES(SHAPE_STEP)                                                                                                 \
+    ALL_SHAPES(SHAPE_STEP)                                                                                             \
     LINEAR_SHAPES(SHAPE_STEP)                                                                                          \
     ANY_STEP(line, 2)                                                                                                  \
     ANY_STEP(plane, 4)
@@ -109,7 +108,7 @@ static const struct {
     const struct method *method;
     step_function *step[STEP_COUNT];
 } steps[] = {
-#define RUNGE_KUTTA(...) {&RK_ROW, {SHAPES(STEP_ENTRY) LINEAR_SHAPES(STEP_ENTRY) STEP_NAME(line), STEP_NAME(plane)}},
+#define RUNGE_KUTTA(...) {&RK_ROW, {ALL_SHAPES(STEP_ENTRY) LINEAR_SHAPES(STEP_ENTRY) STEP_NAME(line), STEP_NAME(plane)}},
 #include "rk.def"
 };
 

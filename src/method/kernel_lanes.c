@@ -20,31 +20,39 @@ static inline scalar scalar_magnitude(scalar x)
     return fabs(x);
 }
 
-struct lane_march {
-    int64_t first, count;
-    const double *cosine; /* [count][places] of the drive, where it is the same for all; NULL: each its own */
-    int places;
-    double *row;
-};
+enum { TABLE_ROOM = 1 << 17 }; /* [double] a megabyte */
 
 struct lanes {
     const struct method *method;
     enum drag drag;
-    int shape;
+    int kind; /* place of the shape */
     double t0, h;
-    bool warm;    /* `kept` holds what the next step begins with */
-    bool divides; /* the flow of the drag has a divisor other than 1 */
-    bool together; /* all are driven alike */
-    double *cosine; /* [ROOM] of the drive */
-    int64_t tabled, tables; /* steps in it: from, how many */
-    double omega[LANES], phase[LANES];
+    int64_t step; /* taken */
     double c[SHAPE_TERMS][LANE_COEFFICIENTS][LANES];
     double y[2][LANES];
-    double kept[2][LANES];                     /* the last stage's slope, or the last force */
-    double keep[LANES], least[LANES], pull[LANES]; /* the drag's flow over h/2 */
+    double kept[2][LANES]; /* the last stage's slope, or the last force: what the next step begins with */
+    /* The drag's flow over h/2; with a divisor other than 1? */
+    double keep[LANES], least[LANES], pull[LANES];
+    bool divides;
     struct {
         double lost[LANES], pull[LANES];
-    } frozen[WEIGHTS_MAX]; /* of each kick */
+    } frozen[WEIGHTS_MAX]; /* exact linear drag in each kick */
+    double omega[LANES], phase[LANES];
+    /* The cosine of the drive at each place of each step, where it is the same in all lanes. It outlives them: the next
+     * block may be driven alike. */
+    struct {
+        const struct method *method;
+        double omega, phase, t0, h;
+        int64_t from, count; /* steps */
+        double value[TABLE_ROOM];
+    } table;
+};
+
+struct lane_march {
+    int64_t first, count;
+    const double *cosine; /* [count][places]; NULL: each lane has its own */
+    int places;
+    double *row;
 };
 
 typedef void lane_kernel(struct lanes *lanes, const struct lane_march *march);
@@ -91,9 +99,167 @@ static lane_kernel *kernel_of(const struct lanes *lanes)
     const int family = lanes->method->splitting != NULL;
 #ifdef __x86_64__
     if (__builtin_cpu_supports("avx512f"))
-        return kernels_8[lanes->shape][family];
+        return kernels_8[lanes->kind][family];
     if (__builtin_cpu_supports("avx2"))
-        return kernels_4[lanes->shape][family];
+        return kernels_4[lanes->kind][family];
 #endif
-    return kernels_2[lanes->shape][family];
+    return kernels_2[lanes->kind][family];
+}
+
+/* ---- the drive ---- */
+
+static int places(const struct method *method)
+{
+    return method->tableau ? method->tableau->stages : method->splitting->count;
+}
+
+/* Times of the step as the bodies compute them. */
+static void table_step(const struct lanes *lanes, double t, double *value)
+{
+    const double omega = lanes->omega[0], phase = lanes->phase[0], h = lanes->h;
+    for (int place = 0; place < places(lanes->method); place++) {
+        if (lanes->method->tableau) {
+            value[place] = cos(omega * (t + lanes->method->tableau->c[place] * h) + phase);
+        } else if ((place % 2 == 0) == lanes->method->splitting->kick_first) {
+            value[place] = cos(omega * t + phase);
+        } else {
+            t += splitting_weight(lanes->method->splitting, place) * h;
+        }
+    }
+}
+
+static bool driven_alike(const struct lanes *lanes)
+{
+    bool alike = true;
+    for (int lane = 1; lane < LANES; lane++)
+        alike &= lanes->omega[lane] == lanes->omega[0] && lanes->phase[lane] == lanes->phase[0];
+    return alike;
+}
+
+/* Values for march->count steps from march->first on, as many as there is room for. */
+static void table_steps(struct lanes *lanes, struct lane_march *march)
+{
+    const int64_t most = TABLE_ROOM / march->places;
+    const bool same = lanes->table.method == lanes->method && lanes->table.omega == lanes->omega[0] &&
+                      lanes->table.phase == lanes->phase[0] && lanes->table.t0 == lanes->t0 &&
+                      lanes->table.h == lanes->h;
+    const int64_t behind = march->first - lanes->table.from;
+    if (!same || behind < 0 || behind > lanes->table.count || behind == most) {
+        lanes->table.method = lanes->method;
+        lanes->table.omega = lanes->omega[0];
+        lanes->table.phase = lanes->phase[0];
+        lanes->table.t0 = lanes->t0;
+        lanes->table.h = lanes->h;
+        lanes->table.from = march->first;
+        lanes->table.count = 0;
+    }
+    const int64_t from = lanes->table.from, end = march->first + march->count;
+    while (lanes->table.count < most && from + lanes->table.count < end) {
+        const int64_t i = lanes->table.count++;
+        table_step(lanes, lanes->t0 + (double)(from + i) * lanes->h, lanes->table.value + i * march->places);
+    }
+    const int64_t there = from + lanes->table.count - march->first;
+    march->count = march->count < there ? march->count : there;
+    march->cosine = lanes->table.value + (march->first - from) * march->places;
+}
+
+/* ---- what callers use ---- */
+
+struct lanes *lanes_create(void)
+{
+    struct lanes *lanes = aligned_alloc(64, (sizeof *lanes + 63) / 64 * 64);
+    if (lanes)
+        memset(lanes, 0, sizeof *lanes);
+    return lanes;
+}
+
+void lanes_destroy(struct lanes *lanes)
+{
+    free(lanes);
+}
+
+static int lane_shape_of(const struct system *system)
+{
+#define LANE_NAMES(shape) {TERMS_OF_##shape(TERM_NAME)},
+    static const char *const names[LANE_SHAPE_COUNT][SHAPE_TERMS + 1] = {LANE_SHAPES(LANE_NAMES)};
+    return shape_among(system, names, LANE_SHAPE_COUNT);
+}
+
+int lanes_kind(const struct method *method, const struct system *system, enum drag drag, double h)
+{
+    const int shape = lane_shape_of(system);
+    const bool splits = method->splitting && (!system->velocity || drag == DRAG_EXPLICIT || drag == DRAG_EXACT);
+    if (shape < 0 || !(h > 0) || method_turns(method, system) || !(method->tableau || splits) ||
+        system->oscillator.quadratic < 0)
+        return -1;
+    return shape;
+}
+
+void lanes_begin(struct lanes *lanes, const struct method *method, enum drag drag, int kind, double t0, double h)
+{
+    lanes->method = method;
+    lanes->drag = drag;
+    lanes->kind = kind;
+    lanes->t0 = t0;
+    lanes->h = h;
+    lanes->step = 0;
+    lanes->divides = false;
+    memset(lanes->kept, 0, sizeof lanes->kept);
+}
+
+void lanes_set(struct lanes *lanes, int lane, const struct system *system)
+{
+    const struct method *method = lanes->method;
+    for (int i = 0; i < system->terms; i++)
+        for (int j = 0; j < LANE_COEFFICIENTS; j++)
+            lanes->c[i][j][lane] = system->term[i].c[j];
+    lanes->omega[lane] = system->oscillator.omega;
+    lanes->phase[lane] = system->oscillator.phase;
+    lanes->y[0][lane] = system->start[0];
+    lanes->y[1][lane] = system->start[1];
+    if (!method->splitting || !system->velocity || lanes->drag != DRAG_EXACT)
+        return;
+    struct split_way way;
+    split_choose(&way, method, lanes->drag);
+    const struct drag_flow half = oscillator_drag_flow(&system->oscillator, lanes->h / 2);
+    lanes->keep[lane] = half.keep;
+    lanes->least[lane] = half.least;
+    lanes->pull[lane] = half.pull;
+    lanes->divides |= half.least != 1 || half.pull != 0;
+    for (int i = 0; !way.around && i < way.splitting->count; i++) {
+        const struct frozen frozen = frozen_over(&system->oscillator, splitting_weight(way.splitting, i) * lanes->h);
+        lanes->frozen[i].lost[lane] = frozen.lost;
+        lanes->frozen[i].pull[lane] = frozen.pull;
+    }
+}
+
+void lanes_march(struct lanes *lanes, int64_t count, double *row)
+{
+    lane_kernel *const kernel = kernel_of(lanes);
+    const bool alike = driven_alike(lanes);
+    while (count > 0) {
+        struct lane_march march = {.first = lanes->step, .count = count, .places = places(lanes->method), .row = row};
+        if (alike && lanes->omega[0] != 0)
+            table_steps(lanes, &march);
+        kernel(lanes, &march);
+        lanes->step += march.count;
+        count -= march.count;
+        row = row ? row + march.count * 2 * LANES : NULL;
+    }
+}
+
+void lanes_state(const struct lanes *lanes, int lane, double *y)
+{
+    y[0] = lanes->y[0][lane];
+    y[1] = lanes->y[1][lane];
+}
+
+int64_t lanes_evals(const struct lanes *lanes)
+{
+    const struct tableau *tableau = lanes->method->tableau;
+    if (tableau)
+        return lanes->step * (tableau->stages - tableau->fsal) + (tableau->fsal && lanes->step > 0);
+    struct split_way way;
+    split_choose(&way, lanes->method, lanes->drag);
+    return lanes->step * (way.kicks - way.continues) + (way.continues && lanes->step > 0);
 }

@@ -23,6 +23,10 @@ FAST vector WITH(magnitude)(vector x)
 
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-function"
+#ifdef __clang__
+#pragma GCC diagnostic ignored "-Wkeyword-macro"
+#pragma GCC diagnostic ignored "-Wgnu-auto-type"
+#endif
 #undef TERM_ADD
 #undef TERM_BIND
 #undef TERM_JACOBIAN
@@ -108,13 +112,13 @@ FAST void WITH(look)(struct WITH(known) *known, bool timed, const struct lanes *
 /* ---- explicit Runge-Kutta ---- */
 
 /* z = y + sum_j (h w_j) k_j */
-FAST void WITH(combine)(double h, const double *w, int count, const vector k[][2][PARTS], int component,
+FAST void WITH(combine)(double h, const double *w, int count, vector k[][2][PARTS], int component,
                         const vector *y, vector *z)
 {
     vector sum[PARTS];
     UNROLL for (int q = 0; q < PARTS; q++)
         sum[q] = -(vector){0};
-    UNROLL for (int j = 0; j < count; j++)
+    for (int j = 0; j < count; j++)
         if (w[j] != 0) {
             const double share = h * w[j];
             UNROLL for (int q = 0; q < PARTS; q++)
@@ -134,37 +138,36 @@ FAST void WITH(slope)(WITH(force) *force, const struct WITH(known) *known, vecto
     }
 }
 
-FAST void WITH(rk)(const struct tableau *tableau, WITH(force) *force, bool timed, struct lanes *lanes,
-                   const struct lane_march *march)
+FAST void WITH(rk)(const struct tableau *tableau, int stages, bool fsal, WITH(force) *force, bool timed,
+                   struct lanes *lanes, const struct lane_march *march)
 {
-    const int stages = tableau->stages;
     const double h = lanes->h;
     vector y[2][PARTS], z[2][PARTS], k[STAGES_MAX][2][PARTS];
     struct WITH(known) known[PARTS];
     WITH(take)(known, lanes);
     memcpy(y, lanes->y, sizeof y);
-    if (tableau->fsal && lanes->warm) {
+    if (fsal && lanes->step > 0) {
         memcpy(k[stages - 1], lanes->kept, sizeof k[0]);
-    } else if (tableau->fsal) {
+    } else if (fsal) {
         WITH(look)(known, timed, lanes, march, 0, 0, lanes->t0 + (double)march->first * h);
         WITH(slope)(force, known, y, k[stages - 1]);
     }
     for (int64_t i = 0; i < march->count; i++) {
         const double t = lanes->t0 + (double)(march->first + i) * h;
-        if (tableau->fsal) {
+        if (fsal) {
             memcpy(k[0], k[stages - 1], sizeof k[0]);
         } else {
             WITH(look)(known, timed, lanes, march, i, 0, t);
             WITH(slope)(force, known, y, k[0]);
         }
-        UNROLL for (int s = 1; s < stages; s++)
+        for (int s = 1; s < stages; s++)
         {
             WITH(combine)(h, tableau_row(tableau, s), s, k, 0, y[0], z[0]);
             WITH(combine)(h, tableau_row(tableau, s), s, k, 1, y[1], z[1]);
             WITH(look)(known, timed, lanes, march, i, s, t + tableau->c[s] * h);
             WITH(slope)(force, known, z, k[s]);
         }
-        if (tableau->fsal) {
+        if (fsal) {
             memcpy(y, z, sizeof y);
         } else {
             WITH(combine)(h, tableau->b, stages, k, 0, y[0], y[0]);
@@ -174,7 +177,7 @@ FAST void WITH(rk)(const struct tableau *tableau, WITH(force) *force, bool timed
             memcpy(march->row + i * 2 * LANES, y, sizeof y);
     }
     memcpy(lanes->y, y, sizeof y);
-    if (tableau->fsal)
+    if (fsal)
         memcpy(lanes->kept, k[stages - 1], sizeof k[0]);
 }
 
@@ -185,9 +188,10 @@ FAST void WITH(flow)(const struct lanes *lanes, vector *v)
 {
     UNROLL for (int q = 0; q < PARTS; q++)
     {
+        const vector pull = WITH(load)(lanes->pull, q) * WITH(magnitude)(v[q]);
         v[q] = v[q] * WITH(load)(lanes->keep, q);
         if (lanes->divides)
-            v[q] = v[q] / (WITH(load)(lanes->least, q) + WITH(load)(lanes->pull, q) * WITH(magnitude)(v[q]));
+            v[q] = v[q] / (WITH(load)(lanes->least, q) + pull);
     }
 }
 
@@ -210,8 +214,8 @@ FAST void WITH(kick)(const struct split_way *way, WITH(force) *drag, const struc
     }
 }
 
-FAST void WITH(split)(const struct method *method, enum drag variant, WITH(force) *force, WITH(force) *drag, bool timed,
-                      struct lanes *lanes, const struct lane_march *march)
+FAST void WITH(split)(const struct method *method, int count, bool kick_first, enum drag variant, WITH(force) *force,
+                      WITH(force) *drag, bool timed, struct lanes *lanes, const struct lane_march *march)
 {
     const double h = lanes->h;
     struct split_way way;
@@ -226,11 +230,11 @@ FAST void WITH(split)(const struct method *method, enum drag variant, WITH(force
         double t = lanes->t0 + (double)(march->first + i) * h;
         if (way.around)
             WITH(flow)(lanes, z[1]);
-        UNROLL for (int place = 0; place < splitting->count; place++)
+        for (int place = 0; place < count; place++)
         {
             const double w = splitting_weight(splitting, place) * h;
-            if ((place % 2 == 0) == splitting->kick_first) {
-                if (!(place == 0 && way.continues && (lanes->warm || i > 0))) {
+            if ((place % 2 == 0) == kick_first) {
+                if (!(place == 0 && way.continues && (lanes->step > 0 || i > 0))) {
                     WITH(look)(known, timed, lanes, march, i, place, t);
                     UNROLL for (int q = 0; q < PARTS; q++)
                     {
@@ -255,15 +259,28 @@ FAST void WITH(split)(const struct method *method, enum drag variant, WITH(force
 
 /* ---- the kernels ---- */
 
+/* The shortest splittings, where the compiler knows how they go; all others. */
+#define LANE_SPLIT(shape, count, kick_first)                                                                           \
+    WITH(split)(lanes->method, count, kick_first, LANE_FLAGS(shape) & TERM_VELOCITY ? lanes->drag : DRAG_DEFAULT,      \
+                WITH(shape##_force), WITH(shape##_drag), LANE_FLAGS(shape) & TERM_TIME, lanes, march)
+#define LANE_RK(shape, stages, fsal)                                                                                   \
+    WITH(rk)(tableau, stages, fsal, WITH(shape##_both), LANE_FLAGS(shape) & TERM_TIME, lanes, march)
 #define LANE_KERNELS(shape)                                                                                            \
     TARGET static void WITH(shape##_rk)(struct lanes * lanes, const struct lane_march *march)                          \
     {                                                                                                                  \
-        WITH(rk)(lanes->method->tableau, WITH(shape##_both), LANE_FLAGS(shape) & TERM_TIME, lanes, march);             \
+        const struct tableau *tableau = lanes->method->tableau;                                                        \
+        if (tableau->stages == 4 && !tableau->fsal)                                                                    \
+            LANE_RK(shape, 4, false);                                                                                  \
+        else                                                                                                           \
+            LANE_RK(shape, tableau->stages, tableau->fsal);                                                            \
     }                                                                                                                  \
     TARGET static void WITH(shape##_split)(struct lanes * lanes, const struct lane_march *march)                       \
     {                                                                                                                  \
-        WITH(split)(lanes->method, LANE_FLAGS(shape) & TERM_VELOCITY ? lanes->drag : DRAG_DEFAULT,                     \
-                    WITH(shape##_force), WITH(shape##_drag), LANE_FLAGS(shape) & TERM_TIME, lanes, march);             \
+        const struct splitting *splitting = lanes->method->splitting;                                                  \
+        if (splitting->count == 2 && !splitting->kick_first)                                                           \
+            LANE_SPLIT(shape, 2, false);                                                                               \
+        else                                                                                                           \
+            LANE_SPLIT(shape, splitting->count, splitting->kick_first);                                                \
     }
 LANE_SHAPES(LANE_KERNELS)
 
@@ -282,5 +299,7 @@ static lane_kernel *const WITH(kernels)[LANE_SHAPE_COUNT][2] = {LANE_SHAPES(LANE
 #undef LANE_IF_DRAG
 #undef LANE_FORCE
 #undef LANE_FORCES
+#undef LANE_SPLIT
+#undef LANE_RK
 #undef LANE_KERNELS
 #undef LANE_ENTRY

@@ -49,6 +49,7 @@ static enum stop leg_begin(struct run *run, const struct run_target *target, str
         leg->limit = end < leg->limit ? end : leg->limit;
     }
     leg->armed = target->condition && !holds(leg);
+    events_begin(leg);
     return STOP_NONE;
 }
 
@@ -162,10 +163,13 @@ static enum stop advance_step(struct run *run, struct leg *leg)
         restore(run);
         return STOP_DIVERGED;
     }
-    bool off_grid = run->steps == leg->last;
+    bool off_grid = run->steps == leg->last, noticed = true;
+    struct crossings crossings;
     run->steps++;
     run->t = end;
     enum stop stop = STOP_NONE;
+    if (leg->target->events > 0)
+        events_find(run, leg, t, h, &crossings);
     if (leg->target->condition) {
         bool now = holds(leg);
         if (now && leg->armed) {
@@ -174,10 +178,17 @@ static enum stop advance_step(struct run *run, struct leg *leg)
         }
         leg->armed |= !now;
     }
-    if (!trace_record(run->trace, run->steps, run->t, run->y)) {
+    if (leg->target->events > 0) {
+        bool stops = false;
+        noticed = events_keep(run, leg, &crossings, h, &stops);
+        off_grid |= stops;
+        stop = stops ? STOP_CONDITION : stop;
+    }
+    if (!noticed || !trace_record(run->trace, run->steps, run->t, run->y)) {
         restore(run);
         run->steps--;
         run->t = was;
+        happenings_truncate(run);
         return STOP_FULL;
     }
     if (off_grid && !run->plan.adaptive) {

@@ -5,31 +5,38 @@
 #include <math.h>
 #include <stdlib.h>
 
-static uint64_t magnitude(double x)
+/*
+ * Are all numbers within bounds, bound [EIGHT] repeated? Magnitudes of doubles are ordered like their bits, NaN above
+ * all: where one is too large, the difference to the bound is negative, and that survives in a sum of bits.
+ */
+CLONES static bool all_within(const double *number, int64_t eights, const double *bound)
 {
-    uint64_t bits;
-    memcpy(&bits, &x, sizeof bits);
-    return bits & INT64_MAX;
+    const eight_bits limit = *(const eight_bits *)(const void *)bound;
+    eight_bits beyond = {0};
+    for (int64_t i = 0; i < eights; i++)
+        beyond |= limit - (*(const eight_bits *)(const void *)(number + i * EIGHT) & INT64_MAX);
+    uint64_t any = 0;
+    for (int k = 0; k < EIGHT; k++)
+        any |= beyond[k];
+    return (int64_t)any >= 0;
 }
 
-/*
- * How many of the rows are within bounds, counted from the first. Magnitudes of doubles are ordered like their bits,
- * NaN above all: where one is too large, the difference to the bound is negative, and that survives in a sum of bits.
- */
-CLONES static int64_t rows_within(const double *row, int64_t count, int n, const double *bound)
+/* How many of the rows are within bounds, counted from the first. */
+static int64_t rows_within(const double *row, int64_t count, int n, const double *bound)
 {
-    uint64_t beyond = n == 2 ? 0 : UINT64_MAX;
-    if (n == 2) {
-        const uint64_t first = magnitude(bound[0]), second = magnitude(bound[1]);
-        for (int64_t i = 0; i < count; i++)
-            beyond |= (first - magnitude(row[2 * i])) | (second - magnitude(row[2 * i + 1]));
+    int64_t within = 0;
+    if (EIGHT % n == 0) {
+        double repeated[EIGHT];
+        for (int i = 0; i < EIGHT; i++)
+            repeated[i] = bound[i % n];
+        const int64_t eights = count * n / EIGHT;
+        if (all_within(row, eights, repeated))
+            within = eights * EIGHT / n;
     }
-    if ((int64_t)beyond >= 0)
-        return count;
-    for (int64_t i = 0; i < count; i++)
+    for (; within < count; within++)
         for (int k = 0; k < n; k++)
-            if (!(fabs(row[i * n + k]) <= bound[k]))
-                return i;
+            if (!(fabs(row[within * n + k]) <= bound[k]))
+                return within;
     return count;
 }
 
@@ -67,7 +74,7 @@ bool advance_many(struct run *run, const struct leg *leg, enum stop *stop)
     struct run_private *p = run->private_state;
     const int n = run->system.n;
     const int64_t left = least(leg->limit, leg->last) - run->steps;
-    if (run->plan.adaptive || leg->target->condition || p->step.low || left <= 0)
+    if (run->plan.adaptive || leg->target->condition || leg->target->events > 0 || p->step.low || left <= 0)
         return false;
 
     size_t room = CHUNK_ROWS;
@@ -89,7 +96,8 @@ bool advance_many(struct run *run, const struct leg *leg, enum stop *stop)
     if (propagator)
         find_block(run, leg, march.first);
     int64_t taken = propagator ? propagate(propagator, march.first, march.count, run->y, row) : 0;
-    if (taken > 0) {
+    const bool propagated = taken > 0;
+    if (propagated) {
         p->step.warm = false;
     } else {
         /* In a block that is not known: by steps, but only to its end, however the calls are cut. */
@@ -97,7 +105,8 @@ bool advance_many(struct run *run, const struct leg *leg, enum stop *stop)
             march.count = least(march.count, propagator_rest(march.first));
         taken = method_turning_march(run->method, p->kernel, &march, &status);
     }
-    int64_t good = rows_within(row, taken, n, p->bound);
+    const bool certain = propagated && propagator_within(propagator, p->bound);
+    int64_t good = certain ? taken : rows_within(row, taken, n, p->bound);
     *stop = good < taken ? STOP_DIVERGED : stop_of_step(status);
     if (in_trace) {
         trace_close(run->trace, (size_t)good);

@@ -234,6 +234,19 @@ void run_variable_column(const struct run *run, int i, double *out)
         out[row] = trace_state(run->trace, row)[i];
 }
 
+void run_observed_column(const struct run *run, int i, double *out)
+{
+    struct walk walk;
+    walk_begin(&walk, run, 0);
+    while (walk_next(&walk))
+        *out++ = system_observe(walk.sample.system, i, walk.sample.t, walk.sample.y);
+}
+
+double run_observed(const struct run *run, int i)
+{
+    return system_observe(&run->system, i, run->t, run->y);
+}
+
 double run_observable(const struct run *run, const struct observable *observable)
 {
     if (!observable_defined(observable, &run->system, run->plan.exact_known))
@@ -292,23 +305,26 @@ void run_errors(const struct run *run, struct run_errors *errors)
 static bool scope_find(const void *context, struct text name, int *slot)
 {
     const struct run *run = context;
-    for (int i = 0; i < run->system.n; i++) {
-        if (text_is(name, system_variable(&run->system, i).name)) {
-            *slot = i;
-            return true;
-        }
-    }
+    const struct model *model = run->system.model;
+    *slot = model_state(model, name);
+    for (int i = 0; *slot < 0 && i < model_observed(model); i++)
+        if (text_is(name, model_observed_variable(model, i).name))
+            *slot = model->n + i;
+    if (*slot >= 0)
+        return true;
     const struct row *row = catalog_find(&observable_catalog, name);
     if (row)
-        *slot = run->system.n + (int)((const struct observable *)(const void *)row - observables);
+        *slot = model->n + model_observed(model) + (int)((const struct observable *)(const void *)row - observables);
     return row != NULL;
 }
 
 static double scope_load(const void *context, int slot)
 {
     const struct run *run = context;
-    int n = run->system.n;
-    return slot < n ? run->y[slot] : run_observable(run, &observables[slot - n]);
+    const int n = run->system.n, observed = model_observed(run->system.model);
+    if (slot < n)
+        return run->y[slot];
+    return slot < n + observed ? run_observed(run, slot - n) : run_observable(run, &observables[slot - n - observed]);
 }
 
 static void scope_offer(const void *context, struct suggestion *suggestion)
@@ -316,6 +332,8 @@ static void scope_offer(const void *context, struct suggestion *suggestion)
     const struct run *run = context;
     for (int i = 0; i < run->system.n; i++)
         suggestion_offer(suggestion, system_variable(&run->system, i).name);
+    for (int i = 0; i < model_observed(run->system.model); i++)
+        suggestion_offer(suggestion, model_observed_variable(run->system.model, i).name);
     for (size_t i = 0; i < COUNT_OF(observables); i++)
         suggestion_offer(suggestion, observables[i].row.alias ? observables[i].row.alias : observables[i].row.name);
 }
@@ -328,5 +346,5 @@ bool run_scope(const struct run *run, struct expr_scope *scope)
 
 int run_scope_slots(const struct run *run)
 {
-    return run->system.n + (int)COUNT_OF(observables);
+    return run->system.n + model_observed(run->system.model) + (int)COUNT_OF(observables);
 }

@@ -113,6 +113,13 @@ struct balance {
     struct sum drag; /* drag alone */
 };
 
+/* What events noticed, in the order of time. */
+struct happenings {
+    struct happening *at;
+    double *state; /* [count][n] */
+    size_t count, room;
+};
+
 struct run_private {
     struct step step;
     double *work;        /* of the method */
@@ -128,6 +135,7 @@ struct run_private {
     double factor;          /* power of two on states before their energies are compared */
     struct balance settled; /* up to rows that do not change while the trace keeps its generation */
     unsigned generation;
+    struct happenings happenings;
 };
 
 /* The state is no longer what the compensated sums know about. */
@@ -146,7 +154,30 @@ struct leg {
     bool exact;    /* the whole steps end at the target */
     int64_t limit; /* step index to stop at */
     bool armed;    /* the condition was false since it was last true */
+    signed char sign[LIMIT_EVENTS]; /* of each event's value where it was last not 0 */
 };
+
+/* ---- event.c ---- */
+
+#define CROSSINGS_MOST (2 * LIMIT_EVENTS) /* in a step: both halves are looked at */
+
+struct crossing {
+    double t;
+    int event, direction; /* 1 rising with time */
+    double y[LIMIT_VARIABLES];
+};
+
+struct crossings {
+    struct crossing found[CROSSINGS_MOST]; /* in the order of the step */
+    int count;
+};
+
+void events_begin(struct leg *leg); /* signs at the run's present state */
+/* What happened in the step just taken from p->before at t over h. */
+void events_find(struct run *run, struct leg *leg, double t, double h, struct crossings *crossings);
+/* Keeps those up to the present time; ends at one that stops the run, and puts the run there. False: no memory. */
+bool events_keep(struct run *run, const struct leg *leg, const struct crossings *crossings, double h, bool *stops);
+void happenings_truncate(struct run *run); /* drops those after the present step */
 
 /* The best instructions that the machine has, chosen when the program starts; the same bits with all of them. */
 #if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && !defined(__clang__)
@@ -154,6 +185,11 @@ struct leg {
 #else
 #define CLONES
 #endif
+
+/* Eight numbers at once, in whatever registers there are. */
+typedef double eight __attribute__((vector_size(64), aligned(8), may_alias));
+typedef uint64_t eight_bits __attribute__((vector_size(64), aligned(8), may_alias));
+#define EIGHT 8
 
 /* propagate.c: the states after steps first + 1, … of a linear scene, without evaluating forces. */
 struct propagator *propagator_create(const struct run *run, double h); /* NULL: no memory, or a step that fails */
@@ -166,6 +202,8 @@ void propagator_anchor(struct propagator *propagator, int64_t step, const double
 /* y [2] in: state after step `first` of the grid; out: the last state. Returns how many rows were written: fewer where
  * the block that `first` stands in was begun by something else. */
 int64_t propagate(struct propagator *propagator, int64_t first, int64_t count, double *y, double *row);
+/* Are the rows of the last call within bounds for certain, without a look at each? */
+bool propagator_within(const struct propagator *propagator, const double *bound);
 
 /* many.c: up to p->batch whole steps at once, where nothing has to be looked at between them. False: step by step. */
 bool advance_many(struct run *run, const struct leg *leg, enum stop *stop);

@@ -22,6 +22,8 @@ typedef long double real;
 struct propagator {
     double first[BLOCK * N], second[BLOCK * N], shift[BLOCK * N]; /* row j: M^(j+1) by columns, and what is added */
     real last[N][N + 1];                                          /* the last row with all digits */
+    double reach[N][N + 1];                                       /* largest magnitudes of first, second and shift */
+    double most[N];                                               /* of the states where blocks of a call began */
     double h;                                                     /* [s] */
     double anchor[N];                                             /* state at the beginning of the block */
     int64_t anchored;                                             /* step of the grid where that is, -1: none */
@@ -35,6 +37,15 @@ static bool image(const struct run *run, double h, double *y)
     bool fine = step.work && method_step(run->method, &step) == STEP_OK;
     free(step.work);
     return fine;
+}
+
+/* Half of the bound is left to rounding. */
+bool propagator_within(const struct propagator *p, const double *bound)
+{
+    bool within = true;
+    for (int k = 0; k < N; k++)
+        within = within && p->reach[k][0] * p->most[0] + p->reach[k][1] * p->most[1] + p->reach[k][N] <= bound[k] / 2;
+    return within;
 }
 
 double propagator_step(const struct propagator *propagator)
@@ -60,8 +71,7 @@ struct propagator *propagator_create(const struct run *run, double h)
     struct propagator *p = malloc(sizeof *p);
     if (!p)
         return NULL;
-    p->anchored = -1;
-    p->h = h;
+    *p = (struct propagator){.anchored = -1, .h = h};
     for (int step = 0; step < BLOCK; step++) {
         real next[N][N], next_sum[N];
         for (int i = 0; i < N; i++) {
@@ -75,6 +85,9 @@ struct propagator *propagator_create(const struct run *run, double h)
             p->first[step * N + i] = (double)power[i][0];
             p->second[step * N + i] = (double)power[i][1];
             p->shift[step * N + i] = (double)sum[i];
+            const double size[] = {fabs(p->first[step * N + i]), fabs(p->second[step * N + i]), fabs((double)sum[i])};
+            for (int j = 0; j <= N; j++)
+                p->reach[i][j] = fmax(p->reach[i][j], size[j]);
         }
     }
     for (int i = 0; i < N; i++) {
@@ -94,10 +107,18 @@ static inline void block(const struct propagator *p, double y, double v, double 
         row[(BLOCK - 1) * N + i] = (double)(p->last[i][0] * (real)y + p->last[i][1] * (real)v + p->last[i][N]);
 }
 
-CLONES static void blocks(const struct propagator *p, const double *y, double *restrict row, int64_t count)
+/* A state that is not finite stays so: the last one is noted in any case. */
+static inline double larger(double most, double x)
+{
+    return fabs(x) <= most ? most : fabs(x);
+}
+
+CLONES static void blocks(struct propagator *p, const double *y, double *restrict row, int64_t count)
 {
     double q = y[0], v = y[1];
     for (int64_t i = 0; i < count; i++, row += BLOCK * N) {
+        p->most[0] = larger(p->most[0], q);
+        p->most[1] = larger(p->most[1], v);
         block(p, q, v, row);
         q = row[(BLOCK - 1) * N];
         v = row[(BLOCK - 1) * N + 1];
@@ -129,6 +150,7 @@ int64_t propagate(struct propagator *p, int64_t first, int64_t count, double *y,
 {
     double within[BLOCK * N];
     int64_t done = 0;
+    p->most[0] = p->most[1] = 0;
     while (done < count) {
         const int64_t inside = (first + done) % BLOCK;
         int64_t taken = count - done;

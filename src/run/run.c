@@ -152,6 +152,8 @@ void run_destroy(struct run *run)
         free(run->private_state->scratch);
         free(run->private_state->propagator);
         free(run->private_state->epoch);
+        free(run->private_state->happenings.at);
+        free(run->private_state->happenings.state);
         free(run->private_state);
     }
     free(run);
@@ -184,6 +186,7 @@ bool run_back(struct run *run, int64_t rows)
     memcpy(run->y, trace->now, (size_t)run->system.n * sizeof *run->y);
     run->controller = (struct controller){.tol = run->settings.tol, .h = h};
     run->stop = STOP_NONE;
+    happenings_truncate(run);
     while (p->epochs > 1 && p->epoch[p->epochs - 1].first > run->steps)
         p->epochs--;
     use_system(run, &p->epoch[p->epochs - 1].system);

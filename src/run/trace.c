@@ -188,10 +188,58 @@ bool trace_record(struct trace *trace, int64_t step, double t, const double *y)
     return true;
 }
 
+/* The first of the rows with the smallest and the largest position among them. */
+CLONES static void extremes(const double *row, int64_t count, int n, int64_t *low, int64_t *high)
+{
+    double least = row[0], most = row[0];
+    int64_t i = 0;
+    if (EIGHT % n == 0 && count >= EIGHT) {
+        eight smallest = *(const eight *)(const void *)row, largest = smallest;
+        for (const int64_t rows = EIGHT / n; i + rows <= count; i += rows) {
+            const eight x = *(const eight *)(const void *)(row + i * n);
+            const eight_bits less = (eight_bits)(x < smallest), more = (eight_bits)(x > largest);
+            smallest = (eight)((less & (eight_bits)x) | (~less & (eight_bits)smallest));
+            largest = (eight)((more & (eight_bits)x) | (~more & (eight_bits)largest));
+        }
+        for (int k = 0; k < EIGHT; k += n) {
+            least = smallest[k] < least ? smallest[k] : least;
+            most = largest[k] > most ? largest[k] : most;
+        }
+    }
+    for (; i < count; i++) {
+        least = row[i * n] < least ? row[i * n] : least;
+        most = row[i * n] > most ? row[i * n] : most;
+    }
+    for (*low = 0; row[*low * n] != least; ++*low) {
+    }
+    for (*high = 0; row[*high * n] != most; ++*high) {
+    }
+}
+
+/* As keep() for each of the rows, none of which begins a bucket: only their extremes can stay. False: no memory. */
+static bool keep_within(struct trace *trace, int64_t step, const double *row, int64_t count)
+{
+    int64_t at[2];
+    extremes(row, count, trace->n, &at[0], &at[1]);
+    const bool swapped = at[0] > at[1];
+    for (int i = 0; i < 2; i++) {
+        const int64_t k = at[swapped ? 1 - i : i];
+        if (!keep(trace, step + k, 0, row + k * trace->n))
+            return false;
+    }
+    return true;
+}
+
 int64_t trace_record_many(struct trace *trace, int64_t step, const double *row, int64_t count)
 {
     for (int64_t i = 0; i < count; i++) {
-        if (!trace->decimates && step + i < trace->next)
+        const int64_t in_bucket = trace->tail_end - step - i, within = in_bucket < count - i ? in_bucket : count - i;
+        if (trace->bucket > 1 && within > 1 && trace->count + 2 < trace->cap) {
+            if (!keep_within(trace, step + i, row + i * trace->n, within))
+                return i;
+            i += within - 1;
+            trace->next = step + i + 1;
+        } else if (!trace->decimates && step + i < trace->next)
             i = (trace->next - step < count ? trace->next - step : count) - 1;
         else if (!trace_record(trace, step + i, 0, row + i * trace->n))
             return i;

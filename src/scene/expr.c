@@ -202,12 +202,14 @@ static size_t word_end(const struct compiler *c, size_t from)
 
 /*
  * A name, the longest that the scope knows: some names have a hyphen inside (phase-error), so that a-b is the name a-b
- * where there is one, else a minus b.
+ * where there is one, else a minus b. A ' behind a name belongs to it: y' is the velocity of y.
  */
 static bool read_name(struct compiler *c)
 {
     size_t length[LIMIT_NAME], count = 0;
-    length[count++] = word_end(c, 0);
+    length[0] = word_end(c, 0);
+    length[0] += peek(c, length[0]) == '\'';
+    count++;
     while (length[count - 1] < LIMIT_NAME && peek(c, length[count - 1]) == '-' &&
            is_letter(peek(c, length[count - 1] + 1))) {
         length[count] = word_end(c, length[count - 1] + 1);

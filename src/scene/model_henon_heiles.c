@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Henon and Heiles' star in a galaxy: orderly at low energy, chaotic towards the escape energy 1/6. No units. */
-#include "model.h"
+#include "model_forces.h"
 
 #define PARAMS(P)                                                                                                      \
     P(x0, "", NUMBER, 0, ANY, "x at t0")                                                                               \
@@ -16,11 +16,6 @@ static const struct catalog param_table = CATALOG("parameter", params);
 TERM_BIND(well)
 {
     return true;
-}
-TERM_ADD(well)
-{
-    a[0] -= y[0] + 2 * y[0] * y[1];
-    a[1] -= y[1] + (y[0] * y[0] - y[1] * y[1]);
 }
 TERM_JACOBIAN(well)
 {

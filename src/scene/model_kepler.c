@@ -10,7 +10,7 @@
  *
  * where U0 … U3 are cos, sin, … of sqrt(alpha) s over powers of sqrt(alpha), free of cancellation for small alpha s^2.
  */
-#include "model.h"
+#include "model_forces.h"
 
 #define PARAMS(P)                                                                                                      \
     P(e, "", NUMBER, 0.5, AT_LEAST(0), "eccentricity of the orbit: 0 a circle, below 1")                               \
@@ -25,12 +25,6 @@ TERM_BIND(attraction)
 {
     c[0] = param[P_gm];
     return true;
-}
-TERM_ADD(attraction)
-{
-    double square = y[0] * y[0] + y[1] * y[1], pull = c[0] / (square * sqrt(square));
-    a[0] -= pull * y[0];
-    a[1] -= pull * y[1];
 }
 TERM_JACOBIAN(attraction)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The pendulum: a bob on a rigid rod, swinging or turning over, with damping and a driving force along its path. */
-#include "model.h"
+#include "model_forces.h"
 
 #define PARAMS(P)                                                                                                      \
     P(m, "kg", MASS, 0.2, ABOVE(0), "mass of the bob")                                                                 \
@@ -23,10 +23,6 @@ TERM_BIND(weight)
     c[0] = param[P_g] / param[P_length];
     c[1] = param[P_m] * param[P_g] * param[P_length];
     return c[0] != 0;
-}
-TERM_ADD(weight)
-{
-    a[0] -= c[0] * sin(y[0]);
 }
 TERM_JACOBIAN(weight)
 {

@@ -206,7 +206,7 @@ static int call(struct emitter *e, const struct instruction *i)
 {
     const int *place = i->node.operand, arity = node_arity(i->node.kind);
     for (int r = 0; r < REGISTERS; r++)
-        if (e->held[r] >= 0 && !(arity == 1 && e->held[r] == place[0] && i->last[0]))
+        if (e->held[r] >= 0 && !(e->held[r] == place[0] && i->last[0]))
             save(e, r);
     const int first = e->where[place[0]];
     if (first > 0)
@@ -317,13 +317,15 @@ static void write_code(struct emitter *e, bool calls)
     e->frame = calls ? R14 : RCX;
     for (int i = 0; i < p->count; i++)
         instruction(e, &p->code[i]);
-    for (int i = 0; i < p->outputs; i++) {
+    for (int i = p->outputs - 1; i >= 0; i--) {
         int reg = e->where[p->output[i]];
         if (reg == NOTHING) {
             reg = take_value(e, p->output[i], false);
             e->held[reg] = NOTHING;
         }
         with_address(e, DOUBLE, STORE, reg, e->output, i);
+        if (i == 0 && reg != 0)
+            with_register(e, PACKED, MOVE, 0, reg);
     }
     if (calls)
         word(e, 0x5B5D5E41, 4); /* pop r14; pop rbp; pop rbx */

@@ -151,17 +151,27 @@ static bool schedule(struct program *p)
 }
 
 /* The scalar form. */
-static void interpret(const struct program *p, const double *input, double *output, double *frame)
+static double interpret(const struct program *p, const double *input, double *output, double *frame)
 {
     if (input != frame)
         for (int i = 0; i < p->uses; i++)
             frame[p->used[i]] = input[p->used[i]];
+#define CASE(kind)                                                                                                     \
+    case kind:                                                                                                         \
+        frame[i->out] = node_value(kind, &i->node, frame[place[0]], frame[place[1]], frame[place[2]]);                 \
+        break;
     for (const struct instruction *i = p->code, *end = i + p->count; i < end; i++) {
         const int *place = i->node.operand;
-        frame[i->out] = node_value(i->node.kind, &i->node, frame[place[0]], frame[place[1]], frame[place[2]]);
+        switch (i->node.kind) {
+            OPERATIONS(CASE)
+        default: /* no operations */
+            break;
+        }
     }
+#undef CASE
     for (int i = 0; i < p->outputs; i++)
         output[i] = frame[p->output[i]];
+    return output[0];
 }
 
 struct program *program_create(const struct equations *e, int first, int count, const bool *bound, const double *value,
@@ -211,6 +221,11 @@ bool program_native(const struct program *p)
     return p->native;
 }
 
+int program_operations(const struct program *p)
+{
+    return p->count;
+}
+
 bool program_constant(const struct program *p, int output, double *value)
 {
     const struct node *node = &p->node[p->result[output]];
@@ -241,10 +256,11 @@ size_t program_frame(const struct program *p)
 
 void program_prepare(const struct program *p, double *frame)
 {
-    memcpy(frame + p->names, p->number, (size_t)p->numbers * sizeof *frame);
+    if (!p->native) /* machine code has them beside it */
+        memcpy(frame + p->names, p->number, (size_t)p->numbers * sizeof *frame);
 }
 
-void program_eval(const struct program *p, const double *input, double *output, double *frame)
+double program_eval(const struct program *p, const double *input, double *output, double *frame)
 {
-    p->run(p, input, output, frame);
+    return p->run(p, input, output, frame);
 }

@@ -49,11 +49,11 @@ struct graph {
     int count, room;
     int *table; /* hashed nodes, 0: free; `slots` is a power of two */
     unsigned slots;
-    bool expands; /* powers with known exponents into multiplications */
+    bool binds; /* known names are numbers: powers become multiplications, products with 0 are absent */
     enum { GRAPH_FINE, GRAPH_NO_MEMORY, GRAPH_FULL } failed;
 };
 
-void graph_init(struct graph *graph, struct arena *arena, bool expands);
+void graph_init(struct graph *graph, struct arena *arena, bool binds);
 int graph_number(struct graph *graph, double number);
 int graph_name(struct graph *graph, int name);
 int graph_apply(struct graph *graph, enum node_kind kind, int a, int b, int c); /* NODE_NEG … NODE_IF */
@@ -108,6 +108,24 @@ static inline __attribute__((always_inline)) double node_value(enum node_kind ki
     return node->number;
 }
 
+/* A case for each operation, so that its loop or its code is its own. */
+#define OPERATIONS(CASE)                                                                                               \
+    CASE(NODE_NEG)                                                                                                     \
+    CASE(NODE_ABS)                                                                                                     \
+    CASE(NODE_SQRT)                                                                                                    \
+    CASE(NODE_ADD)                                                                                                     \
+    CASE(NODE_SUB)                                                                                                     \
+    CASE(NODE_MUL)                                                                                                     \
+    CASE(NODE_DIV)                                                                                                     \
+    CASE(NODE_LESS)                                                                                                    \
+    CASE(NODE_LESS_EQUAL)                                                                                              \
+    CASE(NODE_IF)                                                                                                      \
+    CASE(NODE_ONE)                                                                                                     \
+    CASE(NODE_TWO)                                                                                                     \
+    CASE(NODE_MUL_ADD)                                                                                                 \
+    CASE(NODE_MUL_SUB)                                                                                                 \
+    CASE(NODE_SUB_MUL)
+
 /* ---- derivatives (derive.c) ---- */
 
 /* slope [count]: for each of the first `count` nodes that is marked, its partial derivative by the name, as a node. */
@@ -131,7 +149,7 @@ struct instruction {
     bool last[3]; /* the operand's place is free afterwards */
 };
 
-typedef void program_function(const struct program *program, const double *input, double *output, double *frame);
+typedef double program_function(const struct program *program, const double *input, double *output, double *frame);
 
 /* The frame: names, numbers, then intermediate values whose places are used again. */
 struct program {

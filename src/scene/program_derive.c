@@ -43,11 +43,27 @@ static int slope_two(struct graph *g, double (*function)(double, double), int X,
     return 0;
 }
 
-/* The derivative of node i, where those of its operands are known. Node 0 is the number 0. */
+/* Sums and products of derivatives: node 0, the number 0, is what is not there. */
+static int sum(struct graph *g, int a, int b)
+{
+    return a && b ? ADD(a, b) : a ? a : b;
+}
+
+static int difference(struct graph *g, int a, int b)
+{
+    return a && b ? SUB(a, b) : b ? NEG(b) : a;
+}
+
+static int product(struct graph *g, int factor, int slope)
+{
+    return slope ? MUL(factor, slope) : 0;
+}
+
+/* The derivative of node i, where those of its operands are known. */
 static int derivative(struct graph *g, const struct node *node, int i, const int *slope)
 {
     const int a = node->operand[0], b = node->operand[1], c = node->operand[2];
-    const int da = slope[a], db = slope[b];
+    const int da = slope[a], db = slope[b], dc = slope[c];
     switch (node->kind) {
     case NODE_NEG:
         return NEG(da);
@@ -56,20 +72,20 @@ static int derivative(struct graph *g, const struct node *node, int i, const int
     case NODE_SQRT:
         return da ? MUL(slope_one(g, sqrt, a, i), da) : 0;
     case NODE_ADD:
-        return ADD(da, db);
+        return sum(g, da, db);
     case NODE_SUB:
-        return SUB(da, db);
+        return difference(g, da, db);
     case NODE_MUL:
-        return ADD(MUL(da, b), MUL(a, db));
+        return sum(g, product(g, b, da), product(g, a, db));
     case NODE_DIV: /* (a/b)' = (a' - (a/b) b')/b */
-        return DIV(SUB(da, MUL(i, db)), b);
+        return da || db ? DIV(difference(g, da, product(g, i, db)), b) : 0;
     case NODE_IF:
-        return db || slope[c] ? IF(a, db, slope[c]) : 0;
+        return db || dc ? IF(a, db, dc) : 0;
     case NODE_ONE:
-        return da ? MUL(slope_one(g, node->one, a, i), da) : 0;
+        return da ? product(g, slope_one(g, node->one, a, i), da) : 0;
     case NODE_TWO:
-        return ADD(da ? MUL(slope_two(g, node->two, a, b, i, false), da) : 0,
-                   db ? MUL(slope_two(g, node->two, a, b, i, true), db) : 0);
+        return sum(g, da ? product(g, slope_two(g, node->two, a, b, i, false), da) : 0,
+                   db ? product(g, slope_two(g, node->two, a, b, i, true), db) : 0);
     default: /* numbers and comparisons; names are seen to */
         return 0;
     }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Equations: expressions in the same names, and their derivatives, in one graph. */
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -80,6 +81,7 @@ static int add_expr(struct equations *e, const struct expr *expr)
         if (op->kind == OP_NUMBER) {
             *top++ = graph_number(&e->graph, op->number);
         } else if (op->kind == OP_NAME) {
+            assert(op->slot >= 0 && op->slot < e->names);
             *top++ = e->meaning[op->slot];
         } else {
             top -= op_arity(op);
@@ -134,9 +136,13 @@ int equations_count(const struct equations *e)
 bool equations_derive(struct equations *e, int first, int count, const int *name, int names, struct error *error)
 {
     const int before = e->graph.count;
+    if (names > 0 && count > PROGRAM_SIZE / names)
+        e->graph.failed = GRAPH_FULL;
+    if (!graph_check(&e->graph, error))
+        return false;
     bool *mark = calloc((size_t)before, sizeof *mark);
     int *slope = malloc((size_t)before * sizeof *slope);
-    const bool fine = mark && slope && count <= PROGRAM_SIZE / (names + 1) && reserve(e, count * names);
+    const bool fine = mark && slope && reserve(e, count * names);
     for (int i = 0; fine && i < count; i++)
         mark[e->output[first + i]] = true;
     if (fine)

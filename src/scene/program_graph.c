@@ -2,7 +2,8 @@
 /*
  * Expressions as a graph: equal nodes are one (hash-consing, Ershov 1958), and each is made simpler when it is made.
  * Nothing is done that could change a bit of the result, but for one rule, that of the scene: a term whose coefficient
- * is the number 0 is absent. 0 x and 0/x are the number 0 whatever x, x + 0 and x - 0 are x, 0 - x is -x.
+ * is the number 0 is absent. Where x depends on an input 0 x and 0/x are the number 0, x + 0 and x - 0 are x, 0 - x
+ * is -x. What depends on an input is known only when names are bound, so it is done then.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -97,9 +98,9 @@ static int intern(struct graph *g, struct node node)
     return g->count++;
 }
 
-void graph_init(struct graph *g, struct arena *arena, bool expands)
+void graph_init(struct graph *g, struct arena *arena, bool binds)
 {
-    *g = (struct graph){.arena = arena, .expands = expands};
+    *g = (struct graph){.arena = arena, .binds = binds};
     if (!grow(g)) {
         g->failed = GRAPH_NO_MEMORY;
         return;
@@ -147,6 +148,12 @@ static bool is(const struct graph *g, int i, double number)
     return is_number(g, i) && g->node[i].number == number;
 }
 
+/* The number 0, where all names that are known are numbers. */
+static bool is_absent(const struct graph *g, int i)
+{
+    return g->binds && is(g, i, 0);
+}
+
 /* The operand of a negation; -1: it is none. */
 static int negated(const struct graph *g, int i)
 {
@@ -183,31 +190,34 @@ static int simpler(struct graph *g, struct node node)
     const int a = node.operand[0], b = node.operand[1], c = node.operand[2];
     switch (node.kind) {
     case NODE_NEG:
+        if (g->binds && g->node[a].kind == NODE_MUL && is_number(g, g->node[a].operand[0]))
+            return graph_apply(g, NODE_MUL, graph_number(g, -g->node[g->node[a].operand[0]].number),
+                               g->node[a].operand[1], 0);
         return negated(g, a);
     case NODE_ABS:
         if (negated(g, a) >= 0)
             return graph_apply(g, NODE_ABS, negated(g, a), 0, 0);
         return !g->failed && g->node[a].kind == NODE_ABS ? a : -1;
     case NODE_ADD:
-        if (is(g, a, 0) || is(g, b, 0))
-            return is(g, a, 0) ? b : a;
+        if (is_absent(g, a) || is_absent(g, b))
+            return is_absent(g, a) ? b : a;
         if (negated(g, b) >= 0)
             return graph_apply(g, NODE_SUB, a, negated(g, b), 0);
         if (negated(g, a) >= 0)
             return graph_apply(g, NODE_SUB, b, negated(g, a), 0);
         return a == b ? graph_apply(g, NODE_MUL, graph_number(g, 2), a, 0) : -1;
     case NODE_SUB:
-        if (is(g, a, 0) || is(g, b, 0))
-            return is(g, b, 0) ? a : graph_apply(g, NODE_NEG, b, 0, 0);
+        if (is_absent(g, a) || is_absent(g, b))
+            return is_absent(g, b) ? a : graph_apply(g, NODE_NEG, b, 0, 0);
         return negated(g, b) >= 0 ? graph_apply(g, NODE_ADD, a, negated(g, b), 0) : -1;
     case NODE_MUL:
-        if (is(g, a, 0) || is(g, b, 0))
+        if (is_absent(g, a) || is_absent(g, b))
             return 0;
         if (is(g, a, 1) || is(g, b, 1))
             return is(g, a, 1) ? b : a;
         if (is(g, a, -1) || is(g, b, -1))
             return graph_apply(g, NODE_NEG, is(g, a, -1) ? b : a, 0, 0);
-        if (negated(g, a) >= 0 || negated(g, b) >= 0) {
+        if (g->binds && (negated(g, a) >= 0 || negated(g, b) >= 0)) { /* no 0: its sign might come out wrong */
             const bool first = negated(g, a) >= 0;
             const int other = first ? b : a, inner = negated(g, first ? a : b);
             if (is_number(g, other))
@@ -216,8 +226,8 @@ static int simpler(struct graph *g, struct node node)
         }
         return -1;
     case NODE_DIV:
-        if (is(g, a, 0) || is(g, b, 1))
-            return is(g, a, 0) ? 0 : a;
+        if (is_absent(g, a) || is(g, b, 1))
+            return is_absent(g, a) ? 0 : a;
         if (is_number(g, b) && inverts(g->node[b].number))
             return graph_apply(g, NODE_MUL, a, graph_number(g, 1 / g->node[b].number), 0);
         return -1;
@@ -230,7 +240,7 @@ static int simpler(struct graph *g, struct node node)
             return -1;
         if (is(g, b, 0) || is(g, b, 1))
             return is(g, b, 1) ? a : graph_number(g, 1);
-        return g->expands && power_is_short(g->node[b].number) ? power(g, a, g->node[b].number) : -1;
+        return g->binds && power_is_short(g->node[b].number) ? power(g, a, g->node[b].number) : -1;
     default:
         return -1;
     }
@@ -252,10 +262,11 @@ static int make(struct graph *g, struct node node)
     const int other = simpler(g, node);
     if (other >= 0 || g->failed)
         return other >= 0 ? other : 0;
-    /* Their operands may change places. */
-    if ((node.kind == NODE_ADD || node.kind == NODE_MUL) && node.operand[0] > node.operand[1]) {
-        const int first = node.operand[0];
-        node.operand[0] = node.operand[1];
+    /* Their operands may change places: a number to the front. */
+    const int first = node.operand[0], second = node.operand[1];
+    if ((node.kind == NODE_ADD || node.kind == NODE_MUL) &&
+        (is_number(g, second) || (first > second && !is_number(g, first)))) {
+        node.operand[0] = second;
         node.operand[1] = first;
     }
     return intern(g, node);

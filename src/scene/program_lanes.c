@@ -34,24 +34,8 @@ static inline __attribute__((always_inline)) void apply(const struct node *node,
             out[i] = node_value(name, node, a[i], b[i], c[i]);                                                         \
         break;
     switch (node->kind) {
-        CASE(NODE_NEG)
-        CASE(NODE_ABS)
-        CASE(NODE_SQRT)
-        CASE(NODE_ADD)
-        CASE(NODE_SUB)
-        CASE(NODE_MUL)
-        CASE(NODE_DIV)
-        CASE(NODE_LESS)
-        CASE(NODE_LESS_EQUAL)
-        CASE(NODE_IF)
-        CASE(NODE_ONE)
-        CASE(NODE_TWO)
-        CASE(NODE_MUL_ADD)
-        CASE(NODE_MUL_SUB)
-        CASE(NODE_SUB_MUL)
-    case NODE_NUMBER: /* no operations */
-    case NODE_NAME:
-    case NODE_KINDS:
+        OPERATIONS(CASE)
+    default: /* no operations */
         break;
     }
 #undef CASE

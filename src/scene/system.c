@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "params.h"
+#include "typed.h"
 
 /* Accelerations or, for a first-order scene, derivatives: what a term adds to. */
 static int term_rows(const struct system *system)
@@ -16,6 +17,10 @@ static void add_terms(const struct system *system, unsigned mask, unsigned wante
 {
     for (int i = 0; i < term_rows(system); i++)
         a[i] = -0.0; /* adding to it changes nothing, to the bit */
+    if (mask == 0 && system->typed.row && system->typed.row->add) {
+        system->typed.row->add(system->typed.c, t, y, a);
+        return;
+    }
     for (int i = 0; i < system->terms; i++) {
         const struct bound_term *term = &system->term[i];
         if ((term->row->flags & mask) == wanted)
@@ -51,6 +56,10 @@ void system_jacobian(const struct system *system, double t, const double *y, dou
     memset(jac, 0, (size_t)n * (size_t)n * sizeof *jac);
     for (int i = 0; i < positions; i++)
         jac[i * n + positions + i] = 1;
+    if (system->typed.row && system->typed.row->jacobian) {
+        system->typed.row->jacobian(system->typed.c, t, y, jac + positions * n);
+        return;
+    }
     for (int i = 0; i < system->terms; i++)
         if (system->term[i].row->jacobian)
             system->term[i].row->jacobian(system->term[i].c, t, y, jac + positions * n);
@@ -73,23 +82,24 @@ double system_potential(const struct system *system, const double *y)
     return sum;
 }
 
-static double power_without(const struct system *system, unsigned flags, double t, const double *y)
+/* Of the terms whose flags under `mask` are `wanted`. */
+static double power_of(const struct system *system, unsigned mask, unsigned wanted, double t, const double *y)
 {
     double sum = 0;
     for (int i = 0; i < system->terms; i++)
-        if (system->term[i].row->power && !(system->term[i].row->flags & flags))
+        if (system->term[i].row->power && (system->term[i].row->flags & mask) == wanted)
             sum += system->term[i].row->power(system->term[i].c, t, y);
     return sum;
 }
 
 double system_power(const struct system *system, double t, const double *y)
 {
-    return power_without(system, 0, t, y);
+    return power_of(system, 0, 0, t, y);
 }
 
 double system_dissipation(const struct system *system, double t, const double *y)
 {
-    return power_without(system, TERM_TIME, t, y);
+    return power_of(system, TERM_TIME | TERM_VELOCITY, TERM_VELOCITY, t, y);
 }
 
 /*
@@ -126,12 +136,12 @@ static bool overflows(const struct system *system, const struct bound_term *term
 static bool check_term(const struct system *system, const struct bound_term *term, struct error *error)
 {
     bool fine = true;
-    for (int i = 0; i < TERM_COEFFICIENTS; i++)
+    for (int i = 0; i < TERM_VALUES; i++)
         fine = fine && isfinite(term->c[i]);
     if (!fine)
         return error_set(error, ERROR_COMMAND, "a coefficient of the %s term overflows", term->row->row.name);
-    const double *states[] = {system->start, system->scale};
-    for (size_t i = 0; i < COUNT_OF(states); i++) {
+    const double *states[] = {system->start, system->scale}; /* typed terms may have a pole at the latter */
+    for (size_t i = 0; i < (system->model->typed ? 1 : COUNT_OF(states)); i++) {
         double a[LIMIT_VARIABLES] = {0};
         term->row->add(term->c, system->t0, states[i], a);
         for (int row = 0; row < term_rows(system); row++)
@@ -141,24 +151,26 @@ static bool check_term(const struct system *system, const struct bound_term *ter
     return true;
 }
 
-bool scene_bind(const struct scene *scene, struct system *system, struct error *error)
+/* The terms in tables whose coefficients are not 0. */
+static void bind_rows(const double *param, struct system *system)
 {
-    const struct model *model = scene->model;
-    const double *param = scene->value;
-    if (model->coherent && !model->coherent(param, error))
-        return false;
-    *system = (struct system){.model = model, .n = model->n, .order = model->order};
-    system->oscillator.whole = model == &oscillator_model;
-    system->oscillator.drag_whole = system->order == 2;
-    unsigned all = ~0u, any = 0;
-    for (size_t i = 0; i < model->terms->count; i++) {
+    const struct catalog *terms = system->model->terms;
+    for (size_t i = 0; i < terms->count; i++) {
         struct bound_term *term = &system->term[system->terms];
-        *term = (struct bound_term){.row = (const struct term_row *)(const void *)catalog_row(model->terms, i)};
-        if (!term->row->bind(param, term->c, &system->oscillator))
+        const struct term_row *row = (const struct term_row *)(const void *)catalog_row(terms, i);
+        if (!row->bind) /* a typed one */
             continue;
-        system->terms++;
-        all &= term->row->flags;
-        any |= term->row->flags;
+        *term = (struct bound_term){.row = row};
+        system->terms += row->bind(param, term->c, &system->oscillator);
+    }
+}
+
+static void sum_up(struct system *system)
+{
+    unsigned all = ~0u, any = 0;
+    for (int i = 0; i < system->terms; i++) {
+        all &= system->term[i].row->flags;
+        any |= system->term[i].row->flags;
     }
     system->linear = all & TERM_LINEAR;
     system->conservative = system->order == 2 && all & TERM_CONSERVATIVE;
@@ -167,9 +179,28 @@ bool scene_bind(const struct scene *scene, struct system *system, struct error *
     system->kinks = system->order == 2 && system->n == 2 && any & TERM_KINK;
     if (system->n > 2 && system->oscillator.quadratic != 0) /* |v| is not that of each coordinate */
         system->oscillator.drag_whole = false;
-    model->begin(param, system);
+}
+
+bool scene_bind(const struct scene *scene, struct system *system, struct error *error)
+{
+    const struct model *model = scene->model;
+    const double *param = scene->value;
+    if (model->coherent && !model->coherent(param, error))
+        return false;
+    *system = (struct system){.model = model, .n = model->n, .order = model->order};
+    system->oscillator.whole = typed_base(model) == &oscillator_model;
+    system->oscillator.drag_whole = system->order == 2;
+    bind_rows(param, system);
+    sum_up(system);
+    if (typed_base(model)) /* sizes are those without what was typed */
+        model->begin(param, system);
+    if (model->typed && !typed_bind(model->typed, param, system, error))
+        return false;
+    sum_up(system);
+    if (!typed_base(model))
+        model->begin(param, system);
     for (int i = 0; i < system->terms; i++)
         if (!check_term(system, &system->term[i], error))
             return false;
-    return true;
+    return !model->typed || typed_check(system, error);
 }

@@ -1,228 +1,21 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * The scene's own equation of motion fitted to a series.
- *
- * The steps are chosen once, at the start of a fit, and then stay where they are: the curve is then a smooth function
- * of the parameters, and the same steps of the variational equations give its derivatives exactly (internal numerical
- * differentiation: Bock 1981). The samples are read off the dense output.
- */
-#include "variation.h"
+/* The scene's own equation of motion fitted to a series: where the search begins, how it goes on, what it is worth. */
+#include "scene_curve.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define TOLERANCE 1e-10      /* of dop853: after 100 periods still far below what is recorded */
-#define TOLERANCE_STIFF 1e-8 /* of rodas5p */
-#define STEPS_MOST 2000000
 #define PHASE_LOST 0.5     /* residuals of that share of the series' spread: curve and data are not in phase */
-#define FIRST_PERIODS 2.5  /* of the first part that a lost fit begins with */
+#define FIRST_PERIODS 1.25 /* of the first part that a lost fit begins with */
+#define FIRST_SHARE 0.02   /* of the series, where its period is not known */
 #define LARGER 1.7         /* by which the part grows */
 #define ITERATIONS 40
+#define NOTHING 1e-6 /* residuals of that share are no sensor's: of a simulation, without spikes but not random */
+#define TOLERANCE_LEAST 1e-11 /* of the integration */
+#define TOLERANCE_MOST 1e-7
 
-struct scene_curve {
-    struct scene scene;
-    int place[CURVE_PARAMETERS], frees; /* the curve's parameters; the offset comes after them */
-    bool offset;
-    int variable; /* what the series is: this state variable, */
-    bool rate;    /* or its derivative */
-    const struct method *method;
-    double *mesh; /* [points] times of the steps' ends, ascending; owned */
-    size_t points;
-    double *work;                /* of the method, for the variation */
-    struct variation *variation; /* where it is bound */
-    const struct cancel *cancel;
-};
-
-/* ---- the curve ---- */
-
-/* One sample from the state there; `system` has the curve's variables first. */
-static void take_sample(const struct scene_curve *c, const struct system *system, double t, const double *y,
-                        double offset, double *value, double *derivative)
-{
-    double rate[LIMIT_VARIABLES];
-    const int n = c->variation->base.n;
-    if (c->rate) {
-        system_derivative(system, t, y, rate);
-        y = rate;
-    }
-    *value = y[c->variable] + offset;
-    for (int j = 0; j < c->frees && derivative; j++)
-        derivative[j] = y[n * (j + 1) + c->variable];
-    if (c->offset && derivative)
-        derivative[c->frees] = 1;
-}
-
-/* Along the mesh. False: a step failed, the start lies behind a sample, or it was cancelled. */
-static bool march_curve(const struct scene_curve *c, const struct system *system, double offset, const double *t,
-                        size_t n, double *value, double *derivative)
-{
-    const size_t size = (size_t)system->n * sizeof(double);
-    const size_t columns = (size_t)(c->frees + c->offset);
-    double y[LIMIT_VARIABLES], low[LIMIT_VARIABLES] = {0}, before[LIMIT_VARIABLES], inside[LIMIT_VARIABLES];
-    struct step step = {.system = system, .t = system->t0, .y = y, .low = low, .work = c->work};
-    size_t i = 0;
-    memcpy(y, system->start, size);
-    for (; i < n && t[i] <= system->t0; i++) {
-        if (t[i] < system->t0)
-            return false;
-        take_sample(c, system, t[i], y, offset, &value[i], derivative ? derivative + i * columns : NULL);
-    }
-    for (size_t k = 0; i < n; k++) {
-        const double from = step.t;
-        if (k == c->points || !(c->mesh[k] > from) || ((k & 63) == 0 && cancelled(c->cancel)))
-            return false;
-        memcpy(before, y, size);
-        step.h = c->mesh[k] - from;
-        if (method_step(c->method, &step) != STEP_OK)
-            return false;
-        step.t = c->mesh[k];
-        for (; i < n && t[i] <= step.t; i++) {
-            const double *at = y;
-            if (t[i] < step.t) {
-                method_dense(c->method, &step, before, (t[i] - from) / step.h, inside);
-                at = inside;
-            }
-            take_sample(c, system, t[i], at, offset, &value[i], derivative ? derivative + i * columns : NULL);
-        }
-    }
-    return true;
-}
-
-static bool scene_at(const struct scene_curve *c, const double *parameter, struct scene *scene)
-{
-    struct error ignored;
-    *scene = c->scene;
-    for (int j = 0; j < c->frees; j++)
-        if (!scene_set(scene, c->place[j], (struct measured){parameter[j], 0}, &ignored))
-            return false;
-    return true;
-}
-
-static bool evaluate(void *context, const double *parameter, const double *t, size_t n, double *value,
-                     double *derivative)
-{
-    struct scene_curve *c = context;
-    struct scene scene;
-    struct error ignored;
-    const double offset = c->offset ? parameter[c->frees] : 0;
-    if (!scene_at(c, parameter, &scene) || !scene_bind(&scene, &c->variation->base, &ignored) ||
-        (derivative && !variation_bind(c->variation, &scene, c->place, c->frees)))
-        return false;
-    const struct system *system = derivative ? &c->variation->whole : &c->variation->base;
-    if (!march_curve(c, system, offset, t, n, value, derivative))
-        return false;
-    for (size_t i = 0; i < n; i++)
-        if (!isfinite(value[i]))
-            return false;
-    return true;
-}
-
-/* ---- the steps ---- */
-
-static bool mesh_add(struct scene_curve *c, double t)
-{
-    if ((c->points & (c->points - 1)) == 0) { /* full at every power of two */
-        double *larger = realloc(c->mesh, (c->points ? 2 * c->points : 1) * sizeof *larger);
-        if (!larger)
-            return false;
-        c->mesh = larger;
-    }
-    c->mesh[c->points++] = t;
-    return true;
-}
-
-enum meshing { MESH_DONE, MESH_FAILED, MESH_MEMORY };
-
-static enum meshing try_mesh(struct scene_curve *c, const struct system *system, const char *name, double tol,
-                             size_t most, double end)
-{
-    double y[LIMIT_VARIABLES];
-    struct step step = {.system = system, .t = system->t0, .y = y};
-    struct controller controller = {.tol = tol};
-    c->method = (const struct method *)(const void *)catalog_find(&method_catalog, text_of(name));
-    c->points = 0;
-    free(c->work);
-    c->work = calloc(method_work_size(c->method, system->n * (c->frees + 1)) + 1, sizeof *c->work);
-    step.work = c->work;
-    if (!c->work)
-        return MESH_MEMORY;
-    memcpy(y, system->start, (size_t)system->n * sizeof *y);
-    while (step.t < end) {
-        if (c->points == most || cancelled(c->cancel) ||
-            method_adapt(c->method, &step, &controller, end) != STEP_OK)
-            return MESH_FAILED;
-        if (!mesh_add(c, step.t))
-            return MESH_MEMORY;
-    }
-    return MESH_DONE;
-}
-
-/* Steps for these parameters, as far as the last sample: explicit unless these would be very many. */
-static bool make_mesh(struct scene_curve *c, const double *parameter, const struct series *series, struct error *error)
-{
-    struct scene scene = c->scene;
-    struct system system;
-    const double end = series->t[series->n - 1];
-    for (int j = 0; j < c->frees; j++)
-        if (!scene_set(&scene, c->place[j], (struct measured){parameter[j], 0}, error))
-            return false;
-    if (!scene_bind(&scene, &system, error))
-        return false;
-    enum meshing meshing = try_mesh(c, &system, "dop853", TOLERANCE, 20000 + 2 * series->n, end);
-    if (meshing == MESH_FAILED)
-        meshing = try_mesh(c, &system, "rodas5p", TOLERANCE_STIFF, STEPS_MOST, end);
-    if (meshing == MESH_DONE)
-        return true;
-    return meshing == MESH_MEMORY  ? error_memory(error)
-           : cancelled(c->cancel) ? error_set(error, ERROR_CANCELLED, "the fit was stopped")
-                                  : error_set(error, ERROR_COMMAND, "the scene cannot be integrated from %g to %g s "
-                                              "with its present parameters", system.t0, end);
-}
-
-/* ---- what is free ---- */
-
-/* In oscillators and pendulums, unless held: what a recording can tell. The others of the same model only shift between
- * these (m, g, area …). */
-static const struct {
-    const char *name, *with, *without; /* only where the parameter `with` is not 0, `without` is */
-} usual[] = {{"k", NULL, NULL},     {"gamma", NULL, "mu"}, {"length", NULL, NULL}, {"C", "C", NULL},     {"k3", "k3", NULL},
-             {"mu", "mu", NULL},    {"width", "mu", NULL}, {"F0", "F0", NULL},     {"phase", "F0", NULL}};
-
-static double value_of(const struct scene *scene, const char *name)
-{
-    const int place = scene_param(scene, name);
-    return place >= 0 ? scene->value[place] : 0;
-}
-
-static bool is_usual(const struct scene *scene, const char *name)
-{
-    if (scene_param(scene, "m") < 0)
-        return strcmp(name, "t0") != 0;
-    for (size_t i = 0; i < COUNT_OF(usual); i++)
-        if (strcmp(usual[i].name, name) == 0)
-            return (!usual[i].with || value_of(scene, usual[i].with) != 0) &&
-                   (!usual[i].without || value_of(scene, usual[i].without) == 0);
-    return false;
-}
-
-int scene_fit_usual(const struct scene *scene, int *place, int *held, int *helds)
-{
-    int count = 0;
-    *helds = 0;
-    for (int i = 0; i < (int)scene_params(scene)->count && count < CURVE_PARAMETERS - 1; i++) {
-        const char *name = catalog_row(scene_params(scene), (size_t)i)->name;
-        struct direction d;
-        if (strcmp(name, "t0") == 0 || !direction_find(scene, i, &d) || (d.changes == 0 && !d.starts))
-            continue;
-        if (d.changes > 0 && !is_usual(scene, name))
-            continue;
-        if (d.changes > 0 && scene->given[i] && scene->uncertainty[i] == 0)
-            held[(*helds)++] = i;
-        else
-            place[count++] = i;
-    }
-    return count;
-}
+/* ---- the start ---- */
 
 /* Where every parameter of the start is free, the start may as well be at the first sample. */
 static bool start_is_free(const struct scene_curve *c)
@@ -238,7 +31,11 @@ static bool start_is_free(const struct scene_curve *c)
     return true;
 }
 
-/* ---- the start ---- */
+static double value_of(const struct scene *scene, const char *name)
+{
+    const int place = scene_param(scene, name);
+    return place >= 0 ? scene->value[place] : 0;
+}
 
 static int free_place(const struct scene_curve *c, const char *name)
 {
@@ -300,9 +97,9 @@ static void bounds(const struct scene_curve *c, const double *start, double *low
 {
     for (int j = 0; j < c->frees + c->offset; j++) {
         const struct param_row *row =
-            j < c->frees ? (const struct param_row *)(const void *)catalog_row(scene_params(&c->scene),
-                                                                                (size_t)c->place[j])
-                         : NULL;
+            j < c->frees
+                ? (const struct param_row *)(const void *)catalog_row(scene_params(&c->scene), (size_t)c->place[j])
+                : NULL;
         high[j] = INFINITY;
         low[j] = row && row->least > -HUGE_VAL ? row->least : -INFINITY;
         if (row && row->least_excluded)
@@ -318,8 +115,9 @@ struct fitting {
     struct fit_curve as_curve;
     struct curve_options options;
     struct arena *arena;
-    double spread;     /* standard deviation of the series */
-    double *at;        /* [parameters] */
+    double spread; /* standard deviation of the series */
+    double sigma;  /* the same of the residuals of the last fit */
+    double *at;    /* [parameters] */
 };
 
 static double spread_of(const struct series *series)
@@ -338,14 +136,15 @@ static bool fit_part(struct fitting *f, size_t n, bool last, struct curve_fit *f
     struct series part = *f->request->series;
     struct curve_options options = f->options;
     part.n = n;
-    options.robust = last && f->request->robust;
+    options.robust = last && f->request->robust && f->sigma > NOTHING * f->spread;
     options.bootstrap = last ? f->request->bootstrap : 0;
     options.iterations = ITERATIONS;
-    if (!make_mesh(f->curve, f->at, &part, error) ||
+    if (!scene_curve_mesh(f->curve, f->at, &part, error) ||
         !curve_fit(&f->as_curve, &part, f->at, &options, f->arena, fit, error))
         return false;
     for (int j = 0; j < fit->parameters; j++)
         f->at[j] = fit->value[j].value;
+    f->sigma = fit->sigma;
     return true;
 }
 
@@ -366,14 +165,16 @@ static bool approach(struct fitting *f, double period, struct error *error)
         fit.sigma = INFINITY;
         memcpy(f->at, start, bytes);
     }
-    if (fit.sigma < PHASE_LOST * f->spread || !isfinite(period))
+    if (fit.sigma < PHASE_LOST * f->spread)
         return true;
     const double sigma = fit.sigma;
     memcpy(direct, f->at, bytes);
     memcpy(f->at, start, bytes);
     const size_t least = 4 * (size_t)f->as_curve.parameters;
+    const double span = series->t[series->n - 1] - series->t[0];
+    const double first = isfinite(period) ? FIRST_PERIODS * period : FIRST_SHARE * span;
     size_t n = least;
-    while (n < series->n && series->t[n] < series->t[0] + FIRST_PERIODS * period)
+    while (n < series->n && series->t[n] < series->t[0] + first)
         n++;
     for (bool all = false; !all; n = (size_t)(LARGER * (double)n)) {
         all = n >= series->n;
@@ -422,8 +223,12 @@ static bool add_held(struct fitting *f, struct scene_fit *fit, struct error *err
     for (int j = 0; j < both.frees; j++)
         at[j] = j < own ? curve->value[j].value : both.scene.value[both.place[j]];
     at[both.frees] = both.offset ? curve->value[own].value : 0;
-    const bool there = evaluate(&both, at, series->t, series->n, value, slope);
-    free(both.work);
+    both.last.n = 0;
+    both.last.room = 0;
+    both.last.value = both.last.slope = NULL;
+    const bool there = scene_curve_evaluate(&both, at, series->t, series->n, value, slope);
+    both.mesh = NULL; /* the other's */
+    scene_curve_free(&both);
     for (int q = own; q < both.frees && there; q++) {
         double pull[CURVE_PARAMETERS] = {0}, moved[CURVE_PARAMETERS] = {0};
         for (size_t i = 0; i < series->n; i++)
@@ -501,6 +306,33 @@ static bool set_up(const struct scene_fit_request *request, struct scene_curve *
     return error_hint(error, "set t0, or choose a window");
 }
 
+/* Errors of the integration add up to a tenth, at most, of what the noise of the recording leaves of the phase. */
+static double tolerance(const struct fitting *f, const struct overview *overview)
+{
+    const double periods = isfinite(overview->period) ? fmax(overview->periods, 1) : 100;
+    const double known = overview->noise / (f->spread * sqrt((double)f->request->series->n));
+    return fmin(fmax(0.1 * known / periods, TOLERANCE_LEAST), TOLERANCE_MOST);
+}
+
+/*
+ * Of a simulation only errors of two integrations are left, where the sum of squares is too rough for the last digits:
+ * a curve that is so close, with parameters that are all determined, has arrived.
+ */
+static void accept_simulation(const struct fitting *f, struct curve_fit *fit)
+{
+    bool determined = fit->sigma < NOTHING * f->spread;
+    for (int j = 0; j < fit->parameters; j++) {
+        determined = determined && (fit->bound[j] || (fit->determined[j] && isfinite(fit->value[j].uncertainty)));
+        for (int i = 0; i < j; i++)
+            determined = determined && fabs(fit->correlation[j][i]) < 1 - NOTHING;
+    }
+    if (fit->converged || !determined)
+        return;
+    fit->converged = true;
+    snprintf(fit->said, sizeof fit->said, "converged in %d iterations: what is left is %.1e of the motion",
+             fit->iterations, fit->sigma / f->spread);
+}
+
 static bool fit_all(struct fitting *f, struct scene_fit *fit, struct error *error)
 {
     const struct series *series = f->request->series;
@@ -508,14 +340,18 @@ static bool fit_all(struct fitting *f, struct scene_fit *fit, struct error *erro
     struct fit motion = {.model = NULL};
     struct error ignored = {0};
     series_overview(series, f->arena, &overview);
+    f->curve->tol = tolerance(f, &overview);
     if (overview.oscillates) {
         const struct fit_model *row =
             (const struct fit_model *)(const void *)catalog_find(&fit_catalog, TEXT("damped"));
         if (row->fit(series, f->arena, f->request->cancel, &motion, &ignored) && motion.converged)
             improve_start(f->curve, &motion, f->at);
     }
-    return approach(f, overview.oscillates ? overview.period : NAN, error) &&
-           fit_part(f, series->n, true, &fit->curve, error) && add_held(f, fit, error);
+    if (!approach(f, overview.oscillates ? overview.period : NAN, error) ||
+        !fit_part(f, series->n, true, &fit->curve, error))
+        return false;
+    accept_simulation(f, &fit->curve);
+    return add_held(f, fit, error);
 }
 
 bool study_fit_scene(const struct scene_fit_request *request, struct arena *arena, struct scene_fit *fit,
@@ -529,21 +365,20 @@ bool study_fit_scene(const struct scene_fit_request *request, struct arena *aren
     const int count = curve.frees + curve.offset;
     for (int j = 0; j < count; j++) {
         fit->place[j] = j < curve.frees ? curve.place[j] : -1;
-        fit->name[j] = j < curve.frees ? catalog_row(scene_params(&curve.scene), (size_t)curve.place[j])->name
-                                       : "offset";
+        fit->name[j] =
+            j < curve.frees ? catalog_row(scene_params(&curve.scene), (size_t)curve.place[j])->name : "offset";
         at[j] = j < curve.frees ? curve.scene.value[curve.place[j]] : 0;
     }
     struct fitting f = {.request = request,
                         .curve = &curve,
-                        .as_curve = {count, fit->name, &curve, evaluate},
+                        .as_curve = {count, fit->name, &curve, scene_curve_evaluate},
                         .options = {.low = low, .high = high, .seed = request->seed, .cancel = request->cancel},
                         .arena = arena,
                         .spread = spread_of(request->series),
                         .at = at};
     bounds(&curve, at, low, high);
     const bool ok = fit_all(&f, fit, error);
-    free(curve.mesh);
-    free(curve.work);
+    scene_curve_free(&curve);
     if (!ok)
         return false;
     fit->method = curve.method;
@@ -551,7 +386,8 @@ bool study_fit_scene(const struct scene_fit_request *request, struct arena *aren
     fit->scene = curve.scene;
     for (int j = 0; j < curve.frees; j++) {
         fit->scene.value[fit->place[j]] = fit->curve.value[j].value;
-        fit->scene.uncertainty[fit->place[j]] = fit->curve.value[j].uncertainty > 0 ? fit->curve.value[j].uncertainty : 0;
+        fit->scene.uncertainty[fit->place[j]] =
+            fit->curve.value[j].uncertainty > 0 ? fit->curve.value[j].uncertainty : 0;
         fit->scene.given[fit->place[j]] = true;
     }
     return true;

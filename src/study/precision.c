@@ -25,7 +25,7 @@ bool precision_meaningful(const struct precision_point *point)
     return !point->refused && point->stop == STOP_END && point->errors.max < 1;
 }
 
-struct sweep {
+struct sweeping {
     const struct precision_request *request;
     struct precision *precision;
     struct precision_curve *curve;
@@ -52,7 +52,7 @@ static struct run_settings settings_of(const struct precision *precision, const 
 }
 
 /* NULL: no memory */
-static struct precision_point *add_point(struct sweep *sweep)
+static struct precision_point *add_point(struct sweeping *sweep)
 {
     struct precision *precision = sweep->precision;
     if ((size_t)precision->points == sweep->room) {
@@ -75,7 +75,7 @@ static double local_order(const struct precision_point *coarse, const struct pre
 }
 
 /* Solves and measures; false without memory. */
-static bool measure(struct sweep *sweep, struct precision_point *point)
+static bool measure(struct sweeping *sweep, struct precision_point *point)
 {
     const struct precision *precision = sweep->precision;
     const struct precision_curve *curve = sweep->curve;
@@ -105,7 +105,7 @@ static bool measure(struct sweep *sweep, struct precision_point *point)
 }
 
 /* Whether the point just measured ends the sweep. */
-static bool finished(struct sweep *sweep, const struct precision_point *point, double share)
+static bool finished(struct sweeping *sweep, const struct precision_point *point, double share)
 {
     struct precision_curve *curve = sweep->curve;
     const double error = point->errors.max, accuracy = sweep->precision->reference.accuracy;
@@ -129,7 +129,7 @@ static bool finished(struct sweep *sweep, const struct precision_point *point, d
 }
 
 /* The i-th setting from coarse to fine; false: there are no more. */
-static bool setting_at(const struct sweep *sweep, int i, struct precision_point *point)
+static bool setting_at(const struct sweeping *sweep, int i, struct precision_point *point)
 {
     const struct precision_request *request = sweep->request;
     const double duration = sweep->precision->duration;
@@ -153,7 +153,7 @@ static bool setting_at(const struct sweep *sweep, int i, struct precision_point 
     return first + i <= last;
 }
 
-static bool sweep_curve(struct sweep *sweep, double share, struct error *error)
+static bool sweep_curve(struct sweeping *sweep, double share, struct error *error)
 {
     struct precision *precision = sweep->precision;
     struct precision_curve *curve = sweep->curve;
@@ -278,7 +278,7 @@ bool study_precision(const struct precision_request *request, struct precision *
     const int64_t begin = clock_ns();
     const double usual = precision_is_stiff(&precision->system, request->duration) ? SECONDS_STIFF : SECONDS;
     const double seconds = request->seconds > 0 ? request->seconds : usual;
-    struct sweep sweep = {.request = request, .precision = precision};
+    struct sweeping sweep = {.request = request, .precision = precision};
     sweep.grid = malloc((size_t)STUDY_TIMES * (size_t)precision->system.n * sizeof *sweep.grid);
     bool ok = sweep.grid || error_memory(error);
     for (int c = 0; c < request->contenders && ok; c++) {

@@ -73,9 +73,10 @@ bool direction_find(const struct scene *scene, int place, struct direction *d)
 static void slope_by_parameter(const struct system *base, const struct direction *d, double t, const double *y,
                                double *slope)
 {
-    double sum[2][LIMIT_VARIABLES];
+    double sum[2][LIMIT_VARIABLES / 2];
     const int rows = base->order == 2 ? base->n / 2 : base->n, above = base->n - rows;
-    memset(sum, 0, sizeof sum);
+    for (int i = 0; i < rows; i++)
+        sum[0][i] = sum[1][i] = 0;
     for (int k = 0; k < d->changes; k++)
         for (int s = 0; s < 2; s++)
             if (d->change[k].in[s])
@@ -87,8 +88,8 @@ static void slope_by_parameter(const struct system *base, const struct direction
 }
 
 /* S' of one direction. */
-static void vary(const struct system *base, const struct direction *d, double t, const double *y, const double *jacobian,
-                 const double *s, double *out)
+static void vary(const struct system *base, const struct direction *d, double t, const double *y,
+                 const double *jacobian, const double *s, double *out)
 {
     const int n = base->n;
     slope_by_parameter(base, d, t, y, out);
@@ -169,9 +170,15 @@ bool variation_bind(struct variation *v, const struct scene *scene, const int *p
         return false;
     const struct system *base = &v->base;
     v->directions = count;
-    v->whole = (struct system){.model = base->model, .n = base->n * (count + 1), .order = 1, .terms = 1,
-                               .term = {{.row = &variation_row}}, .velocity = true, .autonomous = base->autonomous,
-                               .mass = base->mass, .t0 = base->t0};
+    v->whole = (struct system){.model = base->model,
+                               .n = base->n * (count + 1),
+                               .order = 1,
+                               .terms = 1,
+                               .term = {{.row = &variation_row}},
+                               .velocity = true,
+                               .autonomous = base->autonomous,
+                               .mass = base->mass,
+                               .t0 = base->t0};
     const struct variation *address = v;
     memcpy(v->whole.term[0].c, &address, sizeof address);
     system_derivative(base, base->t0, base->start, rate);

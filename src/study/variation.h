@@ -9,7 +9,7 @@
 struct term_change {
     const struct term_row *row;
     bool in[2];
-    double c[2][TERM_COEFFICIENTS];
+    double c[2][TERM_VALUES];
 };
 
 struct direction { /* one parameter */

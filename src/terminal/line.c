@@ -63,6 +63,30 @@ static char **finish(struct candidates *all)
     return NULL;
 }
 
+#define WORD_BREAKS " \t\n;=,"
+
+static void ignore(void *context, const char *candidate, const char *brief)
+{
+    (void)context;
+    (void)candidate;
+    (void)brief;
+}
+
+/*
+ * Readline asks where words end, and only then looks for quotes. In a formula words end at operators, too, and the ' of
+ * x' = y is no quote: only names of files have some.
+ */
+static char *word_breaks(void)
+{
+    static char breaks[] = WORD_BREAKS " ";
+    size_t start = 0;
+    const struct text line = {rl_line_buffer, (size_t)rl_end};
+    bool file = !command_complete(completing, line, (size_t)rl_point, &start, ignore, NULL);
+    rl_completer_quote_characters = file ? "'\"" : NULL;
+    breaks[sizeof breaks - 2] = !file && start > 0 ? rl_line_buffer[start - 1] : ' ';
+    return breaks;
+}
+
 static char **complete(const char *word, int begin, int end)
 {
     (void)word;
@@ -101,8 +125,8 @@ void line_begin(struct session *session)
     rl_catch_sigwinch = 0;
     rl_change_environment = 0;
     rl_attempted_completion_function = complete;
-    rl_basic_word_break_characters = " \t\n;=,";
-    rl_completer_quote_characters = "'\"";
+    rl_basic_word_break_characters = WORD_BREAKS;
+    rl_completion_word_break_hook = word_breaks;
     rl_filename_quote_characters = " \t;#";
     rl_initialize();
     /* Text of any language can be typed in any locale. The inputrc is read once more, so that it has the last word. */

@@ -92,9 +92,12 @@ static void show_progress(void *context, const struct run *run, double fraction)
     progress.shown = now;
     progress.visible = true;
     double spent = (double)(now - progress.begun) * 1e-9;
-    fprintf(stderr, "\r%s: t = %.6g s, %lld steps", run->method->row.name, run->t, (long long)run->steps);
+    fputs("\r", stderr);
+    if (run) {
+        fprintf(stderr, "%s: t = %.6g s, %lld steps", run->method->row.name, run->t, (long long)run->steps);
+    }
     if (fraction > 0) {
-        fprintf(stderr, ", %.0f %%, %.0f s left", 100 * fraction, spent * (1 - fraction) / fraction);
+        fprintf(stderr, "%s%.0f %%, %.0f s left", run ? ", " : "", 100 * fraction, spent * (1 - fraction) / fraction);
     }
     fputs(" (Ctrl-C stops)\033[K", stderr);
 }

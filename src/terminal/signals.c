@@ -123,7 +123,7 @@ bool signals_busy(bool now)
     return before;
 }
 
-bool signals_happened(enum happening what)
+bool signals_happened(enum signalled what)
 {
     if (!happened[what]) {
         return false; /* clearing it here could lose one that comes just now */

@@ -53,11 +53,11 @@ int signals_ending(void);   /* SIGHUP or SIGTERM has arrived: its number; 0: non
 void signals_hang_up(void); /* the terminal is gone, without a signal: as if it had come */
 
 /* What else can happen; each is noticed once. */
-enum happening { HAPPENED_RESIZE, HAPPENED_SUSPEND, HAPPENED_CONTINUE, HAPPENED_ALARM, HAPPENED_COUNT };
+enum signalled { HAPPENED_RESIZE, HAPPENED_SUSPEND, HAPPENED_CONTINUE, HAPPENED_ALARM, HAPPENED_COUNT };
 
-/* Installs the handlers of those in the set (bits 1 << enum happening), gives the others back to the system. */
+/* Installs the handlers of those in the set (bits 1 << enum signalled), gives the others back to the system. */
 void signals_watch(unsigned set);
-bool signals_happened(enum happening what); /* and forgets it */
+bool signals_happened(enum signalled what); /* and forgets it */
 /* While nobody looks because a command takes long, Ctrl-Z stops the program from inside the handler. Returns what it
  * was. */
 bool signals_busy(bool now);

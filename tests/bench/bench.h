@@ -71,5 +71,6 @@ void bench_cost(void);
 void bench_adaptive(void);
 void bench_stiff(void);
 void bench_text(void);
+void bench_sweep(void);
 
 #endif

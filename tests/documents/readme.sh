@@ -17,7 +17,7 @@ cmp -s "$folder/bare.txt" examples/lab/bare.txt && cmp -s "$folder/disk.txt" exa
 ok "the sample recordings are what scripts/make-recordings makes" $?
 
 mkdir -p build/lab
-for example in examples/*.hk examples/lab/*.hk; do
+for example in examples/*.hk examples/*/*.hk; do
     [ -f "$example" ] || continue
     said=$("$hooke" --batch "$example" 2>&1)
     ok "$example runs" $? "$(tail -5 <<<"$said")"

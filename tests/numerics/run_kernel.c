@@ -50,33 +50,67 @@ static void set_terms(struct scene *scene, unsigned which)
             set(scene, terms[i].name, terms[i].value);
 }
 
+/* How many methods and drag variants have a kernel there; each gives the same bits. */
+static int compare_kernels(const struct scene *scene)
+{
+    int special = 0;
+    for (size_t m = 0; m < method_catalog.count; m++)
+        for (enum drag drag = DRAG_DEFAULT; drag < DRAG_COUNT; drag++) {
+            struct run *fast = run_of(scene, method_at(m), drag, KERNEL_SPECIALISED, 0.0123);
+            if (fast && has_kernel(fast)) {
+                struct run *general = run_of(scene, method_at(m), drag, KERNEL_GENERAL, 0.0123);
+                go_steps(general, STEPS);
+                in_pieces(fast, STEPS);
+                assert_same_trace(fast, general);
+                assert_int_equal(fast->stop, general->stop);
+                if (general->stop != STOP_DIVERGED) { /* a kernel finds that out a little later */
+                    assert_int_equal(fast->cost.evals, general->cost.evals);
+                    assert_int_equal(fast->cost.solves, general->cost.solves);
+                }
+                run_destroy(general);
+                special++;
+            }
+            if (fast)
+                run_destroy(fast);
+        }
+    return special;
+}
+
 static void test_kernels_give_the_same_bits(void **state)
 {
     (void)state;
-    int compared = 0, special = 0;
-    for (unsigned which = 0; which < 64; which++)
-        for (size_t m = 0; m < method_catalog.count; m++)
-            for (enum drag drag = DRAG_DEFAULT; drag < DRAG_COUNT; drag++) {
-                struct scene scene;
-                set_terms(&scene, which);
-                struct run *fast = run_of(&scene, method_at(m), drag, KERNEL_SPECIALISED, 0.0123);
-                if (!fast)
-                    continue;
-                if (has_kernel(fast)) {
-                    struct run *general = run_of(&scene, method_at(m), drag, KERNEL_GENERAL, 0.0123);
-                    go_steps(general, STEPS);
-                    in_pieces(fast, STEPS);
-                    assert_same_trace(fast, general);
-                    if (general->stop != STOP_DIVERGED) /* a kernel finds that out a little later */
-                        assert_int_equal(fast->cost.evals, general->cost.evals);
-                    run_destroy(general);
-                    special++;
-                }
-                compared++;
-                run_destroy(fast);
-            }
-    print_message("# %d of %d combinations have a kernel\n", special, compared);
+    int special = 0;
+    for (unsigned which = 0; which < 64; which++) {
+        struct scene scene;
+        set_terms(&scene, which);
+        special += compare_kernels(&scene);
+    }
+    print_message("# %d combinations of method and oscillator have a kernel\n", special);
     assert_true(special > 150);
+}
+
+static void test_kernels_of_models(void **state)
+{
+    (void)state;
+    static const char *const with_kernels[] = {"pendulum", "kepler", "henon-heiles"};
+    int special = 0;
+    for (size_t p = 0; p < preset_catalog.count; p++) {
+        const struct preset *preset = preset_at(p);
+        struct scene scene;
+        scene_init(&scene, preset);
+        const int here = compare_kernels(&scene);
+        for (size_t i = 0; i < COUNT_OF(with_kernels); i++)
+            if (strcmp(preset->row.name, with_kernels[i]) == 0) {
+                assert_true(here >= 20);
+                special++;
+            }
+    }
+    assert_int_equal(special, COUNT_OF(with_kernels));
+    struct scene driven;
+    scene_init(&driven, (const struct preset *)(const void *)catalog_find(&preset_catalog, TEXT("pendulum")));
+    set(&driven, "gamma", 0.3);
+    set(&driven, "F0", 0.4);
+    assert_true(compare_kernels(&driven) >= 20);
 }
 
 /* Diverging: the same last good state. */
@@ -188,7 +222,8 @@ static void test_propagator_does_not_drift(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_kernels_give_the_same_bits), cmocka_unit_test(test_kernels_stop_at_the_same_step),
+        cmocka_unit_test(test_kernels_give_the_same_bits), cmocka_unit_test(test_kernels_of_models),
+        cmocka_unit_test(test_kernels_stop_at_the_same_step),
         cmocka_unit_test(test_propagator_within_rounding), cmocka_unit_test(test_propagator_in_pieces),
         cmocka_unit_test(test_propagator_does_not_drift),
     };

@@ -119,6 +119,25 @@ static void test_values(void **state)
         {"step(nan_)", NAN},
         {"sign(nan_)", NAN},
         {"if(nan_, 1, 2)", NAN},
+        {"(v < y)", 1},
+        {"(v>y) + (y >= 2) + (2 <= y)", 2},
+        {"if(y + 1 < 2 + 1, 5, 6)", 6},
+        {"if(y<=2, 5, 6)*(1 < 2)", 5},
+        {"-(v < 1)*3", -3},
+        {"(nan_ < 1)", NAN},
+        {"(1 >= nan_)", NAN},
+        {"mod(7, 3)", 1},
+        {"mod(-7, 3)", 2},
+        {"mod(7, v)", -2},
+        {"mod(6, v)", 0},
+        {"mod(1, 0)", NAN},
+        {"v^3", -27},
+        {"v^-2", 1.0 / 9},
+        {"y^15", 32768},
+        {"y^1.5", 2 * sqrt(2)},
+        {"v^0.5", NAN},
+        {"y^0.3", pow(2, 0.3)},
+        {"0^0", 1},
         {"y^0.5", sqrt(2)},
         {"\t1 \t+\t2", 3},
     };
@@ -137,9 +156,9 @@ static void test_where_it_ends(void **state)
     (void)state;
     /* The bar is where the expression ends. */
     static const char *const cases[] = {
-        "5| cm",  "5|cm",         "0.25| 1/s", "(3+1)| s", "30| deg", "199.9| +- 0.1 g", "5|+-1",
-        "y| < 3", "y|<=3",        "1|:2",      "1|,2",     "1|; 2",   "1| # 2",          "2|)",
-        "y|'",    "3*gamma| # x", "1| = 2",    "(2)|(3)",  "5|,3 cm", "min(1,2)|,3",     "2|\n",
+        "5| cm",       "5|cm", "0.25| 1/s",    "(3+1)| s", "30| deg", "199.9| +- 0.1 g", "5|+-1",  "y| < 3",  "y|<=3",
+        "1|:2",        "1|,2", "1|; 2",        "1| # 2",   "2|)",     "3*gamma| # x",    "1| = 2", "(2)|(3)", "5|,3 cm",
+        "min(1,2)|,3", "2|\n", "(y < 3)| < 4",
     };
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         char source[64];
@@ -175,6 +194,7 @@ static void test_mistakes(void **state)
     expect_mistake("3 * gama", "unknown name 'gama'", "gama", "did you mean 'gamma'?");
     expect_mistake("y - gama", "unknown name 'gama'", "gama", "'gamma'");
     expect_mistake("y-gama", "unknown name 'gama'", "gama", "'gamma'");
+    expect_mistake("y' + 1", "unknown name 'y''", "y'", "did you mean 'y'?");
     expect_mistake("squirt", "unknown name 'squirt'", "squirt", "'sqrt'");
     expect_mistake("squrt(2)", "unknown function 'squrt'", "squrt", "'sqrt'");
     expect_mistake("y(2)", "unknown function 'y'", "y", "");
@@ -196,6 +216,9 @@ static void test_mistakes(void **state)
     expect_mistake("()", "a number or a name is missing after '('", ")", "");
     expect_mistake("max(1,)", "a number or a name is missing after 'max('", ")", "");
     expect_mistake("+-3", "a number or a name is missing", "+", "");
+    expect_mistake("(1 < y < 3)", "comparisons do not chain: for a < b < c write (a < b)*(b < c)", "<", "");
+    expect_mistake("if(1 < 2 >= 3, 4, 5)", "comparisons do not chain: for a < b < c write (a < b)*(b < c)", ">=", "");
+    expect_mistake("(y <)", "a number or a name is missing after '<'", ")", "");
     expect_mistake("-", "a number or a name is missing after '-'", "", "");
     expect_mistake(".", "malformed number", ".", "");
     expect_mistake("1e400", "the number 1e400 is too large", "1e400", "");
@@ -265,7 +288,7 @@ static struct written write_bare(struct buffer *out, uint64_t *seed, int depth)
     a = write_expr(out, seed, depth - 1, op == 4 ? 5 : own);
     put(out, signs[op]);
     b = write_expr(out, seed, depth - 1, op == 4 ? 3 : own + 1);
-    double values[] = {a + b, a - b, a * b, a / b, pow(a, b)};
+    double values[] = {a + b, a - b, a * b, a / b, short_power(a, b)};
     return (struct written){values[op], own};
 }
 
@@ -343,6 +366,8 @@ static void test_hostile(void **state)
     expect_quick("", "a-", 1000000, "b", "unknown name");
     expect_quick("", "aa-bb_", 1000000, "b", "unknown name");
     expect_quick("", "7", 1000000, "", "too large");
+    expect_quick("(", "(1<1)+", 65536, "1)", NULL);
+    expect_quick("(", "1<", 65536, "1)", "do not chain");
     expect_quick("", "max(1,1)+", 65536, "1", NULL);
     expect_quick("1", ")", 1000000, "", NULL);
     expect_quick("max(", "1,", 1000000, "1)", "max takes 2 arguments");

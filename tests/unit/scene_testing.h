@@ -25,6 +25,25 @@ static inline double random_between(uint64_t *seed, double a, double b)
     return a + (b - a) * random_unit(seed);
 }
 
+/* x^n with the rounding that is documented, in another way: the bits of |n| from the highest down. */
+static inline double short_power(double x, double n)
+{
+    if (!(fabs(n) <= 16 && 2 * n == floor(2 * n)))
+        return pow(x, n);
+    const int whole = (int)fabs(n);
+    double power = 1;
+    bool begun = false;
+    for (int bit = 4; bit >= 0; bit--) {
+        power = begun ? power * power : power;
+        if (whole >> bit & 1)
+            power = begun ? power * x : x;
+        begun = begun || (whole >> bit & 1);
+    }
+    if (fabs(n) != whole)
+        power = whole ? power * sqrt(x) : sqrt(x);
+    return n < 0 ? 1 / power : power;
+}
+
 struct setting {
     const char *param;
     double value;

@@ -1,0 +1,346 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A fit as lines and as a record. */
+#include "fit_text.h"
+#include "text_table.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#define STRONG 0.95    /* correlation of two parameters from which it is named */
+#define SAME 0.999999  /* from which the data cannot tell them apart */
+#define CORRELATED 0.3 /* of neighbouring residuals */
+
+void fit_tell_warning(struct told_fit *told, const char *format, ...)
+{
+    if (told->warnings == FIT_WARNINGS)
+        return;
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(told->warning[told->warnings++], sizeof told->warning[0], format, arguments);
+    va_end(arguments);
+}
+
+void fit_tell_residuals(struct told_fit *told)
+{
+    const struct curve_fit *curve = told->curve;
+    if (curve->autocorrelation > CORRELATED)
+        fit_tell_warning(told,
+                         "neighbouring residuals are alike (correlation %.2f): the curve leaves something out, or the "
+                         "recording sways; the uncertainties are widened for it",
+                         curve->autocorrelation);
+    for (int i = 0; i < curve->parameters; i++)
+        for (int j = 0; j < i; j++)
+            if (fabs(curve->correlation[i][j]) > SAME)
+                fit_tell_warning(told, "%s and %s change the curve alike: the data cannot tell them apart, hold one",
+                                 told->name[j], told->name[i]);
+    for (int j = 0; j < curve->parameters; j++)
+        if (curve->bound[j])
+            fit_tell_warning(told, "%s lies on the edge of what is allowed: it has no uncertainty", told->name[j]);
+}
+
+static void put(struct buffer *text, const char *name, struct measured value, enum quantity quantity)
+{
+    buffer_format(text, "%s = ", name);
+    if (isfinite(value.value))
+        buffer_measured(text, value, quantity, 6);
+    else
+        buffer_put(text, TEXT("unknown"));
+}
+
+static struct measured quotient(double numerator, struct measured x)
+{
+    return (struct measured){numerator / x.value, fabs(numerator / x.value) * fabs(x.uncertainty / x.value)};
+}
+
+static struct measured quality(const struct fit *fit)
+{
+    const double q = fit->omega.value / fit->gamma.value;
+    return (struct measured){q, q * fabs(fit->gamma.uncertainty / fit->gamma.value)};
+}
+
+static void put_head(const struct told_fit *told, struct buffer *text)
+{
+    const struct series *series = &told->subject->series;
+    const size_t used = told->motion ? told->motion->used : told->curve->used;
+    const size_t rejected = told->motion ? told->motion->rejected : told->curve->rejected;
+    buffer_format(text, "fit %s to %s, %.6g..%.6g s: %zu samples used, %zu rejected", told->model, told->subject->name,
+                  series->t[0], series->t[series->n - 1], used, rejected);
+}
+
+/* ---- an oscillation ---- */
+
+static void put_law(const struct fit *fit, struct buffer *text)
+{
+    const char *law = drag_law_name(fit->preferred);
+    if (!law)
+        return;
+    buffer_format(text, "\n  drag law of the envelope: %s (BIC linear ", law);
+    buffer_short(text, fit->evidence[0], 6);
+    buffer_put(text, TEXT(", quadratic "));
+    buffer_short(text, fit->evidence[1], 6);
+    buffer_put(text, TEXT(", mixed "));
+    buffer_short(text, fit->evidence[2], 6);
+    buffer_char(text, ')');
+}
+
+static void cell_rate(struct text_table *table, struct measured value, const char *unit)
+{
+    struct buffer cell = {0};
+    if (!isfinite(value.value) || (value.value == 0 && !(value.uncertainty > 0)))
+        buffer_char(&cell, '-');
+    else
+        buffer_measured(&cell, value, QUANTITY_OTHER, 4);
+    if (cell.len > 1)
+        buffer_format(&cell, " %s", unit);
+    cell_take(table, &cell);
+}
+
+/* Of a position in metres b is in 1/m and f in m/s^2; of angles and plain numbers without the metre. */
+static void put_laws(const struct told_fit *told, struct arena *arena, struct buffer *text)
+{
+    static const char *const heads[] = {"law", "gamma", "b of b|v|v", "friction f", "BIC", ""};
+    const enum quantity quantity = told->subject->series.quantity;
+    const bool metres =
+        quantity == QUANTITY_LENGTH || quantity == QUANTITY_VELOCITY || quantity == QUANTITY_ACCELERATION;
+    const struct drag_fit *drag = &told->motion->drag;
+    struct text_table table = {.arena = arena, .columns = COUNT_OF(heads), .gap = 2, .indent = 2};
+    for (size_t i = 0; i < COUNT_OF(heads); i++)
+        cell_text(&table, heads[i]);
+    for (int i = 0; i < drag->candidates; i++) {
+        const struct drag_candidate *c = &drag->candidate[i];
+        struct buffer bic = {0};
+        cell_text(&table, drag_law_name(c->law));
+        cell_rate(&table, c->gamma, "1/s");
+        cell_rate(&table, c->quadratic, metres ? "1/m" : "");
+        cell_rate(&table, c->friction, metres ? "m/s^2" : "1/s^2");
+        buffer_format(&bic, isfinite(c->bic) ? "%.1f" : "-", c->bic);
+        cell_take(&table, &bic);
+        cell_text(&table, !c->converged ? "did not converge" : c->law == told->motion->preferred ? "preferred" : "");
+    }
+    buffer_char(text, '\n');
+    text_table_put(&table, text);
+    while (text->len && text->data[text->len - 1] == '\n')
+        text->len--;
+    buffer_format(text, "\n  %s", drag->said);
+}
+
+static void put_motion(const struct told_fit *told, struct arena *arena, struct buffer *text)
+{
+    const struct fit *fit = told->motion;
+    const enum quantity quantity = told->subject->series.quantity;
+    put(text, "\n  T", fit->period, QUANTITY_TIME);
+    put(text, "   omega", fit->omega, QUANTITY_ANGULAR_FREQUENCY);
+    if (isfinite(fit->gamma.value)) {
+        put(text, "\n  gamma", fit->gamma, QUANTITY_RATE);
+        buffer_put(text, TEXT("   (amplitude falls as exp(-gamma t/2), energy as exp(-gamma t))\n  "));
+        if (fit->gamma.value > 0) {
+            put(text, "tau", quotient(2, fit->gamma), QUANTITY_TIME);
+            put(text, "   Q", quality(fit), QUANTITY_NUMBER);
+        } else {
+            buffer_put(text, TEXT("no decay"));
+        }
+    }
+    put(text, "\n  A", fit->amplitude, quantity);
+    put(text, "   phase", fit->phase, QUANTITY_ANGLE);
+    buffer_format(text, " at t = %.6g s", fit->t0);
+    put(text, "   offset", fit->offset, quantity);
+    if (isfinite(told->k.value))
+        put(text, "\n  k", told->k, QUANTITY_STIFFNESS);
+    buffer_put(text, isfinite(told->k.value) ? TEXT("   rms ") : TEXT("\n  rms "));
+    buffer_quantity(text, fit->rms, quantity, 3);
+    if (isfinite(fit->halves[0].value) && isfinite(fit->halves[1].value)) {
+        put(text, "\n  halves: gamma", fit->halves[0], QUANTITY_RATE);
+        buffer_put(text, TEXT(" and "));
+        buffer_measured(text, fit->halves[1], QUANTITY_RATE, 4);
+    }
+    if (fit->drag.candidates > 0)
+        put_laws(told, arena, text);
+    else
+        put_law(fit, text);
+    if (!isfinite(told->k.value) && told->spring)
+        buffer_put(text, TEXT("\n  (set the mass, for example m = 200 g, to get k)"));
+}
+
+/* ---- a curve ---- */
+
+static void put_parameters(const struct told_fit *told, struct arena *arena, struct buffer *text)
+{
+    const struct curve_fit *curve = told->curve;
+    struct text_table table = {.arena = arena, .columns = 3, .gap = 3, .indent = 2};
+    static const char *const heads[] = {"parameter", "value", "95 % interval"};
+    for (size_t i = 0; i < COUNT_OF(heads); i++)
+        cell_text(&table, heads[i]);
+    for (int j = 0; j < curve->parameters; j++) {
+        struct buffer value = {0}, interval = {0};
+        buffer_measured(&value, curve->value[j], told->quantity[j], 8);
+        if (curve->bound[j]) {
+            buffer_put(&interval, TEXT("on its bound"));
+        } else if (!curve->determined[j]) {
+            buffer_put(&interval, TEXT("not determined"));
+        } else {
+            buffer_quantity(&interval, curve->interval[j][0], told->quantity[j], 6);
+            buffer_put(&interval, TEXT(" .. "));
+            buffer_quantity(&interval, curve->interval[j][1], told->quantity[j], 6);
+        }
+        cell_text(&table, told->name[j]);
+        cell_take(&table, &value);
+        cell_take(&table, &interval);
+    }
+    buffer_char(text, '\n');
+    text_table_put(&table, text);
+    while (text->len && text->data[text->len - 1] == '\n')
+        text->len--;
+}
+
+static bool strong(const struct curve_fit *curve, int i, int j)
+{
+    return curve->determined[i] && curve->determined[j] && fabs(curve->correlation[i][j]) > STRONG;
+}
+
+static void put_curve(const struct told_fit *told, struct arena *arena, struct buffer *text)
+{
+    const struct curve_fit *curve = told->curve;
+    put_parameters(told, arena, text);
+    buffer_put(text, TEXT("\n  residuals: standard deviation "));
+    buffer_quantity(text, curve->sigma, told->subject->series.quantity, 3);
+    buffer_format(text, ", correlation of neighbours %.2f; %s", curve->autocorrelation, curve->said);
+    if (curve->bootstrapped > 0)
+        buffer_format(text, "\n  intervals from %d synthetic recordings", curve->bootstrapped);
+    const char *before = "\n  correlated: ";
+    for (int i = 0; i < curve->parameters; i++)
+        for (int j = 0; j < i; j++)
+            if (strong(curve, i, j)) {
+                buffer_format(text, "%s%s and %s %.3f", before, told->name[j], told->name[i], curve->correlation[i][j]);
+                before = ", ";
+            }
+    if (told->held)
+        buffer_format(text, "\n  held: %s", told->held);
+}
+
+/* ---- the record ---- */
+
+static struct measured parameter(const struct told_fit *told, const char *name)
+{
+    for (int j = 0; told->curve && j < told->curve->parameters; j++)
+        if (told->quantity[j] != QUANTITY_OTHER && strcmp(told->name[j], name) == 0)
+            return told->curve->value[j];
+    return (struct measured){NAN, NAN};
+}
+
+static void reply_known(struct reply *reply, const char *key, struct measured value, enum quantity quantity)
+{
+    if (isfinite(value.value))
+        reply_measured(reply, key, value, quantity);
+    else
+        reply_null(reply, key);
+}
+
+static void reply_parameters(const struct told_fit *told, struct reply *reply)
+{
+    const struct curve_fit *curve = told->curve;
+    reply_array(reply, "parameters");
+    for (int j = 0; curve && j < curve->parameters; j++) {
+        reply_object(reply, NULL);
+        reply_string(reply, "name", told->name[j]);
+        reply_real(reply, "value", curve->value[j].value);
+        reply_real(reply, "uncertainty", curve->value[j].uncertainty);
+        reply_string(reply, "unit", told->quantity[j] == QUANTITY_OTHER ? NULL : quantity_unit(told->quantity[j]));
+        reply_real(reply, "low", curve->determined[j] ? curve->interval[j][0] : NAN);
+        reply_real(reply, "high", curve->determined[j] ? curve->interval[j][1] : NAN);
+        reply_close(reply);
+    }
+    reply_close(reply);
+    reply_array(reply, "correlated");
+    for (int i = 0; curve && i < curve->parameters; i++)
+        for (int j = 0; j < i; j++)
+            if (strong(curve, i, j)) {
+                reply_object(reply, NULL);
+                reply_string(reply, "a", told->name[j]);
+                reply_string(reply, "b", told->name[i]);
+                reply_real(reply, "r", curve->correlation[i][j]);
+                reply_close(reply);
+            }
+    reply_close(reply);
+}
+
+static void reply_laws(const struct told_fit *told, struct reply *reply)
+{
+    const struct drag_fit *drag = told->motion ? &told->motion->drag : NULL;
+    reply_array(reply, "laws");
+    for (int i = 0; drag && i < drag->candidates; i++) {
+        const struct drag_candidate *c = &drag->candidate[i];
+        reply_object(reply, NULL);
+        reply_string(reply, "law", drag_law_name(c->law));
+        reply_bool(reply, "converged", c->converged);
+        reply_measured(reply, "gamma", c->gamma, QUANTITY_RATE);
+        reply_measured(reply, "b", c->quadratic, QUANTITY_OTHER);
+        reply_measured(reply, "friction", c->friction, QUANTITY_OTHER);
+        reply_real(reply, "bic", c->bic);
+        reply_close(reply);
+    }
+    reply_close(reply);
+    const bool compared = drag && drag->candidates > 0;
+    reply_real(reply, "delta", compared ? drag->delta : NAN);
+    reply_real(reply, "p_value", compared ? drag->p_value : NAN);
+}
+
+static void reply_record(const struct told_fit *told, struct reply *reply)
+{
+    static const struct measured none = {NAN, NAN};
+    const struct fit unknown = {.model = told->model,
+                                .period = none,
+                                .omega = none,
+                                .amplitude = none,
+                                .phase = none,
+                                .gamma = parameter(told, "gamma"),
+                                .offset = parameter(told, "offset"),
+                                .halves = {none, none}};
+    const struct fit *fit = told->motion ? told->motion : &unknown;
+    const struct series *series = &told->subject->series;
+    reply_begin(reply, "fit");
+    reply_string(reply, "model", told->model);
+    reply_string(reply, "of", told->subject->name);
+    reply_known(reply, "period", fit->period, QUANTITY_TIME);
+    reply_known(reply, "omega", fit->omega, QUANTITY_ANGULAR_FREQUENCY);
+    reply_known(reply, "gamma", fit->gamma, QUANTITY_RATE);
+    reply_known(reply, "amplitude", fit->amplitude, series->quantity);
+    reply_known(reply, "phase", fit->phase, QUANTITY_ANGLE);
+    reply_known(reply, "offset", fit->offset, series->quantity);
+    reply_known(reply, "k", told->curve ? parameter(told, "k") : told->k, QUANTITY_STIFFNESS);
+    reply_real(reply, "rms", told->motion ? fit->rms : told->curve->sigma);
+    reply_int(reply, "used", (int64_t)(told->motion ? fit->used : told->curve->used));
+    reply_int(reply, "rejected", (int64_t)(told->motion ? fit->rejected : told->curve->rejected));
+    reply_array(reply, "window");
+    reply_real(reply, NULL, series->t[0]);
+    reply_real(reply, NULL, series->t[series->n - 1]);
+    reply_close(reply);
+    reply_object(reply, "halves");
+    reply_array(reply, "gamma");
+    reply_real(reply, NULL, fit->halves[0].value);
+    reply_real(reply, NULL, fit->halves[1].value);
+    reply_close(reply);
+    reply_close(reply);
+    reply_string(reply, "preferred", told->motion ? drag_law_name(fit->preferred) : NULL);
+    reply_parameters(told, reply);
+    reply_laws(told, reply);
+    reply_bool(reply, "converged", told->motion ? fit->converged : told->curve->converged);
+    reply_array(reply, "warnings");
+    for (int i = 0; i < told->warnings; i++)
+        reply_string(reply, NULL, told->warning[i]);
+    reply_close(reply);
+    reply_end(reply);
+}
+
+void reply_fit(const struct told_fit *told, struct arena *arena, struct reply *reply)
+{
+    struct buffer text = {0};
+    put_head(told, &text);
+    (told->motion ? put_motion : put_curve)(told, arena, &text);
+    reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+    reply_record(told, reply);
+    for (int i = 0; i < told->warnings; i++)
+        reply_warning(reply, "%s", told->warning[i]);
+}

@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What is told of a fit, whatever was fitted. */
+#ifndef HOOKE_COMMAND_FIT_TEXT_H
+#define HOOKE_COMMAND_FIT_TEXT_H
+
+#include "internal.h"
+
+#define FIT_WARNINGS 8
+
+struct told_fit {
+    const struct subject *subject;
+    const char *model; /* damped, scene, the formula */
+    /* One of these: a row of fit_catalog, or a curve with named parameters (of the scene, of a formula). */
+    const struct fit *motion;
+    const struct curve_fit *curve;
+    const char *const *name;
+    const enum quantity *quantity; /* [curve->parameters] QUANTITY_OTHER: the unit follows from the formula */
+    const char *held;              /* what was not fitted: "m = 0.2 kg, k = 15 N/m"; NULL: nothing to say */
+    struct measured k;             /* NAN: not known */
+    bool spring;                   /* k could be known */
+    char warning[FIT_WARNINGS][200];
+    int warnings;
+};
+
+void fit_tell_warning(struct told_fit *told, const char *format, ...) PRINTF_LIKE(2, 3);
+/* What the residuals of a curve say against it. */
+void fit_tell_residuals(struct told_fit *told);
+/* Lines, record and warnings. */
+void reply_fit(const struct told_fit *told, struct arena *arena, struct reply *reply);
+
+/* ---- fit_curve.c: fits of the scene and of formulas ----
+ *
+ * What was asked for comes in `asked`; they tell, keep the result in the session where they converged, and set the
+ * error where not.
+ */
+struct asked_fit {
+    struct session *session;
+    const struct arguments *given;
+    const struct subject *subject;
+    struct reply *reply;
+};
+
+bool fit_the_scene(const struct asked_fit *asked, struct error *error);
+bool fit_a_formula(const struct asked_fit *asked, struct text formula, struct error *error);
+/* A fit of something else replaces its curve. */
+void session_drop_curve(struct session *session);
+
+#endif

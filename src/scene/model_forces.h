@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Forces of models that kernels compile in once more, as those of terms.def: one text, so both give the same bits. */
+#ifndef HOOKE_SCENE_MODEL_FORCES_H
+#define HOOKE_SCENE_MODEL_FORCES_H
+
+#include "model.h"
+
+#define MODEL_FORCE(name) static inline void name##_add(const double *c, UNUSED double t, const double *y, double *a)
+
+/* pendulum */
+MODEL_FORCE(weight)
+{
+    a[0] -= c[0] * sin(y[0]);
+}
+
+/* kepler */
+MODEL_FORCE(attraction)
+{
+    double square = y[0] * y[0] + y[1] * y[1], pull = c[0] / (square * sqrt(square));
+    a[0] -= pull * y[0];
+    a[1] -= pull * y[1];
+}
+
+/* henon-heiles */
+MODEL_FORCE(well)
+{
+    (void)c;
+    a[0] -= y[0] + 2 * y[0] * y[1];
+    a[1] -= y[1] + (y[0] * y[0] - y[1] * y[1]);
+}
+
+#endif

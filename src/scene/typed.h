@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Typed scenes: what was typed, what became of it, and the programs that evaluate it. */
+#ifndef HOOKE_SCENE_TYPED_H
+#define HOOKE_SCENE_TYPED_H
+
+#include "expr.h"
+
+#define TYPED_NAME_MOST (LIMIT_SYMBOL - 3) /* so that there is room for vNAME_0 */
+#define TYPED_READS (TERM_VALUES - 2)      /* parameters that expressions may read */
+
+/*
+ * Forces by what they depend on: FORCE on positions only where there is a potential, WORK on positions and time, DRAG
+ * on velocities. A scene of first order has all in WORK.
+ */
+enum typed_group { GROUP_FORCE, GROUP_WORK, GROUP_DRAG, GROUPS };
+
+/*
+ * Names of the expressions, as equations count them: t, the state, the mass, the parameters that are read, what is
+ * observed. A bound term's values from 1 on are the mass and the parameters that are read.
+ */
+struct typed {
+    struct typed *next; /* of all models */
+    struct arena arena;
+    struct model model;
+    struct preset preset;      /* settings under the name of the model */
+    const struct model *base;  /* NULL: all is typed */
+    struct typed_line *line;   /* in the order of typing */
+    int lines;
+    struct term_row *row;      /* [terms of the base + GROUPS] the groups that are there */
+    struct catalog params, terms;
+    int initial[LIMIT_VARIABLES]; /* parameter of each state variable; of scenes that are all typed, like the next two */
+    int velocity[LIMIT_VARIABLES]; /* places in the state of a variable and of its velocity, -1: none */
+    int t0, mass;                 /* parameters, mass -1: it is 1 */
+    int incomplete;               /* line of a variable without an equation, -1: none */
+    int read[TYPED_READS], reads; /* parameters */
+    struct variable *observed;
+    const struct expr **observe;
+    int observes;
+    const struct expr **group[GROUPS]; /* [rows] each with NULL where there is nothing; NULL: nothing at all */
+    const struct expr *potential;
+    struct typed_parts *parts;
+};
+
+/* Rows of what is added to: accelerations or derivatives. */
+static inline int typed_rows(const struct typed *typed)
+{
+    return typed->model.order == 2 ? typed->model.n / 2 : typed->model.n;
+}
+
+static inline int typed_mass_name(const struct typed *typed)
+{
+    return 1 + typed->model.n;
+}
+
+/* Makes it from its base and its lines; error->where may lie in a line's texts. */
+bool typed_compile(struct typed *typed, struct error *error);
+bool typed_name_fits(struct text name, struct error *error);
+
+/* ---- sums (typed_sums.c) ---- */
+
+/* a, b in this order, then the operation; b NULL: it has one operand. NULL: out of memory, too deep. */
+const struct expr *typed_join(struct arena *arena, const struct expr *a, const struct expr *b, enum op_kind op,
+                              struct error *error);
+const struct expr *typed_value(struct arena *arena, struct op op);
+struct typed_sort {
+    struct arena *arena;
+    struct error *error;
+    const unsigned *depends; /* of each name: bits of enum typed_dependence */
+    bool potential;
+};
+
+enum typed_dependence { DEPENDS_TIME = 1, DEPENDS_POSITION = 2, DEPENDS_VELOCITY = 4 };
+
+unsigned typed_depends(const struct expr *expr, const unsigned *depends);
+/* The summands of an expression by groups, each group in the order of writing; NULL where there are none. */
+bool typed_sort(const struct typed_sort *sort, const struct expr *expr, const struct expr *group[GROUPS]);
+
+/* ---- programs (typed_parts.c) ---- */
+
+/* Of a group, or of all of them, with those parameters known that are 0. */
+struct typed_term {
+    const struct typed *typed;
+    struct term_row row; /* with the flags that hold here */
+    struct program *add, *jacobian;
+    struct program *potential, *slope, *observe; /* NULL: none. slope: of the potential */
+};
+
+struct typed_part {
+    struct typed_part *next;
+    uint64_t zeros;             /* bits of the parameters that are 0 */
+    struct typed_term term[GROUPS], all;
+    atomic_bool checked; /* force and potential agree */
+};
+
+void typed_evaluate(const struct typed *typed, const struct program *program, const double *c, double t,
+                    const double *y, double *out);
+const struct typed_term *typed_term_of(const double *c);
+
+struct typed_part *typed_part_create(const struct typed *typed, uint64_t zeros, struct error *error);
+void typed_part_destroy(struct typed_part *part);
+
+/* ---- binding (typed_bind.c) ---- */
+
+struct typed_parts *typed_parts_create(void); /* NULL: no memory */
+void typed_parts_destroy(struct typed_parts *parts);
+/* Adds what is typed to a system whose mass is set. */
+bool typed_bind(const struct typed *typed, const double *param, struct system *system, struct error *error);
+/* Once start and scale are known: is the force the slope of the potential? */
+bool typed_check(const struct system *system, struct error *error);
+
+/* ---- natural sizes (typed_scale.c) ---- */
+
+void typed_begin(const double *param, struct system *system); /* struct model's begin */
+
+#endif

@@ -1,0 +1,297 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Typed terms as programs: making them of the expressions, and the functions of a term's row that run them. */
+#include "typed.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define FRAME_SMALL 128
+#define FRAME_MOST 16384 /* doubles on the stack */
+
+/* ---- evaluation ---- */
+
+const struct typed_term *typed_term_of(const double *c)
+{
+    const struct typed_term *term;
+    memcpy(&term, c, sizeof term);
+    return term;
+}
+
+static inline void run(const struct typed *typed, const struct program *program, const double *c, double t,
+                       const double *y, double *out, double *frame)
+{
+    const int n = typed->model.n;
+    frame[0] = t;
+    for (int i = 0; i < n; i++)
+        frame[1 + i] = y[i];
+    for (int i = 0; i <= typed->reads; i++)
+        frame[1 + n + i] = c[1 + i];
+    program_prepare(program, frame);
+    program_eval(program, frame, out, frame);
+}
+
+static __attribute__((__noinline__)) void run_large(const struct typed *typed, const struct program *program,
+                                                    const double *c, double t, const double *y, double *out)
+{
+    double frame[FRAME_MOST];
+    run(typed, program, c, t, y, out, frame);
+}
+
+void typed_evaluate(const struct typed *typed, const struct program *program, const double *c, double t,
+                    const double *y, double *out)
+{
+    double frame[FRAME_SMALL];
+    if (program_frame(program) <= FRAME_SMALL)
+        run(typed, program, c, t, y, out, frame);
+    else
+        run_large(typed, program, c, t, y, out);
+}
+
+static void add(const double *c, double t, const double *y, double *a)
+{
+    const struct typed_term *term = typed_term_of(c);
+    const int rows = typed_rows(term->typed);
+    double out[LIMIT_VARIABLES];
+    typed_evaluate(term->typed, term->add, c, t, y, out);
+    for (int i = 0; i < rows; i++)
+        a[i] += out[i];
+}
+
+static void jacobian(const double *c, double t, const double *y, double *jac)
+{
+    const struct typed_term *term = typed_term_of(c);
+    const int count = typed_rows(term->typed) * term->typed->model.n;
+    double out[LIMIT_VARIABLES * LIMIT_VARIABLES];
+    typed_evaluate(term->typed, term->jacobian, c, t, y, out);
+    for (int i = 0; i < count; i++)
+        jac[i] += out[i];
+}
+
+static double potential(const double *c, const double *y)
+{
+    const struct typed_term *term = typed_term_of(c);
+    double out[1];
+    typed_evaluate(term->typed, term->potential, c, 0, y, out);
+    return out[0];
+}
+
+static double power(const double *c, double t, const double *y)
+{
+    const struct typed_term *term = typed_term_of(c);
+    const int rows = typed_rows(term->typed);
+    double out[LIMIT_VARIABLES], sum = 0;
+    typed_evaluate(term->typed, term->add, c, t, y, out);
+    for (int i = 0; i < rows; i++)
+        sum += out[i] * y[rows + i];
+    return c[1] * sum;
+}
+
+/* ---- making programs ---- */
+
+struct making {
+    const struct typed *typed;
+    struct equations *equations;
+    const bool *bound; /* [names] */
+    const double *value;
+    struct error *error;
+};
+
+/* The last `count` outputs as a program. */
+static struct program *make(const struct making *m, int count)
+{
+    struct program *program = program_create(m->equations, equations_count(m->equations) - count, count, m->bound,
+                                             m->value, true, m->error);
+    if (!program || program_frame(program) <= FRAME_MOST)
+        return program;
+    error_set(m->error, ERROR_COMMAND, "the equations are too large: they need %zu numbers at once, %d are possible",
+              program_frame(program), FRAME_MOST);
+    program_destroy(program);
+    return NULL;
+}
+
+static bool all_zero(const struct program *program, int count)
+{
+    double value;
+    for (int i = 0; i < count; i++)
+        if (!program_constant(program, i, &value) || value != 0)
+            return false;
+    return true;
+}
+
+static bool depends(const struct program *program, int count, int first, int names)
+{
+    for (int i = 0; i < names; i++)
+        if (program_depends(program, 0, count, first + i))
+            return true;
+    return false;
+}
+
+/* Not smooth at v = 0: |v|, sign(v), v < 0. */
+static bool has_kink(const struct expr *expr, int velocity)
+{
+    for (size_t i = 1; expr && i < expr->count; i++) {
+        const struct op *op = &expr->op[i], *last = op - 1, *other = i > 1 ? op - 2 : last;
+        const bool calls = op->kind == OP_CALL &&
+                           (strcmp(op->function->row.name, "abs") == 0 || strcmp(op->function->row.name, "sign") == 0 ||
+                            strcmp(op->function->row.name, "step") == 0);
+        const bool compares = op->kind >= OP_LESS && op->kind <= OP_GREATER_EQUAL;
+        if ((calls && last->kind == OP_NAME && last->slot == velocity) ||
+            (compares && ((last->kind == OP_NUMBER && other->kind == OP_NAME && other->slot == velocity) ||
+                          (other->kind == OP_NUMBER && last->kind == OP_NAME && last->slot == velocity))))
+            return true;
+    }
+    return false;
+}
+
+static unsigned flags_of(const struct typed_term *term)
+{
+    const struct typed *typed = term->typed;
+    const int n = typed->model.n, rows = typed_rows(typed), entries = rows * n;
+    unsigned flags = 0;
+    if (!depends(term->jacobian, entries, 0, 1 + n))
+        flags |= TERM_LINEAR;
+    if (depends(term->add, rows, 0, 1))
+        flags |= TERM_TIME;
+    if (typed->model.order == 2 && depends(term->add, rows, 1 + rows, rows))
+        flags |= TERM_VELOCITY;
+    return flags;
+}
+
+/* What is added and its Jacobian, of the expressions [rows]; nothing if it is 0. */
+static bool make_term(const struct making *m, struct typed_term *term, const struct expr *const *expr)
+{
+    static const struct op zero = {.kind = OP_NUMBER, .number = 0};
+    const struct expr nothing = {.op = (struct op *)(uintptr_t)&zero, .count = 1};
+    const int n = m->typed->model.n, rows = typed_rows(m->typed), first = equations_count(m->equations);
+    int state[LIMIT_VARIABLES];
+    term->typed = m->typed;
+    for (int i = 0; i < n; i++)
+        state[i] = 1 + i;
+    for (int i = 0; i < rows; i++)
+        if (!equations_add(m->equations, expr[i] ? expr[i] : &nothing, m->error))
+            return false;
+    term->add = make(m, rows);
+    if (!term->add)
+        return false;
+    if (all_zero(term->add, rows)) {
+        program_destroy(term->add);
+        term->add = NULL;
+        return true;
+    }
+    if (!equations_derive(m->equations, first, rows, state, n, m->error))
+        return false;
+    term->jacobian = make(m, rows * n);
+    if (!term->jacobian)
+        return false;
+    term->row.flags = flags_of(term);
+    term->row.add = add;
+    term->row.jacobian = all_zero(term->jacobian, rows * n) ? NULL : jacobian;
+    for (int i = 0; n == 2 && rows == 1 && term->row.flags & TERM_VELOCITY && i < rows; i++)
+        term->row.flags |= has_kink(expr[i], 2) ? TERM_KINK : 0;
+    return true;
+}
+
+static bool make_groups(const struct making *m, struct typed_part *part)
+{
+    const struct typed *typed = m->typed;
+    size_t row = typed->terms.count;
+    int there = 0;
+    for (int g = 0; g < GROUPS; g++)
+        row -= typed->group[g] != NULL;
+    for (int g = 0; g < GROUPS; g++) {
+        struct typed_term *term = &part->term[g];
+        if (!typed->group[g])
+            continue;
+        term->row = typed->row[row++];
+        if (!make_term(m, term, typed->group[g]))
+            return false;
+        there += term->add != NULL;
+        if (g != GROUP_FORCE && typed->model.order == 2)
+            term->row.power = power;
+    }
+    if (there < 2 || typed->base)
+        return true;
+    /* All of them at once, in the order in which they would be added. */
+    struct arena arena = {0};
+    const struct expr **whole = arena_array(&arena, (size_t)typed_rows(typed), sizeof *whole);
+    bool fine = whole || error_memory(m->error);
+    for (int g = 0; fine && g < GROUPS; g++)
+        for (int i = 0; fine && part->term[g].add && i < typed_rows(typed); i++) {
+            const struct expr *more = typed->group[g][i];
+            if (more)
+                whole[i] = whole[i] ? typed_join(&arena, whole[i], more, OP_ADD, m->error) : more;
+            fine = !more || whole[i];
+        }
+    fine = fine && make_term(m, &part->all, whole);
+    arena_reset(&arena);
+    return fine;
+}
+
+static bool make_looks(const struct making *m, struct typed_part *part)
+{
+    const struct typed *typed = m->typed;
+    struct typed_term *force = &part->term[GROUP_FORCE];
+    int position[LIMIT_VARIABLES];
+    for (int i = 0; i < typed->observes; i++)
+        if (!equations_add(m->equations, typed->observe[i], m->error))
+            return false;
+    part->all.typed = typed;
+    if (typed->observes > 0 && !(part->all.observe = make(m, typed->observes)))
+        return false;
+    if (!typed->potential)
+        return true;
+    const int rows = typed_rows(typed), first = equations_count(m->equations);
+    for (int i = 0; i < rows; i++)
+        position[i] = 1 + i;
+    if (!equations_add(m->equations, typed->potential, m->error) || !(force->potential = make(m, 1)) ||
+        !equations_derive(m->equations, first, 1, position, rows, m->error) || !(part->all.slope = make(m, rows)))
+        return false;
+    force->typed = typed;
+    force->row.potential = potential;
+    force->row.flags |= TERM_CONSERVATIVE;
+    return true;
+}
+
+static void term_free(struct typed_term *term)
+{
+    struct program *const program[] = {term->add, term->jacobian, term->potential, term->slope, term->observe};
+    for (size_t i = 0; i < COUNT_OF(program); i++)
+        program_destroy(program[i]);
+}
+
+void typed_part_destroy(struct typed_part *part)
+{
+    for (int g = 0; g < GROUPS; g++)
+        term_free(&part->term[g]);
+    term_free(&part->all);
+    free(part);
+}
+
+struct typed_part *typed_part_create(const struct typed *typed, uint64_t zeros, struct error *error)
+{
+    const int first = typed->model.n + 2, names = first + typed->reads + typed->observes;
+    struct typed_part *part = calloc(1, sizeof *part);
+    bool *bound = calloc((size_t)names, sizeof *bound);
+    double *value = calloc((size_t)names, sizeof *value);
+    struct making m = {typed, NULL, bound, value, error};
+    bool fine = part && bound && value;
+    if (!fine)
+        error_memory(error);
+    else
+        fine = (m.equations = equations_create(names, error)) != NULL;
+    for (int i = 0; fine && i < typed->reads; i++)
+        bound[first + i] = zeros >> i & 1;
+    for (int i = 0; fine && i < typed->observes; i++)
+        fine = equations_let(m.equations, first + typed->reads + i, typed->observe[i], error);
+    fine = fine && make_groups(&m, part) && make_looks(&m, part);
+    equations_destroy(m.equations);
+    free(bound);
+    free(value);
+    if (fine) {
+        part->zeros = zeros;
+        return part;
+    }
+    if (part)
+        typed_part_destroy(part);
+    return NULL;
+}

@@ -1,0 +1,72 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the files of a sweep share. */
+#ifndef HOOKE_STUDY_SWEEP_H
+#define HOOKE_STUDY_SWEEP_H
+
+#include <hooke/study.h>
+
+/* ---- watching a trajectory go by ----
+ *
+ * Extremes of the first variable are where its velocity changes sign: placed by a line through the velocities, their
+ * value by the cubic through both ends.
+ */
+struct watch {
+    double top;         /* largest value so far */
+    bool open;          /* the window has begun; from then on: */
+    double low, high;   /* extremes */
+    double first, last; /* [s] maxima */
+    int64_t maxima;
+};
+
+void watch_begin(struct watch *watch, double y);
+void watch_open(struct watch *watch, double y);
+/* The velocity changed its sign between two states. */
+void watch_turn(struct watch *watch, double t0, double y0, double v0, double t1, double y1, double v1);
+void watch_end(struct watch *watch, double y);
+
+static inline bool watch_turns(double v0, double v1)
+{
+    return signbit(v0) != signbit(v1);
+}
+
+/* ---- one worker ---- */
+
+struct sweep_job {
+    const struct sweep_request *request;
+    struct sweep *sweep;
+    bool watches;  /* amplitude, period or max is measured */
+    bool tops;     /* max is */
+    bool in_lanes; /* as far as that does not depend on the point */
+    double opens;  /* [s] after t0: where the window begins */
+    int64_t whole; /* in lanes: full steps, and the rest [s] */
+    double rest;
+    int along; /* the axis along which lanes lie */
+    int64_t lines, blocks;
+    atomic_llong next, finished; /* tasks: lines times blocks */
+};
+
+struct sweep_worker {
+    struct sweep_job *job;
+    struct lanes *lanes; /* NULL: none are used */
+    double *row;
+    struct system *system; /* [LANES] */
+    struct watch watch[LANES];
+    int64_t point[LANES]; /* of each lane: place in the sweep */
+    int used;
+    int kind;
+    enum drag drag;
+    double steps; /* of all points so far */
+    int64_t side_by_side;
+    int64_t refused; /* place of the first refused point, -1: none */
+    char reason[600];
+    bool failed; /* no memory */
+};
+
+bool sweep_worker_init(struct sweep_worker *worker, struct sweep_job *job);
+void sweep_worker_free(struct sweep_worker *worker);
+void sweep_task(struct sweep_worker *worker, int64_t line, int64_t block);
+/* The scene and the settings of a point; false: refused, with the reason. */
+bool sweep_point(const struct sweep_request *request, const struct sweep *sweep, int64_t i, struct scene *scene,
+                 struct run_settings *settings, struct error *error);
+
+#endif

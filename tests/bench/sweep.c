@@ -1,0 +1,184 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Sweeps: many trajectories side by side, against loops over lanes by hand and against one trajectory after another. */
+#include "bench.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#define STEPS 2000
+#define H 0.01
+
+static volatile double sink;
+
+/* ---- in lanes ---- */
+
+struct lane_case {
+    const char *method, *preset;
+    struct lanes *lanes;
+    struct system system;
+    enum drag drag;
+    int kind;
+};
+
+static bool lane_case_init(struct lane_case *one, const char *method, const char *preset)
+{
+    const struct scene scene = bench_scene(preset, NULL, 0);
+    struct error error;
+    *one = (struct lane_case){.method = method, .preset = preset, .lanes = lanes_create()};
+    if (!one->lanes || !scene_bind(&scene, &one->system, &error) ||
+        !method_applies(bench_method(method), &one->system, &one->drag, &error))
+        return false;
+    one->kind = lanes_kind(bench_method(method), &one->system, one->drag, H);
+    return one->kind >= 0;
+}
+
+/* ns a trajectory-step */
+static double in_lanes(void *self)
+{
+    struct lane_case *one = self;
+    lanes_begin(one->lanes, bench_method(one->method), one->drag, one->kind, 0, H);
+    for (int lane = 0; lane < LANES; lane++)
+        lanes_set(one->lanes, lane, &one->system);
+    const int64_t begin = clock_ns();
+    lanes_march(one->lanes, STEPS, NULL);
+    return (double)(clock_ns() - begin) / STEPS / LANES;
+}
+
+static double one_by_one(void *self)
+{
+    struct lane_case *one = self;
+    static double row[STEPS * 2];
+    double work[64], y[2] = {one->system.start[0], one->system.start[1]};
+    struct step step = {.system = &one->system, .drag = one->drag, .h = H, .y = y, .work = work};
+    const struct march march = {&step, 0, 0, STEPS, row};
+    enum step_status status;
+    const struct method *method = bench_method(one->method);
+    const int64_t begin = clock_ns();
+    method_turning_march(method, method_kernel(method, &one->system, one->drag), &march, &status);
+    sink = y[0];
+    return (double)(clock_ns() - begin) / STEPS;
+}
+
+/* ---- by hand: loops over lanes that the compiler vectorises ---- */
+
+#if defined(__x86_64__) && !defined(__clang__)
+#define CLONES __attribute__((target_clones("default", "avx2", "avx512f")))
+#else
+#define CLONES
+#endif
+
+CLONES static void hand_euler(double *restrict y, double *restrict v, const double *restrict k)
+{
+    for (int i = 0; i < STEPS; i++)
+        for (int lane = 0; lane < LANES; lane++) {
+            y[lane] += H * v[lane];
+            v[lane] += H * -(k[lane] * y[lane]);
+        }
+}
+
+CLONES static void hand_rk4(double *restrict y, double *restrict v, const double *restrict k)
+{
+    for (int i = 0; i < STEPS; i++)
+        for (int lane = 0; lane < LANES; lane++) {
+            const double y1 = y[lane], v1 = v[lane], a1 = -(k[lane] * y1);
+            const double v2 = v1 + H / 2 * a1, a2 = -(k[lane] * (y1 + H / 2 * v1));
+            const double v3 = v1 + H / 2 * a2, a3 = -(k[lane] * (y1 + H / 2 * v2));
+            const double v4 = v1 + H * a3, a4 = -(k[lane] * (y1 + H * v3));
+            y[lane] = y1 + (H / 6 * v1 + H / 3 * v2 + H / 3 * v3 + H / 6 * v4);
+            v[lane] = v1 + (H / 6 * a1 + H / 3 * a2 + H / 3 * a3 + H / 6 * a4);
+        }
+}
+
+typedef void hand_lanes(double *restrict y, double *restrict v, const double *restrict k);
+
+struct hand_case {
+    hand_lanes *loop;
+};
+
+static double by_hand(void *self)
+{
+    double y[LANES], v[LANES], k[LANES];
+    for (int lane = 0; lane < LANES; lane++) {
+        y[lane] = 0.05;
+        v[lane] = 0;
+        k[lane] = 75;
+    }
+    const int64_t begin = clock_ns();
+    ((const struct hand_case *)self)->loop(y, v, k);
+    const double ns = (double)(clock_ns() - begin) / STEPS / LANES;
+    sink = y[0];
+    return ns;
+}
+
+/* ---- a whole sweep: 100 x 300 points of 1000 steps ---- */
+
+struct sweep_case {
+    const char *method;
+    int threads;
+};
+
+static double whole_sweep(void *self)
+{
+    const struct sweep_case *one = self;
+    const struct scene scene = bench_scene("driven", NULL, 0);
+    struct sweep_request request = {.scene = &scene,
+                                    .method = bench_method(one->method),
+                                    .settings = {.dt = H, .kernel = KERNEL_SPECIALISED},
+                                    .duration = 1000 * H,
+                                    .axis = {{.from = 4, .to = 14, .count = 100}, {.from = 0.1, .to = 1, .count = 300}},
+                                    .axes = 2,
+                                    .measure = {{.kind = SWEEP_AMPLITUDE}},
+                                    .measures = 1,
+                                    .shard = 1,
+                                    .shards = 1,
+                                    .threads = one->threads};
+    struct sweep sweep;
+    struct error error;
+    if (!sweep_axis_find(&scene, TEXT("omega"), &request.axis[0]) ||
+        !sweep_axis_find(&scene, TEXT("gamma"), &request.axis[1]) || !study_sweep(&request, &sweep, &error))
+        bench_die("sweep", error.text);
+    const double ns = sweep.seconds * 1e9 / sweep.steps;
+    sweep_free(&sweep);
+    return ns;
+}
+
+static void lane_rows(const char *method, const char *preset, struct hand_case *hand, double goal)
+{
+    struct lane_case one;
+    if (!lane_case_init(&one, method, preset)) {
+        table_note("%s with %s does not go in lanes", method, preset);
+        lanes_destroy(one.lanes);
+        return;
+    }
+    struct arm arm[] = {ARM(in_lanes, &one), ARM(one_by_one, &one), ARM(by_hand, hand)};
+    contest(arm, hand ? 3 : 2);
+    char what[64];
+    snprintf(what, sizeof what, "%s, %s", method, preset);
+    if (hand)
+        table_row(what, &arm[0], "lanes by hand, C", &arm[2], 1.05);
+    table_row(what, &arm[0], "one by one", &arm[1], NAN);
+    table_note("%.2f G trajectory-steps/s a core%s", 1 / arm[0].minimum,
+               isnan(goal)                    ? ""
+               : 1 / arm[0].minimum >= goal ? ": as much as wanted"
+                                              : ": less than wanted");
+    if (!isnan(goal))
+        table_note("wanted with AVX-512: %.1f", goal);
+    lanes_destroy(one.lanes);
+}
+
+void bench_sweep(void)
+{
+    struct hand_case euler = {hand_euler}, rk4 = {hand_rk4};
+    table_begin("Many trajectories side by side", "ns a trajectory-step");
+    lane_rows("symplectic-euler", "spring", &euler, 8);
+    lane_rows("rk4", "spring", &rk4, 0.9);
+    lane_rows("rk4", "driven", NULL, NAN);
+    lane_rows("rk4", "duffing", NULL, NAN);
+    lane_rows("verlet", "drag", NULL, NAN);
+    struct sweep_case alone = {"rk4", 1}, two = {"rk4", 2};
+    struct arm arm[] = {ARM(whole_sweep, &two), ARM(whole_sweep, &alone)};
+    table_begin("A sweep of the driven oscillator: 100 x 300 points, 1000 steps each, amplitude", "ns a trajectory-step");
+    contest(arm, 2);
+    table_row("rk4, two threads", &arm[0], "one thread", &arm[1], 1 / 1.8);
+}

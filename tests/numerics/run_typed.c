@@ -1,0 +1,257 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Scenes typed as equations reach the digits of the references, each with two methods of different families. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "unit/scene_typing.h"
+#include <hooke/run.h>
+
+#include <stdlib.h>
+
+/*
+ * Equations of the problems of references.csv (references.md): lines between semicolons, then what they reach. Digits
+ * of vdpol, orego, rober: Hairer and Wanner's test set, recomputed in quadruple precision; of DETEST: Enright and Pryce
+ * 1987; of the rest: quadruple precision or closed form.
+ */
+struct problem {
+    const char *name, *lines;
+    double t_end;
+    int count;
+    double value[10];
+    double tolerance; /* relative to each value, or to 1 where it is below `small` */
+    double small;
+    bool stiff;
+};
+
+static const struct problem problems[] = {
+#include "numerics/typed_problems.h"
+};
+
+static const struct method *method(const char *name)
+{
+    return (const struct method *)(const void *)catalog_find(&method_catalog, text_of(name));
+}
+
+static bool type_lines(struct typed_models *models, struct scene *scene, const char *lines)
+{
+    struct text rest = text_of(lines), line;
+    struct error error = {0};
+    while (text_split(&rest, ';', &line)) {
+        const struct typed_line typed = typing_line(text_trim(line));
+        const struct model *model = typed_add(models, scene->model, &typed, &error);
+        if (!model) {
+            print_message("%.*s: %s (%s)\n", (int)line.len, line.at, error.text, error.hint);
+            return false;
+        }
+        scene_remodel(scene, model);
+    }
+    return true;
+}
+
+static bool reaches(const struct problem *problem, const char *name, double tol)
+{
+    struct error error = {0};
+    struct typed_models *models = typed_create(&error);
+    struct scene scene;
+    scene_init(&scene, NULL);
+    bool fine = type_lines(models, &scene, problem->lines);
+    struct run *run = NULL;
+    if (fine) {
+        const struct run_settings settings = {.dt = 1e-3, .tol = tol, .record = {RECORD_EVERY, 1 << 20}};
+        run = run_create(&scene, method(name), &settings, problem->t_end, &error);
+        if (!run)
+            print_message("%s %s: %s\n", problem->name, name, error.text);
+        fine = run;
+    }
+    if (fine) {
+        const struct run_target target = {.t = problem->t_end, .steps = -1};
+        run_advance(run, &target, 0, NULL);
+        fine = run->t == problem->t_end;
+        for (int i = 0; i < problem->count; i++) {
+            const double wanted = problem->value[i], unit = fabs(wanted) < problem->small ? 1 : fabs(wanted);
+            const double off = fabs(run->y[i] - wanted) / unit;
+            if (!(off <= problem->tolerance)) {
+                print_message("%s %s: %s = %.17g, wanted %.17g, off by %.1e after %lld steps, t = %g\n", problem->name,
+                              name, system_variable(&run->system, i).name, run->y[i], wanted, off, (long long)run->steps,
+                              run->t);
+                fine = false;
+            }
+        }
+    }
+    run_destroy(run);
+    typed_destroy(models);
+    return fine;
+}
+
+static void test_references(void **state)
+{
+    (void)state;
+    bool fine = true;
+    for (size_t i = 0; i < COUNT_OF(problems); i++) {
+        const struct problem *p = &problems[i];
+        fine &= reaches(p, p->stiff ? "rodas5p" : "dop853", p->stiff ? 1e-11 : 1e-13);
+        fine &= reaches(p, p->stiff ? "radau5" : "odex", p->stiff ? 1e-11 : 1e-13);
+    }
+    assert_true(fine);
+}
+
+/* ---- the same motion as that of a built-in scene ---- */
+
+static struct run *typed_run(const struct scene *scene, const struct method *by, enum drag drag)
+{
+    const struct run_settings settings = {.dt = 0.05, .drag = drag};
+    struct error error;
+    struct run *run = run_create(scene, by, &settings, 50, &error);
+    const struct run_target target = {.t = 50, .steps = -1};
+    if (run)
+        run_advance(run, &target, 0, NULL);
+    return run;
+}
+
+/* Every symplectic method that takes Henon and Heiles' star takes the typed one, too, and to the same bits. */
+static void test_symplectic(void **state)
+{
+    (void)state;
+    struct error error;
+    struct typed_models *models = typed_create(&error);
+    struct scene typed, built_in;
+    int count = 0;
+    bool fine = true;
+    scene_init(&typed, NULL);
+    scene_init(&built_in, (const struct preset *)(const void *)catalog_find(&preset_catalog, TEXT("henon-heiles")));
+    assert_true(type_lines(models, &typed,
+                           "var x = 0;var y = 0;var x' = 0.24;var y' = 0.32;x'' = -(x + 2*x*y);"
+                           "y'' = -(y + (x^2 - y^2));"
+                           "potential (x^2 + y^2)/2 + (x^2 - y^2/3)*y"));
+    for (size_t i = 0; i < method_catalog.count; i++) {
+        const struct method *by = (const struct method *)(const void *)catalog_row(&method_catalog, i);
+        if (!(by->flags & METHOD_SYMPLECTIC) || by->flags & METHOD_IMPLICIT)
+            continue;
+        struct run *one = typed_run(&typed, by, DRAG_DEFAULT), *other = typed_run(&built_in, by, DRAG_DEFAULT);
+        if (!one != !other)
+            print_message("%s takes one only\n", by->row.name);
+        fine &= !one == !other;
+        for (int k = 0; one && other && k < 4; k++) {
+            fine &= one->y[k] == other->y[k];
+            if (one->y[k] != other->y[k])
+                print_message("%s: %.17g is not %.17g\n", by->row.name, one->y[k], other->y[k]);
+        }
+        count += one != NULL;
+        struct ledger ledger;
+        if (one) {
+            run_ledger(one, &ledger);
+            fine &= fabs(ledger.error_max) < 0.1 && one->plan.ledger == false;
+        }
+        run_destroy(one);
+        run_destroy(other);
+    }
+    typed_destroy(models);
+    assert_true(fine);
+    assert_true(count >= 10);
+}
+
+/* Kernels of typed scenes are there where they should be, and change no bit. */
+static void test_kernels(void **state)
+{
+    static const char *const scenes[] = {
+        "var x = 1;param k = 4;x'' = -k*x - 0.1*x'*abs(x') + 0.3*cos(2*t)",
+        "var x = 0;var y = 0;var x' = 0.24;var y' = 0.32;x'' = -(x + 2*x*y);y'' = -(y + (x^2 - y^2)) - 0.01*y'",
+        "var y1 = 2;var y2 = 0;y1' = y2;y2' = (1 - y1^2)*y2 - y1 + sin(t)",
+        "var x = 1;var y = 1;var z = 1;x' = 10*(y - x);y' = x*(28 - z) - y;z' = x*y - 8/3*z"};
+    (void)state;
+    struct error error;
+    bool fine = true;
+    for (size_t s = 0; s < COUNT_OF(scenes); s++) {
+        struct typed_models *models = typed_create(&error);
+        struct scene scene;
+        struct system system;
+        scene_init(&scene, NULL);
+        assert_true(type_lines(models, &scene, scenes[s]));
+        assert_true(scene_bind(&scene, &system, &error));
+        int kernels = 0;
+        for (size_t i = 0; i < method_catalog.count; i++) {
+            const struct method *by = (const struct method *)(const void *)catalog_row(&method_catalog, i);
+            if (!method_kernel(by, &system, DRAG_DEFAULT))
+                continue;
+            kernels++;
+            struct run *run[2];
+            for (int k = 0; k < 2; k++) {
+                const struct run_settings settings = {.dt = 0.01, .kernel = k ? KERNEL_GENERAL : KERNEL_SPECIALISED};
+                run[k] = run_create(&scene, by, &settings, 5, &error);
+                assert_non_null(run[k]);
+                const struct run_target target = {.t = 5, .steps = -1};
+                run_advance(run[k], &target, 0, NULL);
+            }
+            if (memcmp(run[0]->y, run[1]->y, sizeof run[0]->y) != 0) {
+                print_message("%s: %.17g is not %.17g\n", by->row.name, run[0]->y[0], run[1]->y[0]);
+                fine = false;
+            }
+            run_destroy(run[0]);
+            run_destroy(run[1]);
+        }
+        assert_true(kernels >= 8);
+        typed_destroy(models);
+    }
+    assert_true(fine);
+}
+
+/* Splittings with drag: explicit only, and refused otherwise with the way out. */
+static void test_splitting_with_drag(void **state)
+{
+    (void)state;
+    struct error error = {0};
+    struct typed_models *models = typed_create(&error);
+    struct scene scene;
+    scene_init(&scene, NULL);
+    assert_true(type_lines(models, &scene, "var x = 1;x'' = -x - 0.1*x'*abs(x');potential x^2/2"));
+    const struct run_settings settings = {.dt = 0.001};
+    assert_null(run_create(&scene, method("verlet"), &settings, 10, &error));
+    assert_non_null(strstr(error.hint, "drag=explicit"));
+    const struct run_settings explicit = {.dt = 0.001, .drag = DRAG_EXPLICIT};
+    struct run *run = run_create(&scene, method("verlet"), &explicit, 10, &error);
+    assert_non_null(run);
+    const struct run_target target = {.t = 10, .steps = -1};
+    run_advance(run, &target, 0, NULL);
+    assert_true(fabs(run->y[0] - -6.038516824236533039553e-1) < 1e-3); /* references.csv, quadratic drag b = 0.1 */
+    struct ledger ledger;
+    run_ledger(run, &ledger);
+    assert_true(fabs(ledger.error_max) < 1e-3 && ledger.work < -0.1);
+    run_destroy(run);
+    typed_destroy(models);
+}
+
+/* The energy balance of a force without a potential: all of it is work. */
+static void test_ledger(void **state)
+{
+    (void)state;
+    struct error error = {0};
+    struct typed_models *models = typed_create(&error);
+    struct scene scene;
+    scene_init(&scene, (const struct preset *)(const void *)catalog_find(&preset_catalog, TEXT("damped")));
+    assert_true(type_lines(models, &scene, "force -40*y^3 + 0.1*cos(2*t)"));
+    const struct run_settings settings = {.dt = 0.001};
+    struct run *run = run_create(&scene, method("rk4"), &settings, 10, &error);
+    assert_non_null(run);
+    const struct run_target target = {.t = 10, .steps = -1};
+    run_advance(run, &target, 0, NULL);
+    struct ledger ledger;
+    run_ledger(run, &ledger);
+    assert_true(fabs(ledger.error_max) < 1e-8 && fabs(ledger.work) > 1e-4);
+    run_destroy(run);
+    typed_destroy(models);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_references),
+        cmocka_unit_test(test_symplectic),
+        cmocka_unit_test(test_kernels),
+        cmocka_unit_test(test_splitting_with_drag),
+        cmocka_unit_test(test_ledger),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

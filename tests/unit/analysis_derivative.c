@@ -1,0 +1,114 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Rates, straight lines and the autocorrelation, against what is known exactly. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <hooke/analysis.h>
+
+#include <math.h>
+
+#define N 1000
+
+static bool near(double a, double b, double tolerance)
+{
+    return fabs(a - b) <= tolerance;
+}
+
+/* A parabola is differentiated exactly, at uneven times and at the ends too; a gap is not bridged. */
+static void parabolas_are_exact(void **state)
+{
+    (void)state;
+    double t[N], y[N];
+    struct arena arena = {0};
+    struct derivative d;
+    struct error error;
+    for (int i = 0; i < N; i++) {
+        t[i] = 3 + 0.01 * i + 0.002 * sin(7.0 * i) + (i >= 500 ? 1 : 0);
+        y[i] = 2 - 3 * t[i] + 0.5 * t[i] * t[i] + (i >= 500 ? 100 : 0);
+    }
+    const struct series series = {t, y, N, QUANTITY_LENGTH};
+    for (int points = 3; points <= 9; points += 2) {
+        assert_true(series_derivative(&series, points, &arena, &d, &error));
+        assert_int_equal(d.known, N);
+        assert_int_equal(d.quantity, QUANTITY_VELOCITY);
+        for (int i = 0; i < N; i++)
+            if (!near(d.value[i], t[i] - 3, 1e-8))
+                fail_msg("%d points, t = %g: %.12g, not %.12g", points, t[i], d.value[i], t[i] - 3);
+    }
+    assert_false(series_derivative(&series, 4, &arena, &d, &error));
+    arena_reset(&arena);
+}
+
+/* The loss that is stated is the one there is; so is the gain of noise, 1/(h sqrt(10)) for five points. */
+static void loss_and_gain_are_as_stated(void **state)
+{
+    (void)state;
+    double t[N], y[N], largest = 0;
+    const double omega = 8.7, h = 0.025;
+    struct arena arena = {0};
+    struct derivative d;
+    struct error error;
+    for (int i = 0; i < N; i++) {
+        t[i] = h * i;
+        y[i] = sin(omega * t[i]);
+    }
+    const struct series series = {t, y, N, QUANTITY_LENGTH};
+    assert_true(series_derivative(&series, DERIVATIVE_POINTS, &arena, &d, &error));
+    for (int i = 2; i < N - 2; i++)
+        largest = fmax(largest, fabs(d.value[i] - (1 - derivative_loss(&d, omega)) * omega * cos(omega * t[i])));
+    assert_true(largest < 1e-9);
+    assert_true(derivative_loss(&d, omega) > 0.02 && derivative_loss(&d, omega) < 0.03);
+    assert_true(near(d.gain * h * sqrt(10), 1, 1e-9));
+    arena_reset(&arena);
+}
+
+static void the_autocorrelation_finds_the_period(void **state)
+{
+    (void)state;
+    double t[N], y[N];
+    struct arena arena = {0};
+    struct measured period;
+    for (int i = 0; i < N; i++) {
+        t[i] = 0.01 * i;
+        y[i] = 21.6 + 5 * exp(-0.01 * t[i]) * cos(6.283185307179586 / 0.7226 * t[i] + 1);
+    }
+    const struct series series = {t, y, N, QUANTITY_LENGTH};
+    assert_true(series_correlation_period(&series, &arena, &period));
+    if (!near(period.value, 0.7226, 1e-3) || !(period.uncertainty < 1e-3))
+        fail_msg("%g +- %g", period.value, period.uncertainty);
+    for (int i = 0; i < N; i++)
+        y[i] = 3;
+    assert_false(series_correlation_period(&series, &arena, &period));
+    arena_reset(&arena);
+}
+
+static void lines_have_the_uncertainties_of_the_book(void **state)
+{
+    (void)state;
+    /* y = 1 + 2 x with one sigma up, down: chi^2 = 4 for 2. By hand: slope 2, sxx = 5. */
+    const double x[] = {0, 1, 2, 3};
+    const struct measured y[] = {{1.1, 0.1}, {2.9, 0.1}, {4.9, 0.1}, {7.1, 0.1}};
+    struct line_fit line;
+    assert_true(line_fit(x, y, 4, &line));
+    assert_true(near(line.slope.value, 2, 1e-12) && near(line.intercept.value, 1, 1e-12));
+    assert_true(near(line.chi2, 4, 1e-9) && line.freedom == 2);
+    assert_true(near(line.slope.uncertainty, 0.1 * sqrt(2.0 / 5), 1e-12));
+    assert_true(near(line.intercept.uncertainty, 0.1 * sqrt(2 * (0.25 + 2.25 / 5)), 1e-12));
+    const double same[] = {1, 1};
+    assert_false(line_fit(same, y, 2, &line));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(parabolas_are_exact),
+        cmocka_unit_test(loss_and_gain_are_as_stated),
+        cmocka_unit_test(the_autocorrelation_finds_the_period),
+        cmocka_unit_test(lines_have_the_uncertainties_of_the_book),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

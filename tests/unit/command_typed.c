@@ -1,0 +1,273 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Scenes and events that a user types: what defines them can be saved, undone, replayed and completed. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "unit/command_testing.h"
+
+static const char *const systems[] = {
+    "var x = 2; var y = 0; param mu = 5; x' = y; y' = mu*(1 - x^2)*y - x",
+    "var y = 5 cm; param k = 15 N/m; param m = 199.9 +- 0.1 g; y'' = -k/m*y - 0.1*y'; var y' = 0.1; observe p = m*y'",
+    "var a = 1; var b = 0.5; var q1 = 3; a'' = -a; b' = a*b - t; q1' = -q1; a0 = 0.1; q1_0 = 4",
+    "var x = 1; param one = 1; x' = one*x; param two = 3; observe twice = two*x; x' = -twice*one; var x = 3",
+    "scene damped; param stiff = 40; force -stiff*y^3; potential 10*y^4; stiff = 40; observe up = step(y)",
+    "scene driven; force 0.01*sin(3*t); gamma = 0.2",
+    "var x = 0.1; var y = 0.2; x'' = -x - 2*x*y; y'' = -y - (x^2 - y^2); force x = 0.01*sin(t); force y = -0.01*y'",
+};
+
+static void start(struct bench *b, const char *system)
+{
+    bench_open(b, false);
+    type_ok(b, system);
+}
+
+static void assert_same_state(const struct session *a, const struct session *b, const char *what)
+{
+    const struct run *one = a->run[a->current_run]->run, *other = b->run[b->current_run]->run;
+    if (one->steps != other->steps || one->t != other->t ||
+        memcmp(one->y, other->y, (size_t)one->system.n * sizeof *one->y) != 0)
+        fail_msg("%s: step %lld at %.17g, y[0] = %.17g; other: step %lld at %.17g, %.17g", what,
+                 (long long)one->steps, one->t, one->y[0], (long long)other->steps, other->t, other->y[0]);
+}
+
+/* Sourcing what save writes gives the same model: the same scene, the same bits of a run. */
+static void saved_lines_recreate_the_scene(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < COUNT_OF(systems); i++) {
+        struct bench b, other;
+        struct buffer saved = {0}, again = {0};
+        start(&b, systems[i]);
+        type_ok(&b, "method rk4 dt=10ms");
+        session_save(b.session, &saved);
+        write_file("typed.hk", saved.data, saved.len);
+        bench_open(&other, false);
+        type_ok(&other, "var old = 1; old' = old"); /* it begins anew */
+        type_ok(&other, "source typed.hk");
+        session_save(other.session, &again);
+        assert_string_equal(saved.data, again.data);
+        type_ok(&b, "run 1 s");
+        type_ok(&other, "run 1 s");
+        assert_same_state(b.session, other.session, systems[i]);
+        bench_close(&b);
+        bench_close(&other);
+        buffer_free(&saved);
+        buffer_free(&again);
+    }
+}
+
+/* Resuming brings back the runs of several models, with their events. */
+static void autosaves_bring_back_runs(void **state)
+{
+    (void)state;
+    struct bench b, other;
+    struct buffer saved = {0};
+    bench_open(&b, false);
+    type_ok(&b, "method dop853 tol=1e-9");
+    for (size_t i = 0; i < COUNT_OF(systems); i++) {
+        type_ok(&b, systems[i]);
+        type_ok(&b, "event quarter when t - 0.25 do record; event half when t - 0.5 do 'print t'; event half off");
+        type_ok(&b, "run 1 s");
+    }
+    type_ok(&b, "event half when t - 0.5 do 'print t'; event more when t > 0.7 do stop; run 1 s; continue; continue");
+    session_autosave(b.session, &saved);
+    write_file("typed.hk", saved.data, saved.len);
+    bench_open(&other, false);
+    type_ok(&other, "source typed.hk");
+    assert_int_equal(other.session->runs, b.session->runs);
+    for (int r = 0; r < b.session->runs; r++) {
+        const struct run *one = b.session->run[r]->run, *two = other.session->run[r]->run;
+        b.session->current_run = other.session->current_run = r;
+        assert_same_state(b.session, other.session, one->scene.preset->row.name);
+        assert_true(run_happenings(one) > 0);
+        assert_int_equal(run_happenings(one), run_happenings(two));
+        for (size_t i = 0; i < run_happenings(one); i++)
+            assert_true(run_happening(one, i)->t == run_happening(two, i)->t);
+    }
+    bench_close(&b);
+    bench_close(&other);
+    buffer_free(&saved);
+}
+
+static void assert_scene_is(struct bench *b, const char *wanted)
+{
+    struct buffer saved = {0};
+    session_save(b->session, &saved);
+    assert_string_equal(saved.data, wanted);
+    buffer_free(&saved);
+}
+
+/* undo, redo and checkpoints go through the states of a definition one by one, with the runs between them. */
+static void undo_takes_lines_back(void **state)
+{
+    (void)state;
+    static const char *const lines[] = {"var x = 1",
+                                        "x' = -x",
+                                        "event half when x - 0.5 do record",
+                                        "method rk4 dt=0.01",
+                                        "run 1 s",
+                                        "param rate = 2",
+                                        "x' = -rate*x",
+                                        "run 2 s",
+                                        "event third when x < 1/3 do stop",
+                                        "run 3 s",
+                                        "continue to 3 s",
+                                        "scene pendulum"};
+    struct bench b;
+    char *saved[COUNT_OF(lines) + 1];
+    double t[COUNT_OF(lines) + 1];
+    bench_open(&b, false);
+    for (size_t i = 0; i <= COUNT_OF(lines); i++) {
+        struct buffer text = {0};
+        session_save(b.session, &text);
+        saved[i] = text.data;
+        t[i] = b.session->current_run < 0 ? -1 : b.session->run[b.session->current_run]->run->t;
+        if (i < COUNT_OF(lines))
+            type_ok(&b, lines[i]);
+    }
+    assert_true(t[10] > 0.5 && t[10] < 0.6 && t[11] == 3.0);
+    for (size_t i = COUNT_OF(lines); i > 0; i--) {
+        type_ok(&b, "undo");
+        assert_scene_is(&b, saved[i - 1]);
+        assert_true(t[i - 1] == (b.session->current_run < 0 ? -1 : b.session->run[b.session->current_run]->run->t));
+    }
+    for (size_t i = 1; i <= COUNT_OF(lines); i++) {
+        type_ok(&b, "redo");
+        assert_scene_is(&b, saved[i]);
+        assert_true(t[i] == b.session->run[b.session->current_run]->run->t || t[i] == -1);
+    }
+    for (size_t i = 0; i <= COUNT_OF(lines); i++)
+        free(saved[i]);
+    bench_close(&b);
+}
+
+static void collect(void *context, const char *candidate, const char *brief)
+{
+    (void)brief;
+    buffer_format(context, " %s ", candidate);
+}
+
+static void assert_offers(struct bench *b, const char *line, const char *wanted, size_t from)
+{
+    struct buffer offered = {0};
+    size_t begin;
+    command_complete(b->session, text_of(line), strlen(line), &begin, collect, &offered);
+    assert_says(&offered, wanted);
+    assert_int_equal(begin, from);
+    buffer_free(&offered);
+}
+
+/* The user's names are offered wherever they can stand. */
+static void names_are_completed(void **state)
+{
+    (void)state;
+    struct bench b;
+    start(&b, "var angle = 1; param stiffness = 2; angle'' = -stiffness*angle; observe spread = angle^2");
+    assert_offers(&b, "angle'' = -sti", " stiffness ", 11);
+    assert_offers(&b, "angle'' = -stiffness*an", " angle ", 21);
+    assert_offers(&b, "observe more = 2*(spr", " spread ", 18);
+    assert_offers(&b, "event top when vang", " vangle ", 15);
+    assert_offers(&b, "force -stiff", " stiffness ", 7);
+    assert_offers(&b, "set sti", " stiffness ", 4);
+    assert_offers(&b, "set angle", " angle0 ", 4);
+    assert_offers(&b, "sti", " stiffness ", 0);
+    assert_offers(&b, "print spr", " spread ", 6);
+    assert_offers(&b, "run until angl", " angle ", 10);
+    type_ok(&b, "method rk4; run 1 s");
+    assert_offers(&b, "export f.csv spr", " spread ", 13);
+    bench_close(&b);
+}
+
+/* Whatever is typed gets its answer at once, and leaves the session as it was. */
+static void hostile_lines_are_refused_quickly(void **state)
+{
+    (void)state;
+    enum { MANY = 1000000 };
+    static const struct {
+        const char *before, *repeated, *after;
+    } hostile[] = {{"x' = ", "(", ""},          {"x' = ", "(", "1"},        {"x' = ", "-", "x"},
+                   {"x' = ", "x^", "x"},        {"x' = ", "sin(", "x"},     {"x' = ", "x+", "x"},
+                   {"x' = ", "x", ""},          {"x", "'", " = x"},         {"observe E = ", "if(x,", "1"},
+                   {"force ", "(", "y"},        {"potential ", "1+", "y"},  {"event e when ", "(", " do stop"},
+                   {"event e when x do '", "a", "'"}, {"var ", "v", " = 1"}, {"param ", "p", " = 1"},
+                   {"var z = ", "(", "1"},      {"event ", "e", " when x do stop"}};
+    struct bench b;
+    start(&b, "var x = 1; x' = -x");
+    struct buffer saved = {0};
+    session_save(b.session, &saved);
+    for (size_t i = 0; i < COUNT_OF(hostile); i++) {
+        struct buffer line = {0};
+        buffer_put(&line, text_of(hostile[i].before));
+        while (line.len < MANY)
+            buffer_put(&line, text_of(hostile[i].repeated));
+        buffer_put(&line, text_of(hostile[i].after));
+        const int64_t begin = clock_ns();
+        assert_false(line.failed || command_exec(b.session, buffer_text(&line), NULL, &b.reply));
+        if (clock_ns() - begin > 200000000)
+            fail_msg("%s%s… took %.0f ms", hostile[i].before, hostile[i].repeated, (double)(clock_ns() - begin) * 1e-6);
+        assert_scene_is(&b, saved.data);
+        buffer_free(&line);
+    }
+    buffer_free(&saved);
+    bench_close(&b);
+}
+
+/* An error points at its place in the line. */
+static void errors_have_their_caret(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *line, *caret;
+    } wrong[] = {{"x' = -rat*x", "    x' = -rat*x\n          ^~~"},
+                 {"y' = 3", "    y' = 3\n    ^"},
+                 {"observe E = x*(1 + zz)", "    observe E = x*(1 + zz)\n                       ^~"},
+                 {"event top when 2*q do stop", "    event top when 2*q do stop\n                     ^"},
+                 {"var pi = 3", "    var pi = 3\n        ^~"},
+                 {"x' = x x", "    x' = x x\n           ^"}};
+    struct bench b;
+    start(&b, "var x = 1; param rate = 2");
+    for (size_t i = 0; i < COUNT_OF(wrong); i++) {
+        assert_false(type(&b, wrong[i].line));
+        assert_says(&b.err, wrong[i].caret);
+    }
+    bench_close(&b);
+}
+
+/* What `record` and the story write leads to the same runs: commands of events are executed once. */
+static void recorded_sessions_are_the_same(void **state)
+{
+    (void)state;
+    struct bench b, other;
+    bench_open(&b, false);
+    type_ok(&b, "record kept.hk");
+    type_ok(&b, "var y = 1; y'' = -y; param grow = 0; event low when y < 0 do 'change grow 1; print grow'");
+    type_ok(&b, "y'' = -y + grow*y'; method rk4 dt=0.01; run 3 s");
+    assert_says(&b.out, "grow = 1");
+    type_ok(&b, "continue 1 s");
+    type_ok(&b, "record off");
+    bench_open(&other, false);
+    type_ok(&other, "source kept.hk");
+    assert_int_equal(other.session->runs, 1);
+    assert_same_state(b.session, other.session, "recorded");
+    write_file("story.hk", b.session->story.data, b.session->story.len);
+    bench_close(&other);
+    bench_open(&other, false);
+    type_ok(&other, "source story.hk");
+    assert_same_state(b.session, other.session, "story");
+    bench_close(&other);
+    bench_close(&b);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(saved_lines_recreate_the_scene),   cmocka_unit_test(autosaves_bring_back_runs),
+        cmocka_unit_test(undo_takes_lines_back),            cmocka_unit_test(names_are_completed),
+        cmocka_unit_test(hostile_lines_are_refused_quickly), cmocka_unit_test(errors_have_their_caret),
+        cmocka_unit_test(recorded_sessions_are_the_same),
+    };
+    return cmocka_run_group_tests(tests, enter_folder, leave_folder);
+}

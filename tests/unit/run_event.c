@@ -1,0 +1,235 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Events: found once each, at the right time, whatever the method and however the run is cut into calls. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "unit/scene_typing.h"
+#include <hooke/run.h>
+
+#include <stdlib.h>
+
+struct fixture {
+    struct typed_models *models;
+    struct scene scene;
+    struct run *run;
+    struct arena arena;
+    struct expr_scope scope;
+    struct event event[4];
+    int events;
+    struct error error;
+};
+
+static int set_up(void **state)
+{
+    struct fixture *f = calloc(1, sizeof *f);
+    *state = f;
+    f->models = typed_create(&f->error);
+    scene_init(&f->scene, NULL);
+    const char *const lines[] = {"var x = 1", "x'' = -x", "observe E = x^2 + x'^2", NULL};
+    return f->models && type_scene(f->models, &f->scene, lines) ? 0 : -1;
+}
+
+static int tear_down(void **state)
+{
+    struct fixture *f = *state;
+    run_destroy(f->run);
+    typed_destroy(f->models);
+    arena_reset(&f->arena);
+    free(f);
+    return 0;
+}
+
+static void start(struct fixture *f, const char *name, double dt, double tol)
+{
+    const struct run_settings settings = {.dt = dt, .tol = tol};
+    const struct method *method = (const struct method *)(const void *)catalog_find(&method_catalog, text_of(name));
+    run_destroy(f->run);
+    f->run = run_create(&f->scene, method, &settings, 100, &f->error);
+    if (!f->run)
+        fail_msg("%s", f->error.text);
+    assert_true(run_scope(f->run, &f->scope));
+    f->events = 0;
+}
+
+static void add(struct fixture *f, const char *text, bool stop)
+{
+    size_t used;
+    struct event *event = &f->event[f->events++];
+    *event = (struct event){.stop = stop};
+    if (!event_compile(text_of(text), &f->scope, &f->arena, event, &used, &f->error))
+        fail_msg("%s: %s", text, f->error.text);
+    assert_int_equal(used, strlen(text));
+}
+
+static void go(struct fixture *f, double t, int64_t steps)
+{
+    const struct run_target target = {.t = t, .steps = steps, .event = f->event, .events = f->events};
+    while (run_advance(f->run, &target, 0, NULL)) {}
+}
+
+static double time_of(const struct fixture *f, size_t i)
+{
+    return run_happening(f->run, i)->t;
+}
+
+/* ---- times ---- */
+
+static void test_times(void **state)
+{
+    static const struct {
+        const char *method;
+        double dt, tol, tolerance;
+    } row[] = {{"dop853", 0.1, 1e-12, 1e-8}, {"dopri5", 0.1, 1e-10, 1e-8}, {"rk4", 0.01, 0, 1e-8},
+               {"verlet", 0.001, 0, 1e-5},   {"rk4", 0.3, 0, 1e-2},        {"odex", 0.1, 1e-12, 1e-4}};
+    struct fixture *f = *state;
+    for (size_t k = 0; k < COUNT_OF(row); k++) {
+        start(f, row[k].method, row[k].dt, row[k].tol);
+        add(f, "x", false);
+        add(f, "x' rising", false);
+        add(f, "x < 0.5", false);
+        go(f, 20, -1);
+        /* x = cos t: zeros at pi/2 + k pi; x' rises at pi + 2 pi k; x falls through 1/2 at pi/3 + 2 pi k */
+        double last = 0;
+        int count[3] = {0};
+        for (size_t i = 0; i < run_happenings(f->run); i++) {
+            const struct happening *h = run_happening(f->run, i);
+            const double *y = run_happening_state(f->run, i), n = count[h->event]++;
+            const double wanted = h->event == 0   ? M_PI / 2 + n * M_PI
+                                  : h->event == 1 ? M_PI + 2 * n * M_PI
+                                                  : M_PI / 3 + 2 * n * M_PI;
+            if (!(fabs(h->t - wanted) < row[k].tolerance && h->t >= last))
+                fail_msg("%s: event %d at %.17g, not %.17g", row[k].method, h->event, h->t, wanted);
+            assert_int_equal(h->direction, h->event == 1 ? 1 : h->event == 2 ? -1 : (int)n % 2 ? 1 : -1);
+            assert_true(fabs(h->event == 0 ? y[0] : h->event == 1 ? y[1] : y[0] - 0.5) < 1e-14); /* to rounding */
+            last = h->t;
+        }
+        assert_int_equal(count[0], 6);
+        assert_int_equal(count[1], 3);
+        assert_int_equal(count[2], 4);
+    }
+}
+
+static void test_slices_do_not_matter(void **state)
+{
+    struct fixture *f = *state;
+    static double times[64];
+    size_t count = 0;
+    for (int cut = 0; cut < 2; cut++) {
+        start(f, "rk4", 0.07, 0);
+        add(f, "x*x' - 0.2", false);
+        if (cut)
+            while (f->run->steps < 400)
+                go(f, HUGE_VAL, 1);
+        else
+            go(f, HUGE_VAL, 400);
+        for (size_t i = 0; cut && i < count; i++)
+            assert_true(times[i] == time_of(f, i));
+        assert_true(!cut || count == run_happenings(f->run));
+        count = run_happenings(f->run);
+        assert_true(count > 10 && count < 64);
+        for (size_t i = 0; i < count; i++)
+            times[i] = time_of(f, i);
+    }
+}
+
+/* ---- stopping and going on ---- */
+
+static void test_stop(void **state)
+{
+    struct fixture *f = *state;
+    const char *const methods[] = {"dopri5", "rk4", "verlet"};
+    for (size_t k = 0; k < COUNT_OF(methods); k++) {
+        start(f, methods[k], 0.01, k == 0 ? 1e-10 : 0);
+        add(f, "x falling", true);
+        for (int turn = 0; turn < 3; turn++) { /* it is not found again where it stopped */
+            go(f, 100, -1);
+            assert_int_equal(f->run->stop, STOP_CONDITION);
+            assert_true(fabs(f->run->t - (M_PI / 2 + 2 * M_PI * turn)) < 1e-4);
+            assert_true(fabs(f->run->y[0]) < 1e-14);
+            assert_int_equal(run_happenings(f->run), turn + 1);
+            assert_true(time_of(f, (size_t)turn) == f->run->t);
+            assert_true(trace_time(f->run->trace, trace_count(f->run->trace) - 1) == f->run->t);
+        }
+    }
+}
+
+/* What happens after the stop in the same step has not happened. */
+static void test_order_in_a_step(void **state)
+{
+    struct fixture *f = *state;
+    start(f, "dop853", 3, 1e-6);
+    add(f, "x + 0.1", false);
+    add(f, "x", true);
+    go(f, 100, -1);
+    assert_int_equal(run_happenings(f->run), 1);
+    assert_int_equal(run_happening(f->run, 0)->event, 1);
+    go(f, 100, -1);
+    assert_int_equal(run_happenings(f->run), 4); /* - + and x again */
+}
+
+static void test_back(void **state)
+{
+    struct fixture *f = *state;
+    start(f, "rk4", 0.1, 0);
+    add(f, "x", false);
+    go(f, 10, -1);
+    assert_int_equal(run_happenings(f->run), 3);
+    run_back(f->run, 50);
+    assert_int_equal(run_happenings(f->run), 2);
+    go(f, 10, -1);
+    assert_int_equal(run_happenings(f->run), 3);
+}
+
+static void test_observed(void **state)
+{
+    struct fixture *f = *state;
+    start(f, "rk4", 0.1, 0);
+    go(f, 10, -1);
+    const size_t rows = trace_count(f->run->trace);
+    double *column = malloc(rows * sizeof *column);
+    assert_non_null(column);
+    run_observed_column(f->run, 0, column);
+    for (size_t i = 0; i < rows; i++) {
+        const double *y = trace_state(f->run->trace, i);
+        assert_true(fabs(column[i] - (y[0] * y[0] + y[1] * y[1])) < 1e-15);
+    }
+    free(column);
+    int slot;
+    assert_true(f->scope.find(f->scope.context, TEXT("E"), &slot));
+    assert_true(fabs(f->scope.load(f->scope.context, slot) - run_observed(f->run, 0)) == 0);
+    assert_true(f->scope.find(f->scope.context, TEXT("x'"), &slot));
+    assert_true(f->scope.load(f->scope.context, slot) == f->run->y[1]);
+}
+
+static void test_text(void **state)
+{
+    struct fixture *f = *state;
+    struct event event = {0};
+    size_t used;
+    start(f, "rk4", 0.1, 0);
+    assert_false(event_compile(TEXT("x < 0 rising"), &f->scope, &f->arena, &event, &used, &f->error));
+    assert_true(text_is(f->error.where, "rising"));
+    assert_false(event_compile(TEXT("xx"), &f->scope, &f->arena, &event, &used, &f->error));
+    assert_true(event_compile(TEXT("x falling do stop"), &f->scope, &f->arena, &event, &used, &f->error));
+    assert_int_equal(used, 9);
+    assert_int_equal(event.direction, -1);
+}
+
+#define TEST_CASE(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        TEST_CASE(test_times),
+        TEST_CASE(test_slices_do_not_matter),
+        TEST_CASE(test_stop),
+        TEST_CASE(test_order_in_a_step),
+        TEST_CASE(test_back),
+        TEST_CASE(test_observed),
+        TEST_CASE(test_text),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
