@@ -250,7 +250,7 @@ static bool read_event(struct session *session, const struct arguments *given, s
     const struct expr_scope scope = names_scope(&names);
     struct event_line line = {.action = EVENT_STOP};
     struct item commands = {0};
-    struct event event;
+    struct event event = {.stop = false};
     size_t used;
     if (name.len > LIMIT_NAME)
         return error_at(error, name, "a name of more than %d letters", LIMIT_NAME);

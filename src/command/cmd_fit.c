@@ -282,9 +282,8 @@ COMMAND(fit, .row = {"fit", "", "fit an oscillation, the scene or a formula to a
             "parameters. Their values\n"
             "are fit_NAME afterwards. --robust gives samples far off no weight; --bootstrap N makes the intervals "
             "from N synthetic fits.",
-        .examples = "load bare.txt; fit; fit sine window=2:8\n"
-                    "fit scene free=k,gamma,y0,v0; adopt; run\n"
-                    "fit a*exp(-b*t)+c b=0.1",
+        .examples = "load bare.txt; m = 200 g; fit damped; adopt; fit scene free=k,gamma,y0,v0; adopt; run\n"
+                    "load bare.txt; fit a*exp(-b*t)*cos(w*t+p)+c b=0.01 w=8.7",
         .see = "adopt measure load",
         ARGUMENTS(PLACE("MODEL", TYPE_MODEL, .choices = &fit_kind_catalog), WORD("to", TYPE_RECORDING, .group = 1),
                   WORD("run", TYPE_RUN, .group = 1), KEY("window", TYPE_RANGE, .quantity = QUANTITY_TIME),

@@ -328,7 +328,7 @@ static bool is_formula(struct text statement)
     skip_blanks(&statement);
     const struct text name = peek_name(statement);
     const struct command *command = (const struct command *)(const void *)catalog_find(&command_catalog, name);
-    const bool marked = name.len < statement.len && statement.at[name.len] == '\'';
+    const bool marked = name.len > 0 && name.len < statement.len && statement.at[name.len] == '\'';
     return marked || (command && command->arguments > 0 &&
                       command->argument[command->arguments - 1].type == TYPE_FORMULA);
 }
@@ -364,7 +364,8 @@ bool command_complete(struct session *session, struct text line, size_t cursor, 
     struct text after = {before.at + name.len, before.len - name.len};
     skip_blanks(&after);
     const struct command *command = (const struct command *)(const void *)catalog_find(&command_catalog, name);
-    if (formula && (after.at[0] == '\'' || command->arguments == 1 || count_words(after) > 0))
+    if (formula && after.len > 0 &&
+        (after.at[0] == '\'' || !command || command->arguments == 1 || count_words(after) > 0))
         offer_formula(&c);
     else if (after.len > 0 && after.at[0] == '=')
         offer_for_name(&c, name, before);

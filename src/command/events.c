@@ -123,13 +123,12 @@ bool events_compile(const struct events *events, const struct expr_scope *scope,
     for (int i = 0; i < events->count; i++) {
         const struct event_line *line = &events->line[i];
         size_t used;
+        list[i] = (struct event){.stop = line->action != EVENT_RECORD, .scope = scope};
+        memcpy(list[i].name, line->name, sizeof list[i].name);
         if (!event_compile(text_of(line->when), scope, arena, &list[i], &used, error)) {
             error->where = (struct text){NULL, 0};
             return error_hint(error, "in the event %s; 'event %s off' drops it", line->name, line->name);
         }
-        memcpy(list[i].name, line->name, sizeof list[i].name);
-        list[i].stop = line->action != EVENT_RECORD;
-        list[i].scope = scope;
     }
     *event = list;
     *count = events->count;

@@ -63,7 +63,8 @@ struct propagator *propagator_create(const struct run *run, double h)
         for (int j = 0; j < N; j++)
             m[i][j] = (real)column[j][i] - (real)shift[i];
     if (run->method->flags & METHOD_SYMPLECTIC && run->system.conservative) {
-        real scale = 1 / sqrtl(m[0][0] * m[1][1] - m[0][1] * m[1][0]);
+        real determinant = m[0][0] * m[1][1] - m[0][1] * m[1][0];
+        real scale = fabsl(determinant - 1) < 1e-6L ? 1 / sqrtl(determinant) : 1; /* else it is all rounding */
         for (int i = 0; i < N; i++)
             for (int j = 0; j < N; j++)
                 m[i][j] *= scale;
@@ -87,7 +88,7 @@ struct propagator *propagator_create(const struct run *run, double h)
             p->shift[step * N + i] = (double)sum[i];
             const double size[] = {fabs(p->first[step * N + i]), fabs(p->second[step * N + i]), fabs((double)sum[i])};
             for (int j = 0; j <= N; j++)
-                p->reach[i][j] = fmax(p->reach[i][j], size[j]);
+                p->reach[i][j] = size[j] <= p->reach[i][j] || isnan(p->reach[i][j]) ? p->reach[i][j] : size[j];
         }
     }
     for (int i = 0; i < N; i++) {

@@ -100,7 +100,13 @@ static void assert_scene_is(struct bench *b, const char *wanted)
     buffer_free(&saved);
 }
 
-/* undo, redo and checkpoints go through the states of a definition one by one, with the runs between them. */
+/* [s] -1: there is no run */
+static double time_of(const struct bench *b)
+{
+    return session_run(b->session) ? session_run(b->session)->t : -1;
+}
+
+/* undo and redo go through the states of a definition one by one, with the runs between them. */
 static void undo_takes_lines_back(void **state)
 {
     (void)state;
@@ -124,7 +130,7 @@ static void undo_takes_lines_back(void **state)
         struct buffer text = {0};
         session_save(b.session, &text);
         saved[i] = text.data;
-        t[i] = b.session->current_run < 0 ? -1 : b.session->run[b.session->current_run]->run->t;
+        t[i] = time_of(&b);
         if (i < COUNT_OF(lines))
             type_ok(&b, lines[i]);
     }
@@ -132,12 +138,12 @@ static void undo_takes_lines_back(void **state)
     for (size_t i = COUNT_OF(lines); i > 0; i--) {
         type_ok(&b, "undo");
         assert_scene_is(&b, saved[i - 1]);
-        assert_true(t[i - 1] == (b.session->current_run < 0 ? -1 : b.session->run[b.session->current_run]->run->t));
+        assert_true(t[i - 1] == time_of(&b));
     }
     for (size_t i = 1; i <= COUNT_OF(lines); i++) {
         type_ok(&b, "redo");
         assert_scene_is(&b, saved[i]);
-        assert_true(t[i] == b.session->run[b.session->current_run]->run->t || t[i] == -1);
+        assert_true(t[i] == time_of(&b));
     }
     for (size_t i = 0; i <= COUNT_OF(lines); i++)
         free(saved[i]);

@@ -160,7 +160,7 @@ static void offered_panes(void **state)
                  {"C = 0; run 1 s", "peuvxs"},
                  {"load swing.txt; cursor off", "peuvxrs"},
                  {"data window 2:4", "peuvxs"},
-                 {"drop all", "ps"}};
+                 {"drop all", "peuvs"}}; /* velocity and energy of a recording */
     static const char letters[] = "peuvxrs"; /* of enum pane: position energy phase velocity error residual spectrum */
     struct buffer text = {0};
     buffer_put(&text, TEXT("t\ty\ns\tcm\n"));
