@@ -185,7 +185,7 @@ static void says_what_it_achieves(void **state)
     struct watcher w;
     watcher_open(&w);
     w.pause_ns = 30000000; /* a slow front end */
-    type_ok(&w.bench, "dt = 1e-6; speed 100");
+    type_ok(&w.bench, "set kernel general; dt = 1e-8; speed 100");
     at(&w, 25, "pause");
     type_ok(&w.bench, "run 1000 s");
     const struct live *live = &w.bench.session->live;
