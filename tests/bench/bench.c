@@ -148,7 +148,7 @@ static const struct topic {
 } topics[] = {
     {"fixed", bench_fixed}, {"linear", bench_linear},     {"cost", bench_cost},
     {"text", bench_text},   {"adaptive", bench_adaptive}, {"stiff", bench_stiff},
-    {"sweep", bench_sweep},
+    {"sweep", bench_sweep},  {"forces", bench_forces},
 };
 
 static const char *instructions(void)
@@ -176,7 +176,7 @@ int main(int argc, char **argv)
         topics[i].run();
     }
     if (!found)
-        bench_die(argv[1], "topics are fixed, linear, cost, text, adaptive, stiff, sweep");
+        bench_die(argv[1], "topics are fixed, linear, cost, text, adaptive, stiff, sweep, forces");
     printf("\n%d goals met, %d missed\n", met, missed);
     return 0;
 }

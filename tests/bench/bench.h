@@ -72,5 +72,6 @@ void bench_adaptive(void);
 void bench_stiff(void);
 void bench_text(void);
 void bench_sweep(void);
+void bench_forces(void);
 
 #endif
