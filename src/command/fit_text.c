@@ -139,7 +139,8 @@ static void put_motion(const struct told_fit *told, struct arena *arena, struct 
             put(text, "tau", quotient(2, fit->gamma), QUANTITY_TIME);
             put(text, "   Q", quality(fit), QUANTITY_NUMBER);
         } else {
-            buffer_put(text, TEXT("no decay"));
+            const bool decays = fit->quadratic_rate > 0 || fit->friction_rate > 0;
+            buffer_put(text, decays ? TEXT("no linear damping: the law below has another term") : TEXT("no decay"));
         }
     }
     put(text, "\n  A", fit->amplitude, quantity);
