@@ -363,4 +363,10 @@ bool subject_open(struct session *session, const struct given *run, const struct
                   const struct given *window, bool energy, size_t least, struct arena *arena, struct subject *subject,
                   struct error *error);
 
+/* A row of the command catalog. */
+static inline const struct command *command_at(const struct row *row)
+{
+    return (const struct command *)(const void *)row;
+}
+
 #endif
