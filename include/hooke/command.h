@@ -52,6 +52,8 @@ void reply_free(struct reply *reply);
 void reply_line(struct reply *reply, const char *format, ...)
     PRINTF_LIKE(2, 3);                                  /* one or more lines, without the last newline */
 void reply_text(struct reply *reply, struct text text); /* the same, ready-made */
+/* What was asked for as it is: also when quiet, and among records in CSV. */
+void reply_data(struct reply *reply, struct text text);
 void reply_warning(struct reply *reply, const char *format, ...) PRINTF_LIKE(2, 3);
 void reply_note(struct reply *reply, const char *format, ...)
     PRINTF_LIKE(2, 3); /* a message on the error stream, as it is */

@@ -35,7 +35,7 @@ static bool fill_table(struct session *session, const struct arguments *given, s
                    ? export_precision(session, export, error)
                    : export_run_table(session, export, error);
     if (is_given(given, "data"))
-        return export_recorded(session, given_for(given, "COLUMN"), export, error);
+        return export_recorded(session, given_for(given, "COLUMN"), given_for(given, "every"), export, error);
     return export_runs(session, runs, given_for(given, "COLUMN"), given_for(given, "every"), export, error);
 }
 
@@ -48,6 +48,17 @@ HANDLER(export)
         return error_memory(error);
     if (!fill_table(session, given, &export, error))
         return false;
+    if (text_is(file->text, "-")) {
+        struct buffer text = {0};
+        table_format(&export.table, choose_format(given, file->text), &text);
+        const bool ok = !text.failed || error_memory(error);
+        if (text.len > 0 && text.data[text.len - 1] != '\n')
+            buffer_char(&text, '\n');
+        if (ok)
+            reply_data(reply, buffer_text(&text));
+        buffer_free(&text);
+        return ok;
+    }
     const struct write_policy policy = session_policy(session, is_given(given, "force"));
     if (!table_write(&export.table, choose_format(given, file->text), path, policy, error)) {
         if (!error->where.at)
@@ -119,8 +130,9 @@ COMMAND(export, .row = {"export", "", "write columns of runs, a recording or mea
                 "observable can be a\n"
                 "column. Several runs stand below each other with a column run. every= takes every N-th row or one "
                 "row each so much\n"
-                "time. The form follows the end of the name: .csv .tsv .json. 'table' has one row for each run.",
-        .examples = "run; export run1.csv t,y,v\nexport all.csv run all every=100ms", .see = "print save plot list",
+                "time. The form follows the end of the name: .csv .tsv .json. 'table' has one row for each run. The file - "
+                "is the output.",
+        .examples = "run; export run1.csv t,y,v\nexport - run all every=100ms", .see = "print save plot list",
         .flags = COMMAND_ANYTIME,
         ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED),
                   WORD("run", TYPE_RUN, .flags = ARG_MANY | ARG_ALL, .group = 1), WORD("data", TYPE_NONE, .group = 1),

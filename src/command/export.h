@@ -16,13 +16,25 @@ bool export_runs(const struct session *session, const struct given *runs, const 
                  const struct given *every, struct export *export, struct error *error);
 bool export_recording(const struct session *session, struct export *export, struct error *error);
 /* column: t, y, v, energy; none means t and y. */
-bool export_recorded(const struct session *session, const struct given *column, struct export *export,
-                     struct error *error);
+bool export_recorded(const struct session *session, const struct given *column, const struct given *every,
+                     struct export *export, struct error *error);
 bool export_measurements(const struct session *session, struct export *export, struct error *error);
 bool export_sweep(const struct session *session, struct export *export, struct error *error);
 bool export_precision(const struct session *session, struct export *export, struct error *error);
 /* Fills the keys of the table: what made this run. */
 bool export_run_keys(const struct session *session, int place, struct export *export, struct error *error);
+/* A row for each run. */
 bool export_run_table(const struct session *session, struct export *export, struct error *error);
+
+/* Which rows of many are written, by `every`: a count of rows, or a time [s]. */
+struct thinning {
+    double step;
+    bool by_time;
+    int64_t next;
+};
+
+bool thinning_begin(struct thinning *thinning, const struct given *every, struct error *error);
+/* Row i, `elapsed` after the first; to be asked of one after another. */
+bool thinning_keeps(struct thinning *thinning, size_t i, double elapsed);
 
 #endif

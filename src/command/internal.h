@@ -194,6 +194,9 @@ bool param_given(const struct scene *scene, const char *name);
 bool is_oscillator(const struct scene *scene); /* also with forces that were typed */
 /* What was typed, a line each after `before`. */
 void scene_lines(const struct scene *scene, const char *before, struct buffer *text);
+/* The same, each before `end`, in an order in which they can be typed: a line may use one that was typed after it, where
+ * it has taken the place of another. */
+void scene_script(const struct scene *scene, const char *end, struct buffer *text);
 int model_variable(const struct model *model, struct text name); /* place, -1: none; y' is vy of a typed model */
 int model_observation(const struct model *model, struct text name); /* place of what a typed model observes, -1: none */
 const struct model *model_with(struct text name); /* the first with such a parameter, derived quantity or variable */

@@ -41,6 +41,19 @@ void scene_lines(const struct scene *scene, const char *before, struct buffer *t
     }
 }
 
+void scene_script(const struct scene *scene, const char *end, struct buffer *text)
+{
+    static const enum typed_kind order[] = {TYPED_VAR,      TYPED_PARAM, TYPED_OBSERVE,
+                                            TYPED_EQUATION, TYPED_FORCE, TYPED_POTENTIAL};
+    for (size_t kind = 0; kind < COUNT_OF(order); kind++)
+        for (int i = 0; i < typed_lines(scene->model); i++) {
+            if (typed_line(scene->model, i)->kind != order[kind])
+                continue;
+            typed_describe(typed_line(scene->model, i), text);
+            buffer_put(text, text_of(end));
+        }
+}
+
 enum effect { EFFECT_NONE, EFFECT_START, EFFECT_FORCE };
 
 /* What the parameter does in the scene as it is: the frequency of a drive that is not there does nothing. */

@@ -34,6 +34,16 @@ static void flush_out(struct reply *reply, struct buffer *buffer)
     buffer_clear(buffer);
 }
 
+static void put_text_record(struct reply *reply, const char *kind, struct text text)
+{
+    buffer_put(&reply->json, TEXT("{\"kind\":"));
+    buffer_json_text(&reply->json, text_of(kind));
+    buffer_put(&reply->json, TEXT(",\"text\":"));
+    buffer_json_text(&reply->json, text);
+    buffer_put(&reply->json, TEXT("}\n"));
+    flush_out(reply, &reply->json);
+}
+
 void reply_text(struct reply *reply, struct text text)
 {
     buffer_put(&reply->lines, text);
@@ -41,6 +51,18 @@ void reply_text(struct reply *reply, struct text text)
         buffer_char(&reply->lines, '\n');
     if (reply->format == FORMAT_TEXT && !reply->quiet)
         flush_out(reply, &reply->lines);
+}
+
+void reply_data(struct reply *reply, struct text text)
+{
+    reply->recorded = true; /* no second time at the command's end */
+    if (reply->format == FORMAT_JSON) {
+        put_text_record(reply, "data", text);
+        return;
+    }
+    if (reply->format == FORMAT_CSV)
+        buffer_clear(&reply->last_header);
+    write_out(reply, text);
 }
 
 /* A formatted text with everything visible that could command a terminal, whatever was put into it. */
@@ -311,12 +333,7 @@ void reply_command_end(struct reply *reply, const char *kind)
     if (reply->lines.failed)
         reply->failed = true;
     if (lines.len > 0 && !reply->recorded && !reply->quiet && reply->format == FORMAT_JSON) {
-        buffer_put(&reply->json, TEXT("{\"kind\":"));
-        buffer_json_text(&reply->json, text_of(kind));
-        buffer_put(&reply->json, TEXT(",\"text\":"));
-        buffer_json_text(&reply->json, (struct text){lines.at, lines.len - 1});
-        buffer_put(&reply->json, TEXT("}\n"));
-        flush_out(reply, &reply->json);
+        put_text_record(reply, kind, (struct text){lines.at, lines.len - 1});
     } else if (lines.len > 0 && !reply->recorded && !reply->quiet && reply->format == FORMAT_CSV) {
         struct buffer out = {0};
         struct text rest = lines, line;

@@ -9,21 +9,6 @@
 
 #define SECONDS_MOST 2.0 /* [s] of computing: what takes longer is not done again when a session is resumed */
 
-/* A line may use what was typed after it, where it has taken the place of another: here each comes after all that it
- * can use. */
-static void save_lines(const struct model *model, struct buffer *text)
-{
-    static const enum typed_kind order[] = {TYPED_VAR,      TYPED_PARAM, TYPED_OBSERVE,
-                                            TYPED_EQUATION, TYPED_FORCE, TYPED_POTENTIAL};
-    for (size_t kind = 0; kind < COUNT_OF(order); kind++)
-        for (int i = 0; i < typed_lines(model); i++) {
-            if (typed_line(model, i)->kind != order[kind])
-                continue;
-            typed_describe(typed_line(model, i), text);
-            buffer_char(text, '\n');
-        }
-}
-
 static void save_scene(const struct scene *scene, bool always, struct buffer *text)
 {
     const struct row *first = catalog_row(&preset_catalog, 0);
@@ -31,7 +16,7 @@ static void save_scene(const struct scene *scene, bool always, struct buffer *te
     /* What is all typed begins on a built-in scene, whatever was there. */
     if (always || own || &scene->preset->row != first)
         buffer_format(text, "scene %s\n", own ? first->name : scene->preset->row.name);
-    save_lines(scene->model, text);
+    scene_script(scene, "\n", text);
     for (size_t i = 0; i < scene_params(scene)->count; i++) {
         const struct param_row *param = param_at(scene, (int)i);
         if (!scene->given[i])
