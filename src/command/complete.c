@@ -142,6 +142,8 @@ static void offer_item(struct completion *c, const struct argument *argument, st
         offer_catalog(c, argument->choices);
         break;
     case TYPE_COLUMN:
+        if (argument->choices)
+            offer_catalog(c, argument->choices);
         offer_columns(c);
         break;
     case TYPE_UNIT:
