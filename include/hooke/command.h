@@ -489,6 +489,10 @@ struct figure_request {
     const int *run; /* places in the session */
     int runs;
     int recording;    /* place, -1: none */
+    /* Of PLOT_POSITION and PLOT_ORBIT: what is drawn instead, and for the latter against what. */
+    const struct text *column; /* names of variables and observables; NULL: the kind says all */
+    int columns;
+    struct text against;
     double window[2]; /* [s] NAN: choose */
     int width;        /* [cell] that will be drawn on */
     bool log;         /* vertical axis */

@@ -63,11 +63,8 @@ static bool in_range(const struct parser *parser, const struct argument *argumen
     return false;
 }
 
-static bool read_choice(struct parser *parser, const struct argument *argument, const char *stops, struct item *item,
-                        struct error *error)
+static bool choose_row(struct parser *parser, const struct argument *argument, struct item *item, struct error *error)
 {
-    if (!parse_word(parser, stops, item, error))
-        return false;
     item->row = choose(parser->session, argument->choices, item->text);
     if (item->row) {
         item->index = catalog_place(argument->choices, item->row);
@@ -82,6 +79,12 @@ static bool read_choice(struct parser *parser, const struct argument *argument, 
         buffer_free(&all);
     }
     return false;
+}
+
+static bool read_choice(struct parser *parser, const struct argument *argument, const char *stops, struct item *item,
+                        struct error *error)
+{
+    return parse_word(parser, stops, item, error) && choose_row(parser, argument, item, error);
 }
 
 static bool read_run(struct parser *parser, const struct argument *argument, struct item *item, struct error *error)
@@ -130,16 +133,24 @@ static bool typed_column(const struct session *session, struct text name)
     return known;
 }
 
-static bool read_column(struct parser *parser, struct item *item, struct error *error)
+static bool read_column(struct parser *parser, const struct argument *argument, struct item *item, struct error *error)
 {
     if (!parse_word(parser, ",", item, error))
         return false;
+    const struct row *choice = argument->choices ? catalog_find(argument->choices, item->text) : NULL;
+    if (choice) {
+        item->row = choice;
+        item->index = catalog_place(argument->choices, choice);
+        return true;
+    }
     item->row = catalog_find(&observable_catalog, item->text);
     for (const struct model *const *model = scene_models; *model; model++)
         if (item->row || model_variable(*model, item->text) >= 0)
             return true;
     if (typed_column(parser->session, item->text))
         return true;
+    if (argument->choices)
+        return choose_row(parser, argument, item, error);
     return catalog_unknown(&observable_catalog, item->text, error);
 }
 
@@ -223,7 +234,7 @@ static bool read_item(struct parser *parser, const struct argument *argument, co
     case TYPE_CHOICE:
         return read_choice(parser, argument, stops, item, error);
     case TYPE_COLUMN:
-        return read_column(parser, item, error);
+        return read_column(parser, argument, item, error);
     case TYPE_RUN:
         return read_run(parser, argument, item, error);
     case TYPE_RECORDING:

@@ -38,7 +38,7 @@ static bool choose_runs(struct session *session, const struct arguments *given, 
     if (runs->count == 0 && data->count == 0 && session->current_run >= 0)
         place[request->runs++] = session->current_run;
     request->recording = data->count                                     ? data->item->index
-                         : runs->count && request->kind != PLOT_RESIDUAL ? -1
+                         : (runs->count && request->kind != PLOT_RESIDUAL) || request->columns ? -1
                                                                          : figure_recording(session, request->kind);
     if (request->runs == 0 && request->recording >= 0 && (request->kind == PLOT_ORBIT || request->kind == PLOT_ERROR))
         return error_at(error, data->where, "of a recording there is no plot of %s",
@@ -46,12 +46,36 @@ static bool choose_runs(struct session *session, const struct arguments *given, 
     if (request->runs > 0 || request->recording >= 0)
         return true;
     if (session_recording(session)) {
-        error_at(error, given_for(given, "KIND")->where,
+        error_at(error, given_for(given, "WHAT")->where,
                  "this needs a run, or a recording of positions");
         return error_hint(error, "type: run");
     }
     error_set(error, ERROR_COMMAND, "there is nothing to plot: no run and no recording");
     return error_hint(error, "type: run, or: load FILE");
+}
+
+/* A kind of plot, or columns of runs: over time, or against another. */
+static bool choose_kind(const struct arguments *given, struct figure_request *request, struct error *error)
+{
+    const struct given *what = given_for(given, "WHAT"), *against = given_for(given, "against"),
+                       *data = given_for(given, "data");
+    if (what->count == 1 && what->item->index >= 0 && !against->count) {
+        request->kind = (enum plot_kind)what->item->index;
+        return true;
+    }
+    struct text *name = arena_array(given->arena, (size_t)what->count, sizeof *name);
+    if (!name)
+        return error_memory(error);
+    for (int i = 0; i < what->count; i++)
+        name[i] = what->item[i].text;
+    request->kind = against->count ? PLOT_ORBIT : PLOT_POSITION;
+    request->column = name;
+    request->columns = what->count;
+    if (against->count) {
+        request->against = against->item->text;
+        request->trail = HUGE_VAL;
+    }
+    return !data->count || error_at(error, data->where, "a recording has no columns of that name beside it");
 }
 
 static bool has_study(const struct session *session, struct error *error)
@@ -121,9 +145,9 @@ static bool write_file(const struct session *session, const struct arguments *gi
 }
 
 /* The log of a screen has few rows: where the whole figure can be seen, and kept. */
-static void reply_where(const struct session *session, enum plot_kind kind, struct reply *reply)
+static void reply_where(const struct session *session, const struct figure_request *request, struct reply *reply)
 {
-    const char *name = catalog_row(&plot_catalog, (size_t)kind)->name;
+    const char *name = request->columns ? "" : catalog_row(&plot_catalog, (size_t)request->kind)->name;
     const struct row *row = catalog_find(&pane_catalog, text_of(name));
     const struct pane_row *pane = (const struct pane_row *)(const void *)row;
     if (pane && pane->offered(session))
@@ -135,8 +159,7 @@ static void reply_where(const struct session *session, enum plot_kind kind, stru
 HANDLER(plot)
 {
     const struct given *window = given_for(given, "window"), *file = given_for(given, ">");
-    struct figure_request request = {.kind = (enum plot_kind)given_for(given, "KIND")->item->index,
-                                     .window = {NAN, NAN},
+    struct figure_request request = {.window = {NAN, NAN},
                                      .charset = session_charset(session),
                                      .trail = session->view.trail,
                                      .log = is_given(given, "log")};
@@ -144,6 +167,8 @@ HANDLER(plot)
     int width, height;
     bool as_text = true;
     enum picture picture = PICTURE_SVG;
+    if (!choose_kind(given, &request, error))
+        return false;
     if (file->count && !choose_picture(file->item->text, request.kind, &as_text, &picture, error))
         return false;
     session_size(session, &width, &height);
@@ -157,7 +182,8 @@ HANDLER(plot)
     if (request.kind == PLOT_PRECISION ? !has_study(session, error) : !choose_runs(session, given, &request, error))
         return false;
     if (!session_figure(session, &request, given->arena, &figure, error)) {
-        error->where = window->where; /* nothing there, unless it is memory */
+        if (!error->where.at)
+            error->where = window->where; /* nothing there, unless it is memory */
         return false;
     }
     if (file->count) {
@@ -182,24 +208,25 @@ HANDLER(plot)
         reply_text(reply, buffer_text(&text));
     buffer_free(&text);
     if (ok && in_log)
-        reply_where(session, request.kind, reply);
+        reply_where(session, &request, reply);
     return ok || error_memory(error);
 }
 #endif
 
-COMMAND(plot, .row = {"plot", "", "draw position, velocity, phase, orbit, energy, error, residual, spectrum, precision",
+COMMAND(plot, .row = {"plot", "", "draw position, velocity, phase, orbit, energy, error, residual, spectrum, precision; or any columns",
                       "", "p"},
         .group = "PLOT",
-        .text = "Of the current run and of the recording where they overlap in time, unless told. Without a window at "
+        .text = "A kind of plot, or names of what moves and is observed: 'plot x', 'plot x,y', 'plot y against x'.\n"
+                "Of the current run and of the recording where they overlap in time, unless told. Without a window at "
                 "least 8 columns a\n"
                 "period are kept (5 with dots) and the phase plot shows the last 2 periods; the frame says so. A run "
                 "that grows out of\n"
                 "bounds leaves the frame and does not flatten the others. A file that ends in .svg, .pdf or .png "
                 "becomes a picture, one\n"
                 "that ends in .txt holds the text.",
-        .examples = "run; plot position\ncompare euler symplectic-euler; plot energy run all",
+        .examples = "run; plot momentum against y\ncompare euler symplectic-euler; plot energy run all",
         .see = "set export measure", .flags = COMMAND_ANYTIME,
-        ARGUMENTS(PLACE("KIND", TYPE_CHOICE, .flags = ARG_REQUIRED, .choices = &plot_catalog),
-                  WORD("run", TYPE_RUN, .flags = ARG_MANY | ARG_ALL), WORD("data", TYPE_RECORDING),
+        ARGUMENTS(PLACE("WHAT", TYPE_COLUMN, .flags = ARG_REQUIRED | ARG_MANY, .choices = &plot_catalog),
+                  WORD("against", TYPE_COLUMN), WORD("run", TYPE_RUN, .flags = ARG_MANY | ARG_ALL), WORD("data", TYPE_RECORDING),
                   KEY("window", TYPE_RANGE, .quantity = QUANTITY_TIME), OPTION("log", TYPE_NONE), WORD(">", TYPE_FILE),
                   OPTION("force", TYPE_NONE)))

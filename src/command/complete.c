@@ -100,8 +100,9 @@ static bool digit_before(struct text before)
     return t.len > 0 && t.at[t.len - 1] >= '0' && t.at[t.len - 1] <= '9';
 }
 
-/* State variables and observables of the current run, or of the one that the scene would give. */
-static void offer_columns(struct completion *c)
+/* State variables and observables of the current run, or of the one that the scene would give; not what stands in
+ * `besides`, too. */
+static void offer_columns(struct completion *c, const struct catalog *besides)
 {
     const struct run *run = session_run(c->session);
     const struct model *moving = run ? run->system.model : c->session->setup.scene.model;
@@ -112,7 +113,8 @@ static void offer_columns(struct completion *c)
         offer(c, model_observed_variable(moving, i).name, "observed");
     for (size_t i = 0; i < observable_catalog.count; i++) {
         const struct row *row = catalog_row(&observable_catalog, i);
-        if (model_offers(moving, (const struct observable *)(const void *)row))
+        if (model_offers(moving, (const struct observable *)(const void *)row) &&
+            !(besides && catalog_find(besides, text_of(row->name))))
             offer(c, row->name, row->brief);
     }
 }
@@ -142,7 +144,9 @@ static void offer_item(struct completion *c, const struct argument *argument, st
         offer_catalog(c, argument->choices);
         break;
     case TYPE_COLUMN:
-        offer_columns(c);
+        if (argument->choices)
+            offer_catalog(c, argument->choices);
+        offer_columns(c, argument->choices);
         break;
     case TYPE_UNIT:
         offer_units(c, argument->quantity == QUANTITY_NUMBER ? QUANTITY_OTHER : argument->quantity);

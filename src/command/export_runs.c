@@ -1,26 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Columns of runs. */
+#include "columns.h"
 #include "table_keys.h"
 
 #include <math.h>
-
-/* A column of a run: a state variable, or what its scene observes, numbered behind them; or an observable. */
-struct chosen_column {
-    const struct row *row; /* NULL: number `variable` */
-    int variable;
-};
-
-/* -1: none */
-static int find_variable(const struct model *model, struct text name)
-{
-    const int variable = model_variable(model, name), observed = model_observation(model, name);
-    return variable >= 0 ? variable : observed >= 0 ? model->n + observed : -1;
-}
-
-static struct variable variable_of(const struct model *model, int variable)
-{
-    return variable < model->n ? model->variable[variable] : model_observed_variable(model, variable - model->n);
-}
 
 bool thinning_begin(struct thinning *thinning, const struct given *every, struct error *error)
 {
@@ -72,64 +55,33 @@ static int list_runs(const struct session *session, const struct given *runs, in
     return count;
 }
 
-static const struct observable *observable_of(const struct chosen_column *column)
+static void add_column(struct chosen_column one, struct chosen_column *list, int *count)
 {
-    return (const struct observable *)(const void *)column->row;
-}
-
-static void add_column(const struct model *model, struct text name, struct chosen_column *list, int *count)
-{
-    const int variable = find_variable(model, name);
-    const struct chosen_column one = {variable < 0 ? catalog_find(&observable_catalog, name) : NULL, variable};
     for (int i = 0; i < *count; i++)
-        if (list[i].row == one.row && list[i].variable == one.variable)
+        if (list[i].observable == one.observable && list[i].variable == one.variable)
             return;
     list[(*count)++] = one;
 }
 
-/* t first, then what was asked for, or the state and the energy, each once. False: a name is not one of this model. */
+/* t first, then what was asked for, or the state, the energy and what is observed, each once. */
 static bool list_columns(const struct model *model, const struct given *column, struct chosen_column *list, int *count,
                          struct error *error)
 {
-    add_column(model, TEXT("t"), list, count);
+    struct chosen_column one;
+    if (!chosen_find(model, TEXT("t"), &one, error))
+        return false;
+    add_column(one, list, count);
     for (int i = 0; i < column->count; i++) {
-        const struct text name = column->item[i].text;
-        if (!column->item[i].row && find_variable(model, name) < 0) {
-            error_at(error, name, "this run has no state variable '%.*s'", (int)name.len, name.at);
-            struct buffer own = {0};
-            for (int v = 0; v < model->n; v++)
-                buffer_format(&own, "%s%s", v ? ", " : "", model->variable[v].name);
-            error_hint(error, "it has %s", buffer_view(&own));
-            buffer_free(&own);
+        if (!chosen_find(model, column->item[i].text, &one, error))
             return false;
-        }
-        add_column(model, name, list, count);
+        add_column(one, list, count);
     }
     for (int v = 0; v < model->n && !column->count; v++)
-        add_column(model, text_of(model->variable[v].name), list, count);
-    if (!column->count && model->order == 2)
-        add_column(model, TEXT("energy"), list, count);
+        add_column((struct chosen_column){NULL, v}, list, count);
+    if (!column->count && model->order == 2 && chosen_find(model, TEXT("energy"), &one, error))
+        add_column(one, list, count);
     for (int v = 0; v < model_observed(model) && !column->count; v++)
-        add_column(model, text_of(model_observed_variable(model, v).name), list, count);
-    return true;
-}
-
-static const char *column_name(const struct model *model, const struct chosen_column *column, struct arena *arena)
-{
-    if (column->row)
-        return column->row->name;
-    const struct variable variable = variable_of(model, column->variable);
-    return arena_text(arena, text_of(variable.name));
-}
-
-static bool fill_column(const struct run *run, const struct chosen_column *column, double *out, struct error *error)
-{
-    if (column->row)
-        return run_column(run, observable_of(column), out, error);
-    if (column->variable < run->system.n)
-        run_variable_column(run, column->variable, out);
-    else
-        run_observed_column(run, column->variable - run->system.n, out);
+        add_column((struct chosen_column){NULL, model->n + v}, list, count);
     return true;
 }
 
@@ -163,7 +115,8 @@ bool export_runs(const struct session *session, const struct given *runs, const 
     const struct model *model = system->model;
     if (!same_model(session, place, count, error) || !thinning_begin(&thinning, every, error) || !keys_begin(&keys, export, error))
         return false;
-    struct chosen_column *list = arena_array(arena, (size_t)column->count + (size_t)(model->n + model_observed(model)) + 2, sizeof *list);
+    struct chosen_column *list =
+        arena_array(arena, (size_t)column->count + (size_t)(model->n + model_observed(model)) + 2, sizeof *list);
     size_t rows = 0, largest = 0;
     bool **mark = arena_array(arena, (size_t)count, sizeof *mark);
     if (!list || !mark)
@@ -191,7 +144,7 @@ bool export_runs(const struct session *session, const struct given *runs, const 
             return error_memory(error);
         for (int r = 0; r < count; r++) {
             const struct run *run = session->run[place[r]]->run;
-            if (c >= lead && !fill_column(run, &list[c - lead], work, error))
+            if (c >= lead && !chosen_values(run, &list[c - lead], work, error))
                 return false;
             for (size_t i = 0; i < trace_count(run->trace); i++)
                 if (mark[r][i])
@@ -200,11 +153,10 @@ bool export_runs(const struct session *session, const struct given *runs, const 
         out[c] = (struct table_column){.name = "run", .unit = "", .value = value};
         if (c < lead)
             continue;
-        const struct chosen_column *chosen = &list[c - lead];
-        if (!(out[c].name = column_name(model, chosen, arena)))
+        const struct variable variable = chosen_variable(system, &list[c - lead]);
+        if (!(out[c].name = arena_text(arena, text_of(variable.name))))
             return error_memory(error);
-        out[c].unit = chosen->row ? observable_unit(observable_of(chosen), system)
-                                  : quantity_unit(variable_of(model, chosen->variable).quantity);
+        out[c].unit = chosen_unit(system, &list[c - lead]);
     }
     keys_add_runs(&keys, session, place, count);
     export->table = (struct table){.column = out, .columns = columns + lead, .rows = rows};

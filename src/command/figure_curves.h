@@ -4,7 +4,7 @@
 #ifndef HOOKE_COMMAND_FIGURE_CURVES_H
 #define HOOKE_COMMAND_FIGURE_CURVES_H
 
-#include "internal.h"
+#include "columns.h"
 
 /* The rows of a run from time to time: all of them; or for a screen, which is drawn often, those that look the same on
  * so many columns. */
@@ -25,6 +25,9 @@ bool choose_rows(const struct run *run, const struct row_request *request, struc
 /* The observable at these rows; one that sums up over the run, and a run whose parameters were changed, are walked
  * through as a whole. */
 bool values_at_rows(const struct run *run, const struct observable *observable, const struct chosen_rows *rows,
+                    struct arena *arena, double *out, struct error *error);
+/* Likewise of a column. */
+bool chosen_at_rows(const struct run *run, const struct chosen_column *column, const struct chosen_rows *rows,
                     struct arena *arena, double *out, struct error *error);
 /* State variable i at these rows. */
 void state_at_rows(const struct run *run, int i, const struct chosen_rows *rows, double *out);

@@ -3,11 +3,13 @@
 #ifndef HOOKE_COMMAND_FIGURE_DRAWING_H
 #define HOOKE_COMMAND_FIGURE_DRAWING_H
 
+#include "columns.h"
 #include "data_motion.h"
 #include "figure_curves.h"
 
 #define PERIOD_COLUMNS_ASCII 8 /* least columns a period that can still be followed */
 #define PERIOD_COLUMNS_DOTS 5
+#define DRAWN_COLUMNS (LIMIT_OVERLAY + 1) /* of one run, as many as have marks of their own */
 #define FRAME_COLUMNS 10 /* [cell] of the width that labels and frame take */
 
 struct plot_row {
@@ -29,6 +31,7 @@ struct drawing {
     int curves;
     const struct model *model; /* of the runs; NULL: there are none */
     int coordinates;           /* curves that one run has */
+    struct chosen_column column[DRAWN_COLUMNS], against; /* if the request names them */
     double omega0;             /* [rad/s] that v is divided by; 1: not */
     double period;             /* [s] of the first run, NAN: none */
     double window[2];          /* [s] */
@@ -45,6 +48,11 @@ static inline const struct recording *recording_of(const struct drawing *d)
 {
     return d->request->recording >= 0 ? d->session->recording[d->request->recording]->recording : NULL;
 }
+
+/* Finds what the request names, of one unit, since it shares the axis. */
+bool drawing_columns(struct drawing *d, const struct system *system);
+/* Name of what is drawn of one run, i of its coordinates. NULL: no memory. */
+const char *drawing_label(const struct drawing *d, int i);
 
 /* [s] that the scene, or the sizes of what moves, lead to expect of a run; NAN: none. */
 double run_rhythm(const struct run *run);

@@ -23,7 +23,7 @@ enum argument_type {
     TYPE_CONDITION, /* y < 1 cm */
     TYPE_EXPR,      /* an expression of any quantity, or a string */
     TYPE_CHOICE,    /* a row of `choices` */
-    TYPE_COLUMN,    /* a state variable or an observable */
+    TYPE_COLUMN,    /* a row of `choices`, if there are any (then index is its place); a state variable or an observable */
     TYPE_UNIT,      /* the name of a unit */
     TYPE_RUN,       /* number or name of a run; -1 for `all` where ARG_ALL allows it */
     TYPE_RECORDING, /* name of a recording */

@@ -53,11 +53,16 @@ static bool find_model(struct drawing *d)
             return error_set(d->error, ERROR_COMMAND, "run %d is one of %s, run %d one of %s: no plot shows both",
                              first->number, first->scene.preset->row.name, run->number, run->scene.preset->row.name);
     }
+    if (request->columns)
+        return drawing_columns(d, &first->system);
     const char *kind = plot_rows[request->kind].row.name;
-    if (!plot_fits(request->kind, d->model))
-        return error_set(d->error, ERROR_COMMAND, "%s has no %s: %s", first->scene.preset->row.name, kind,
-                         request->kind == PLOT_ORBIT ? "that needs two coordinates"
-                                                     : "that needs positions and velocities");
+    if (!plot_fits(request->kind, d->model)) {
+        error_set(d->error, ERROR_COMMAND, "%s has no %s: %s", first->scene.preset->row.name, kind,
+                  request->kind == PLOT_ORBIT ? "that needs two coordinates" : "that needs positions and velocities");
+        return d->model->n > 1 ? error_hint(d->error, "plot %s against %s", d->model->variable[1].name,
+                                            d->model->variable[0].name)
+                               : false;
+    }
     if ((request->kind == PLOT_POSITION || request->kind == PLOT_VELOCITY) && request->runs == 1 && !recording_of(d))
         d->coordinates = plot_coordinates(d->model);
     return true;
@@ -87,6 +92,8 @@ static bool vertical_values(struct drawing *d, const struct run *run, int coordi
                             double *y)
 {
     const enum plot_kind kind = d->request->kind;
+    if (d->request->columns)
+        return chosen_at_rows(run, &d->column[coordinate], rows, d->arena, y, d->error);
     if (plot_rows[kind].observable)
         return values_at_rows(run, observable(plot_rows[kind].observable), rows, d->arena, y, d->error);
     state_at_rows(run, (int)(vertical_variable(d->model, kind) - d->model->variable) + coordinate, rows, y);
@@ -126,8 +133,12 @@ static bool add_run(struct drawing *d, const struct run *run)
     double *x = arena_array(d->arena, rows.n + 1, sizeof *x);
     if (!x)
         return error_memory(d->error);
-    if (plane)
+    if (plane && d->request->columns) {
+        if (!chosen_at_rows(run, &d->against, &rows, d->arena, x, d->error))
+            return false;
+    } else if (plane) {
         state_at_rows(run, 0, &rows, x);
+    }
     for (size_t i = 0; i < rows.n && !plane; i++)
         x[i] = trace_time(run->trace, rows.row[i]);
     for (int i = 0; i < d->coordinates; i++) {
@@ -136,11 +147,13 @@ static bool add_run(struct drawing *d, const struct run *run)
             return error_memory(d->error);
         if (!vertical_values(d, run, i, &rows, y))
             return false;
-        d->curve[d->curves++] = (struct curve){
-            .label = d->coordinates > 1 ? vertical_variable(d->model, d->request->kind)[i].name : label,
+        d->curve[d->curves] = (struct curve){
+            .label = d->coordinates > 1 ? drawing_label(d, i) : label,
             .x = x,
             .y = y,
             .n = rows.n};
+        if (!d->curve[d->curves++].label)
+            return error_memory(d->error);
     }
     return true;
 }
@@ -319,6 +332,8 @@ static enum quantity y_quantity(const struct drawing *d)
         return recording->column[recording->value].quantity;
     if (d->omega0 != 1)
         return d->model->variable[0].quantity;
+    if (d->request->columns)
+        return chosen_variable(&d->session->run[d->request->run[0]]->run->system, &d->column[0]).quantity;
     if (plot_rows[kind].observable)
         return model_quantity(d->model, observable(plot_rows[kind].observable));
     return vertical_variable(d->model, kind)->quantity;
@@ -331,8 +346,10 @@ static const char *y_label(const struct drawing *d)
     if (plot_rows[kind].label && (!d->model || kind != PLOT_POSITION))
         return plot_rows[kind].label;
     struct buffer text = {0};
-    for (int i = 0; i < d->coordinates; i++)
-        buffer_format(&text, "%s%s", i ? ", " : "", vertical_variable(d->model, kind)[i].name);
+    for (int i = 0; i < d->coordinates; i++) {
+        const char *name = drawing_label(d, i);
+        buffer_format(&text, "%s%s", i ? ", " : "", name ? name : "");
+    }
     buffer_put(&text, d->omega0 != 1 ? TEXT("/omega0") : TEXT(""));
     const char *label = text.failed ? NULL : arena_text(d->arena, buffer_text(&text));
     buffer_free(&text);
@@ -407,20 +424,30 @@ bool session_figure(const struct session *session, const struct figure_request *
     if (!mark_unbounded(&d))
         return false;
 
-    const bool values = d.model && d.model->order == 1 && request->kind == PLOT_POSITION;
+    const bool values = request->columns || (d.model && d.model->order == 1 && request->kind == PLOT_POSITION);
+    struct variable across = {.quantity = QUANTITY_NUMBER};
+    if (plane && request->columns)
+        across = chosen_variable(&session->run[request->run[0]]->run->system, &d.against);
+    else if (plane)
+        across = d.model->variable[0];
+    const char *x_name = arena_text(arena, text_of(across.name));
+    if (!x_name)
+        return error_memory(error);
     *figure = (struct figure){.title = values ? "values" : plot_rows[request->kind].row.name,
                               .curve = d.curve,
                               .curves = d.curves,
                               .zero_line = request->kind != PLOT_ENERGY && request->kind != PLOT_ENVELOPE && !spectrum,
-                              .equal = (phase && d.omega0 != 1) || request->kind == PLOT_ORBIT,
+                              .equal = (phase && d.omega0 != 1) || (request->kind == PLOT_ORBIT && !request->columns),
                               .note = make_note(&d)};
-    figure->x = plane      ? make_axis(d.model->variable[0].name, d.model->variable[0].quantity, size_of(&d, true))
+    figure->x = plane      ? make_axis(x_name, across.quantity, size_of(&d, true))
                 : spectrum ? (struct axis){.label = "f", .unit = "Hz"}
                            : make_axis("t", QUANTITY_TIME, d.window[1]);
     figure->y =
         make_axis(y_label(&d), y_quantity(&d), size_of(&d, false));
     if (!figure->y.label)
         return error_memory(error);
+    if (request->columns && figure->y.unit[0] == 0)
+        figure->y.unit = chosen_unit(&session->run[request->run[0]]->run->system, &d.column[0]);
     figure->y.log = request->log;
     if (figure->equal) {
         figure->y.factor = figure->x.factor;

@@ -129,7 +129,7 @@ static void test_references(void **state)
     } known[] = {{"qdrag_b0.1,", 0.1, 0}, {"qdrag_b1,", 1, 0}, {"lin0.05", 0.1, 0.05}};
     size_t count = 0;
     int compared = 0;
-    struct reference *table = read_table(&count);
+    struct table_row *table = read_table(&count);
     if (!table) {
         print_message("no references.csv beside HOOKE_DATA: nothing to compare with\n");
         skip();

@@ -118,13 +118,6 @@ static const struct known known[] = {
 };
 /* clang-format on */
 
-static bool is_of(const struct reference *row, const struct known *problem)
-{
-    return text_starts(text_of(row->problem), text_of(problem->problem)) &&
-           (!strstr(row->problem, "_drag") || strstr(problem->problem, "_drag")) &&
-           strstr(row->parameters, problem->parameters);
-}
-
 /* ---- solving ---- */
 
 static struct scene scene_for(const struct known *problem)
@@ -141,7 +134,7 @@ static struct scene scene_for(const struct known *problem)
     return scene;
 }
 
-static struct reference *table;
+static struct table_row *table;
 static size_t rows;
 
 static int setup(void **state)
@@ -166,36 +159,11 @@ static void need_table(void)
     skip();
 }
 
-/* Largest error over the rows of the problem, in units of each variable's size; -1: there are none. Marks them. */
+/* In units of each variable's size. */
 static double worst_error(const struct known *problem, const struct attempt *by)
 {
-    const unsigned family = family_of(method_named(by->method));
-    struct scene scene = scene_for(problem);
-    double worst = -1, t = 0;
-    struct run *run = start(&scene, by->method, settings_of(by), HUGE_VAL);
-    for (;;) {
-        double next = HUGE_VAL;
-        for (size_t i = 0; i < rows; i++)
-            if (is_of(&table[i], problem) && table[i].t > t)
-                next = fmin(next, table[i].t);
-        if (isinf(next))
-            break;
-        t = next;
-        go_to(run, t);
-        if (run->stop != STOP_END)
-            fail_msg("%s by %s: %s at t = %g", problem->problem, by->method, stop_name(run->stop), run->t);
-        for (size_t i = 0; i < rows; i++) {
-            int k = place_of(&table[i]);
-            if (!is_of(&table[i], problem) || table[i].t != t)
-                continue;
-            assert_true(k < run->system.n);
-            double size = fmax(fabs(table[i].value), run->system.scale[k]);
-            worst = fmax(worst, fabs(run->y[k] - table[i].value) / size);
-            table[i].reached |= family;
-        }
-    }
-    run_destroy(run);
-    return worst;
+    const struct scene scene = scene_for(problem);
+    return worst_of(table, rows, problem->problem, problem->parameters, &scene, by, NAN);
 }
 
 static bool is_reached(const struct known *problem, const struct attempt *by)
@@ -241,7 +209,7 @@ static void test_period_of_the_pendulum(void **state)
         {"dop853", 1e-14, 1e-13}, {"gauss6", 1e-2, 1e-13}, {"kahan-li8", 1e-2, 1e-13}, {"cvode-adams", 1e-13, 1e-11}};
     static const struct known pendulum = {
         "pendulum", "theta0", "pendulum", {{"m", 1}, {"g", 1}, {"theta0", HALF_PI}}, {{NULL, 0, 0}}};
-    struct reference *row = NULL;
+    struct table_row *row = NULL;
     need_table();
     for (size_t i = 0; i < rows; i++)
         if (isnan(table[i].t)) {
@@ -249,7 +217,7 @@ static void test_period_of_the_pendulum(void **state)
             row = &table[i];
         }
     assert_non_null(row);
-    assert_true(text_is(text_of("period"), row->component) && is_of(row, &pendulum));
+    assert_true(text_is(text_of("period"), row->component) && is_of(row, pendulum.problem, pendulum.parameters));
     for (size_t k = 0; k < COUNT_OF(by); k++) {
         if (!is_there(&by[k]))
             continue;

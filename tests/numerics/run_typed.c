@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Scenes typed as equations reach the digits of the references, each with two methods of different families. */
+/* Scenes typed as equations against built-in ones; their kernels, splittings and ledger. command_references.c has what
+ * they reach. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -10,25 +11,6 @@
 #include <hooke/run.h>
 
 #include <stdlib.h>
-
-/*
- * Equations of the problems of references.csv (references.md): lines between semicolons, then what they reach. Digits
- * of vdpol, orego, rober: Hairer and Wanner's test set, recomputed in quadruple precision; of DETEST: Enright and Pryce
- * 1987; of the rest: quadruple precision or closed form.
- */
-struct problem {
-    const char *name, *lines;
-    double t_end;
-    int count;
-    double value[10];
-    double tolerance; /* relative to each value, or to 1 where it is below `small` */
-    double small;
-    bool stiff;
-};
-
-static const struct problem problems[] = {
-#include "numerics/typed_problems.h"
-};
 
 static const struct method *method(const char *name)
 {
@@ -50,55 +32,6 @@ static bool type_lines(struct typed_models *models, struct scene *scene, const c
     }
     return true;
 }
-
-static bool reaches(const struct problem *problem, const char *name, double tol)
-{
-    struct error error = {0};
-    struct typed_models *models = typed_create(&error);
-    struct scene scene;
-    scene_init(&scene, NULL);
-    bool fine = type_lines(models, &scene, problem->lines);
-    struct run *run = NULL;
-    if (fine) {
-        const struct run_settings settings = {.dt = 1e-3, .tol = tol, .record = {RECORD_EVERY, 1 << 20}};
-        run = run_create(&scene, method(name), &settings, problem->t_end, &error);
-        if (!run)
-            print_message("%s %s: %s\n", problem->name, name, error.text);
-        fine = run;
-    }
-    if (fine) {
-        const struct run_target target = {.t = problem->t_end, .steps = -1};
-        run_advance(run, &target, 0, NULL);
-        fine = run->t == problem->t_end;
-        for (int i = 0; i < problem->count; i++) {
-            const double wanted = problem->value[i], unit = fabs(wanted) < problem->small ? 1 : fabs(wanted);
-            const double off = fabs(run->y[i] - wanted) / unit;
-            if (!(off <= problem->tolerance)) {
-                print_message("%s %s: %s = %.17g, wanted %.17g, off by %.1e after %lld steps, t = %g\n", problem->name,
-                              name, system_variable(&run->system, i).name, run->y[i], wanted, off, (long long)run->steps,
-                              run->t);
-                fine = false;
-            }
-        }
-    }
-    run_destroy(run);
-    typed_destroy(models);
-    return fine;
-}
-
-static void test_references(void **state)
-{
-    (void)state;
-    bool fine = true;
-    for (size_t i = 0; i < COUNT_OF(problems); i++) {
-        const struct problem *p = &problems[i];
-        fine &= reaches(p, p->stiff ? "rodas5p" : "dop853", p->stiff ? 1e-11 : 1e-13);
-        fine &= reaches(p, p->stiff ? "radau5" : "odex", p->stiff ? 1e-11 : 1e-13);
-    }
-    assert_true(fine);
-}
-
-/* ---- the same motion as that of a built-in scene ---- */
 
 static struct run *typed_run(const struct scene *scene, const struct method *by, enum drag drag)
 {
@@ -247,7 +180,6 @@ static void test_ledger(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_references),
         cmocka_unit_test(test_symplectic),
         cmocka_unit_test(test_kernels),
         cmocka_unit_test(test_splitting_with_drag),

@@ -184,7 +184,7 @@ static void completion_follows_the_type(void **state)
         {"measure period of ", " data ", " period ", 18, false},
         {"measure period of run ", " 1 ", " data ", 22, false},
         {"plot position run ", " all ", " data ", 18, false},
-        {"plot ", " phase ", " y ", 5, false},
+        {"plot ", " phase ", " m ", 5, false},
         {"help sym", " symplectic-euler ", " run ", 5, false},
         {"list ", " methods ", " euler ", 5, false},
         {"load ", " as= ", " run ", 5, true},

@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Plots of columns that were asked for by name. */
+#include "figure_drawing.h"
+
+#include <string.h>
+
+bool drawing_columns(struct drawing *d, const struct system *system)
+{
+    const struct figure_request *request = d->request;
+    const bool plane = plot_is_plane(request->kind);
+    d->coordinates = request->columns;
+    if (request->columns > DRAWN_COLUMNS || (request->columns > 1 && request->runs > 1))
+        return error_at(d->error, request->column[1],
+                        request->runs > 1 ? "of several runs one column at a time" : "at most %d columns in one plot",
+                        DRAWN_COLUMNS);
+    if (plane && !chosen_find(d->model, request->against, &d->against, d->error))
+        return false;
+    for (int i = 0; i < request->columns; i++) {
+        if (!chosen_find(d->model, request->column[i], &d->column[i], d->error))
+            return false;
+        const char *unit = chosen_unit(system, &d->column[0]), *its = chosen_unit(system, &d->column[i]);
+        if (strcmp(unit, its) == 0)
+            continue;
+        const struct variable first = chosen_variable(system, &d->column[0]),
+                              one = chosen_variable(system, &d->column[i]);
+        error_at(d->error, request->column[i], "%s [%s] and %s [%s] do not share an axis", first.name,
+                 unit[0] ? unit : "1", one.name, its[0] ? its : "1");
+        return error_hint(d->error, "plot %s against %s", one.name, first.name);
+    }
+    return true;
+}
+
+const char *drawing_label(const struct drawing *d, int i)
+{
+    if (!d->request->columns)
+        return vertical_variable(d->model, d->request->kind)[i].name;
+    const struct run *run = d->session->run[d->request->run[0]]->run;
+    return arena_text(d->arena, text_of(chosen_variable(&run->system, &d->column[i]).name));
+}
+
+bool chosen_at_rows(const struct run *run, const struct chosen_column *column, const struct chosen_rows *rows,
+                    struct arena *arena, double *out, struct error *error)
+{
+    if (column->observable)
+        return values_at_rows(run, column->observable, rows, arena, out, error);
+    if (column->variable < run->system.n) {
+        state_at_rows(run, column->variable, rows, out);
+        return true;
+    }
+    double *all = arena_array(arena, trace_count(run->trace), sizeof *all);
+    if (!all)
+        return error_memory(error);
+    run_observed_column(run, column->variable - run->system.n, all);
+    for (size_t i = 0; i < rows->n; i++)
+        out[i] = all[rows->row[i]];
+    return true;
+}
