@@ -237,7 +237,8 @@ static bool fit_period(const struct crossing *up, size_t count, double guess, do
     return true;
 }
 
-bool series_period(const struct series *series, struct arena *arena, struct period *period, struct error *error)
+/* Where a damped sine describes the series. */
+static bool sine_period(const struct series *series, struct arena *arena, struct period *period, struct error *error)
 {
     struct motion m;
     if (!motion_require(&m, series, arena, NULL, error)) {
@@ -263,4 +264,49 @@ bool series_period(const struct series *series, struct arena *arena, struct peri
         return error_hint(error, "fit finds the period of such a signal");
     }
     return true;
+}
+
+#define WAVES 512   /* crossings that are asked for */
+#define REGULAR 0.01 /* how far the times between crossings are off their median */
+
+/*
+ * A wave of any shape, as pulses and relaxation oscillations have it: it crosses the middle between its extremes upwards
+ * at regular times, three times at least. Noise does not.
+ */
+static bool wave_period(const struct series *series, struct arena *arena, struct period *period)
+{
+    struct crossing *crossing = arena_array(arena, WAVES, sizeof *crossing);
+    double *scratch = arena_array(arena, WAVES, sizeof *scratch);
+    struct overview o = {.low = HUGE_VAL, .high = -HUGE_VAL};
+    size_t up = 0;
+    for (size_t i = 0; i < series->n; i++) {
+        o.low = fmin(o.low, series->y[i]);
+        o.high = fmax(o.high, series->y[i]);
+    }
+    o.mean = o.low + (o.high - o.low) / 2;
+    const size_t count = crossing && scratch ? series_crossings(series, &o, o.mean, crossing, WAVES) : 0;
+    for (size_t i = 0; i < count && i < WAVES; i++) {
+        if (crossing[i].up) {
+            crossing[up++] = crossing[i];
+        }
+    }
+    if (up < 3) {
+        return false;
+    }
+    for (size_t i = 1; i < up; i++) {
+        scratch[i - 1] = crossing[i].t - crossing[i - 1].t;
+    }
+    const double beat = quantile(scratch, up - 1, 0.5);
+    for (size_t i = 1; i < up; i++) {
+        if (!(fabs(crossing[i].t - crossing[i - 1].t - beat) <= REGULAR * beat)) {
+            return false;
+        }
+    }
+    *period = (struct period){.level = o.mean};
+    return fit_period(crossing, up, beat, scratch, true, period);
+}
+
+bool series_period(const struct series *series, struct arena *arena, struct period *period, struct error *error)
+{
+    return sine_period(series, arena, period, error) || wave_period(series, arena, period);
 }

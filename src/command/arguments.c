@@ -246,8 +246,11 @@ static bool read_item(struct parser *parser, const struct argument *argument, co
         return item->unit || catalog_unknown(&unit_catalog, item->text, error);
     case TYPE_NAME:
         item->text = peek_name(parser->rest);
-        if (item->text.len == 0)
-            return error_at(error, peek_word(parser->rest, ""), "%s needs a name", argument->name);
+        if (item->text.len == 0) {
+            const struct text word = peek_word(parser->rest, "");
+            error_at(error, word, "'%.*s' is not a name", (int)(word.len < 64 ? word.len : 64), word.at);
+            return error_hint(error, "a name begins with a letter, a to z; digits and _ may follow");
+        }
         parser->rest = (struct text){parser->rest.at + item->text.len, parser->rest.len - item->text.len};
         return true;
     case TYPE_PARAM:

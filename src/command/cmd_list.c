@@ -71,16 +71,39 @@ static void list_measurements(const struct session *session, struct reply *reply
     }
 }
 
+/* What the scene's runs have to show: what moves, what is observed, and of the observables those that make sense. */
+static void list_observables(const struct model *model, struct reply *reply)
+{
+    for (int i = 0; i < model->n + model_observed(model); i++) {
+        const bool observed = i >= model->n;
+        const struct variable variable =
+            observed ? model_observed_variable(model, i - model->n) : model->variable[i];
+        if (!observed && model == &oscillator_model) /* the table says more of them */
+            continue;
+        const struct row row = {variable.name, quantity_unit(variable.quantity),
+                                observed ? "observed by the user" : "state variable", "", NULL};
+        list_row(&observable_catalog, &row, reply);
+    }
+    for (size_t i = 0; i < observable_catalog.count; i++) {
+        const struct row *row = catalog_row(&observable_catalog, i);
+        const bool shadowed = model != &oscillator_model && (model_variable(model, text_of(row->name)) >= 0 ||
+                                                             model_observation(model, text_of(row->name)) >= 0);
+        if (!shadowed && model_offers(model, (const struct observable *)(const void *)row))
+            list_row(&observable_catalog, row, reply);
+    }
+}
+
 HANDLER(list)
 {
     static const struct catalog *const catalogs[] = {
         [LIST_COMMANDS] = &command_catalog, [LIST_SCENES] = &preset_catalog,   [LIST_METHODS] = &method_catalog,
-        [LIST_OBSERVABLES] = &observable_catalog,
         [LIST_SETTINGS] = &setting_catalog, [LIST_UNITS] = &unit_catalog,      [LIST_FUNCTIONS] = &function_catalog,
         [LIST_FORMATS] = &format_catalog,   [LIST_LIMITS] = &limit_catalog};
     static const char *const others[] = {[LIST_RUNS] = "runs", [LIST_RECORDINGS] = "data"};
     const enum listed kind = (enum listed)given_for(given, "KIND")->item->index;
-    if (kind == LIST_MEASUREMENTS) {
+    if (kind == LIST_OBSERVABLES) {
+        list_observables(session->setup.scene.model, reply);
+    } else if (kind == LIST_MEASUREMENTS) {
         list_measurements(session, reply);
     } else if (kind == LIST_EVENTS) {
         reply_happenings(session, reply);

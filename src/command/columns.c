@@ -2,6 +2,23 @@
 #include "columns.h"
 
 #include <stdio.h>
+#include <string.h>
+
+static bool variables_alike(struct variable a, struct variable b)
+{
+    return strcmp(a.name, b.name) == 0 && a.quantity == b.quantity;
+}
+
+bool models_alike(const struct model *a, const struct model *b)
+{
+    bool alike = a == b || (a->typed && b->typed && a->order == b->order && a->n == b->n &&
+                            model_observed(a) == model_observed(b));
+    for (int i = 0; a != b && alike && i < a->n; i++)
+        alike = variables_alike(a->variable[i], b->variable[i]);
+    for (int i = 0; a != b && alike && i < model_observed(a); i++)
+        alike = variables_alike(model_observed_variable(a, i), model_observed_variable(b, i));
+    return alike;
+}
 
 bool chosen_find(const struct model *model, struct text name, struct chosen_column *column, struct error *error)
 {

@@ -10,6 +10,8 @@ struct chosen_column {
     int variable;
 };
 
+/* Whether both have the same things to show, in the same order: models may be typed anew with other laws. */
+bool models_alike(const struct model *a, const struct model *b);
 /* A user's names come before those of observables. Error: the model has nothing of that name. */
 bool chosen_find(const struct model *model, struct text name, struct chosen_column *column, struct error *error);
 /* Its name and quantity. */

@@ -90,7 +90,7 @@ static bool same_model(const struct session *session, const int *place, int coun
     const struct run *first = session->run[place[0]]->run;
     for (int i = 1; i < count; i++) {
         const struct run *run = session->run[place[i]]->run;
-        if (run->system.model == first->system.model)
+        if (models_alike(run->system.model, first->system.model))
             continue;
         error_set(error, ERROR_COMMAND, "run %d (%s) and run %d (%s) have different variables: not in one file",
                   first->number, first->scene.preset->row.name, run->number, run->scene.preset->row.name);

@@ -132,7 +132,8 @@ enum quantity model_quantity(const struct model *model, const struct observable 
 
 bool model_offers(const struct model *model, const struct observable *observable)
 {
-    return model->order == 2 || !(observable->needs & NEED_MECHANICS);
+    const unsigned never = (model->order == 2 ? 0u : (unsigned)NEED_MECHANICS) | (model->typed ? (unsigned)NEED_EXACT : 0u);
+    return !(observable->needs & never);
 }
 
 static void put_params(const struct scene *scene, struct buffer *text)

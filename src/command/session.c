@@ -351,8 +351,12 @@ void session_state_line(const struct session *session, struct buffer *text)
         buffer_format(text, " %s=", param->row.name);
         buffer_measured(text, (struct measured){setup->scene.value[i], 0}, param->quantity, 4);
     }
-    buffer_format(text, " | %s dt=", setup->method->row.name);
-    buffer_measured(text, (struct measured){setup->settings.dt, 0}, QUANTITY_TIME, 4);
+    const struct run_settings settings = session_run_settings(session);
+    buffer_format(text, " | %s %s=", setup->method->row.name, settings.tol > 0 ? "tol" : "dt");
+    if (settings.tol > 0)
+        buffer_short(text, settings.tol, 4);
+    else
+        buffer_measured(text, (struct measured){settings.dt, 0}, QUANTITY_TIME, 4);
     const struct run *run = session_run(session);
     if (run) {
         buffer_format(text, " | run %d t=", run->number);

@@ -49,8 +49,8 @@ static bool find_model(struct drawing *d)
     d->model = first->system.model;
     for (int i = 1; i < request->runs; i++) {
         const struct run *run = d->session->run[request->run[i]]->run;
-        if (run->system.model != d->model)
-            return error_set(d->error, ERROR_COMMAND, "run %d is one of %s, run %d one of %s: no plot shows both",
+        if (!models_alike(run->system.model, d->model))
+            return error_set(d->error, ERROR_COMMAND, "run %d (%s) and run %d (%s) have different variables: no plot shows both",
                              first->number, first->scene.preset->row.name, run->number, run->scene.preset->row.name);
     }
     if (request->columns)

@@ -263,10 +263,12 @@ static bool wrong_count(struct compiler *c, const struct pending *call)
 static bool missing_operand(struct compiler *c)
 {
     struct text where = slice(c, c->at, c->at < c->text.len);
-    if (c->depth == 0)
-        return error_at(c->error, where, "a number or a name is missing");
-    const struct pending *top = &c->pending[c->depth - 1];
-    return error_at(c->error, where, "a number or a name is missing after '%.*s'", (int)top->where.len, top->where.at);
+    const struct pending *top = c->depth > 0 ? &c->pending[c->depth - 1] : NULL;
+    if (top)
+        error_at(c->error, where, "a number or a name is missing after '%.*s'", (int)top->where.len, top->where.at);
+    else
+        error_at(c->error, where, "a number or a name is missing");
+    return (unsigned char)peek(c, 0) > 126 && error_hint(c->error, "write names and signs in ASCII: - * / and a to z");
 }
 
 /* Where an operand has to stand. *complete: one was read, an operator may follow. */

@@ -120,14 +120,20 @@ struct variable system_variable(const struct system *system, int i)
 
 /* ---- binding ---- */
 
-static bool overflows(const struct system *system, const struct bound_term *term, const double *y, struct error *error)
+static bool overflows(const struct system *system, const struct bound_term *term, int row, const double *y,
+                      struct error *error)
 {
     struct buffer at = {0};
     for (int i = 0; i < system->n; i++) {
         buffer_format(&at, "%s%s = ", i > 0 ? ", " : "", system->model->variable[i].name);
         buffer_quantity(&at, y[i], system->model->variable[i].quantity, 4);
     }
-    error_set(error, ERROR_COMMAND, "the %s force overflows at %s", term->row->row.name, at.data ? at.data : "?");
+    const char *where = at.data ? at.data : "?";
+    if (term->row->bind)
+        error_set(error, ERROR_COMMAND, "the %s force overflows at %s", term->row->row.name, where);
+    else
+        error_set(error, ERROR_COMMAND, "%s%s has no finite value at %s", system->model->variable[row].name,
+                  system->order == 2 ? "''" : "'", where);
     buffer_free(&at);
     return false;
 }
@@ -146,7 +152,7 @@ static bool check_term(const struct system *system, const struct bound_term *ter
         term->row->add(term->c, system->t0, states[i], a);
         for (int row = 0; row < term_rows(system); row++)
             if (!isfinite(a[row]))
-                return overflows(system, term, states[i], error);
+                return overflows(system, term, row, states[i], error);
     }
     return true;
 }

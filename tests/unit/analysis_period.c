@@ -120,6 +120,30 @@ static void exact_period(void **state)
     }
 }
 
+/* Pulses, in uneven steps: no damped sine comes near. Where they come less and less often there is no period. */
+static void pulses_have_a_period(void **state)
+{
+    static double t[4000], y[4000];
+    const double period = 1.7;
+    (void)state;
+    for (int late = 0; late < 2; late++) {
+        struct arena arena = {0};
+        struct period p;
+        struct error error;
+        for (int i = 0; i < 4000; i++) {
+            t[i] = 0.005 * i + 0.002 * sin(i);
+            y[i] = exp(40 * (cos(6.283185307179586 * t[i] / period / (1 + late * t[i] / 50)) - 1));
+        }
+        const struct series series = {t, y, 4000, QUANTITY_NUMBER};
+        assert_true(series_period(&series, &arena, &p, &error) == !late);
+        if (!late) {
+            assert_true(fabs(p.period.value - period) < 1e-6);
+            assert_true(p.periods == 10);
+        }
+        arena_reset(&arena);
+    }
+}
+
 static void period_covers_the_truth(void **state)
 {
     (void)state;
@@ -295,6 +319,7 @@ int main(void)
         cmocka_unit_test(spikes_that_cross_first_do_not_matter),
         cmocka_unit_test(noise_makes_no_extra_crossings),
         cmocka_unit_test(exact_period),
+        cmocka_unit_test(pulses_have_a_period),
         cmocka_unit_test(period_covers_the_truth),
         cmocka_unit_test(amplitudes_at_times),
         cmocka_unit_test(position_and_energy_agree),
