@@ -493,6 +493,7 @@ struct figure_request {
     const struct text *column; /* names of variables and observables; NULL: the kind says all */
     int columns;
     struct text against;
+    struct text at; /* only at the moments of this event, as points; empty: all along */
     double window[2]; /* [s] NAN: choose */
     int width;        /* [cell] that will be drawn on */
     bool log;         /* vertical axis */

@@ -233,7 +233,7 @@ static struct decimal rounded_to(double value, int place)
     const int digits = value != 0 ? decimal_decade(d) - place + 1 : 0;
     if (digits < 1) {
         bool up = digits == 0 && d.digits >= 50000000000000000u;
-        return (struct decimal){d.negative && up, up, place};
+        return (struct decimal){d.negative && up, up, up || place < 0 ? place : 0}; /* 0, not 00 */
     }
     d = rounded(value, digits);
     for (; d.exponent > place; d.exponent--) /* 9.996 became 10.00 */

@@ -58,8 +58,8 @@ static bool choose_runs(struct session *session, const struct arguments *given, 
 static bool choose_kind(const struct arguments *given, struct figure_request *request, struct error *error)
 {
     const struct given *what = given_for(given, "WHAT"), *against = given_for(given, "against"),
-                       *data = given_for(given, "data");
-    if (what->count == 1 && what->item->index >= 0 && !against->count) {
+                       *at = given_for(given, "at"), *data = given_for(given, "data");
+    if (what->count == 1 && what->item->index >= 0 && !against->count && !at->count) {
         request->kind = (enum plot_kind)what->item->index;
         return true;
     }
@@ -71,6 +71,8 @@ static bool choose_kind(const struct arguments *given, struct figure_request *re
     request->kind = against->count ? PLOT_ORBIT : PLOT_POSITION;
     request->column = name;
     request->columns = what->count;
+    if (at->count)
+        request->at = at->item->text;
     if (against->count) {
         request->against = against->item->text;
         request->trail = HUGE_VAL;
@@ -216,7 +218,8 @@ HANDLER(plot)
 COMMAND(plot, .row = {"plot", "", "draw position, velocity, phase, orbit, energy, error, residual, spectrum, precision; or any columns",
                       "", "p"},
         .group = "PLOT",
-        .text = "A kind of plot, or names of what moves and is observed: 'plot x', 'plot x,y', 'plot y against x'.\n"
+        .text = "A kind of plot, or names of what moves and is observed: 'plot x', 'plot x,y', 'plot y against x';\n"
+                "with 'at EVENT' as points where that event happened: a Poincare section.\n"
                 "Of the current run and of the recording where they overlap in time, unless told. Without a window at "
                 "least 8 columns a\n"
                 "period are kept (5 with dots) and the phase plot shows the last 2 periods; the frame says so. A run "
@@ -224,9 +227,9 @@ COMMAND(plot, .row = {"plot", "", "draw position, velocity, phase, orbit, energy
                 "bounds leaves the frame and does not flatten the others. A file that ends in .svg, .pdf or .png "
                 "becomes a picture, one\n"
                 "that ends in .txt holds the text.",
-        .examples = "run; plot momentum against y\ncompare euler symplectic-euler; plot energy run all",
+        .examples = "run; plot position; plot momentum against y\ncompare euler symplectic-euler; plot energy run all",
         .see = "set export measure", .flags = COMMAND_ANYTIME,
         ARGUMENTS(PLACE("WHAT", TYPE_COLUMN, .flags = ARG_REQUIRED | ARG_MANY, .choices = &plot_catalog),
-                  WORD("against", TYPE_COLUMN), WORD("run", TYPE_RUN, .flags = ARG_MANY | ARG_ALL), WORD("data", TYPE_RECORDING),
+                  WORD("against", TYPE_COLUMN), WORD("at", TYPE_TEXT), WORD("run", TYPE_RUN, .flags = ARG_MANY | ARG_ALL), WORD("data", TYPE_RECORDING),
                   KEY("window", TYPE_RANGE, .quantity = QUANTITY_TIME), OPTION("log", TYPE_NONE), WORD(">", TYPE_FILE),
                   OPTION("force", TYPE_NONE)))

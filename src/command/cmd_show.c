@@ -224,6 +224,10 @@ HANDLER(show)
             show_value(session, &value, "", reply);
         return true;
     }
+    if (model_variable(scene->model, name) >= 0 || model_observation(scene->model, name) >= 0) {
+        error_at(error, name, "'%.*s' has no value: there is no run of this scene yet", (int)name.len, name.at);
+        return error_hint(error, "type: run  ('show scene' lists where it starts)");
+    }
     error_at(error, name, "unknown name '%.*s'", (int)(name.len < 80 ? name.len : 80), name.at);
     if (hint_other_model(session, name, error))
         return false;

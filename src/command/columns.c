@@ -26,7 +26,7 @@ bool chosen_find(const struct model *model, struct text name, struct chosen_colu
     *column = (struct chosen_column){NULL, variable >= 0 ? variable : model->n + observed};
     if (variable >= 0 || observed >= 0)
         return true;
-    column->observable = (const struct observable *)(const void *)catalog_find(&observable_catalog, name);
+    column->observable = model_observable(model, name);
     column->variable = -1;
     if (column->observable)
         return true;

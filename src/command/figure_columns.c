@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Plots of columns that were asked for by name. */
+#include "events.h"
 #include "figure_drawing.h"
 
 #include <string.h>
@@ -53,5 +54,56 @@ bool chosen_at_rows(const struct run *run, const struct chosen_column *column, c
     run_observed_column(run, column->variable - run->system.n, all);
     for (size_t i = 0; i < rows->n; i++)
         out[i] = all[rows->row[i]];
+    return true;
+}
+
+/* ---- at events ---- */
+
+static bool value_at(const struct run *run, const struct chosen_column *column, size_t i, double *out,
+                     struct error *error)
+{
+    const struct happening *happening = run_happening(run, i);
+    const struct sample sample = {
+        .run = run, .system = &run->system, .t = happening->t, .y = run_happening_state(run, i)};
+    const int n = run->system.n;
+    if (column->observable && column->observable->needs & ~(unsigned)(NEED_MECHANICS | NEED_LINE | NEED_POWER))
+        return error_set(error, ERROR_COMMAND, "%s is not known at events", column->observable->row.name);
+    *out = column->observable      ? column->observable->value(&sample)
+           : column->variable < n ? sample.y[column->variable]
+                                  : system_observe(&run->system, column->variable - n, sample.t, sample.y);
+    return true;
+}
+
+bool drawing_happenings(struct drawing *d, const struct held_run *held)
+{
+    const struct run *run = held->run;
+    const struct figure_request *request = d->request;
+    const size_t room = run_happenings(run) + 1;
+    const struct chosen_column time = {(const struct observable *)(const void *)catalog_find(&observable_catalog, TEXT("t")),
+                                       -1};
+    double *x = arena_array(d->arena, room, sizeof *x);
+    for (int c = 0; c < d->coordinates; c++) {
+        double *y = arena_array(d->arena, room, sizeof *y);
+        const char *label = d->coordinates > 1 ? drawing_label(d, c) : drawing_run_label(d, run);
+        size_t n = 0;
+        if (!x || !y || !label)
+            return error_memory(d->error);
+        for (size_t i = 0; i + 1 < room; i++) {
+            const struct happening *happening = run_happening(run, i);
+            if (!text_is(request->at, held->events->line[happening->event].name) || happening->t < d->window[0] ||
+                happening->t > d->window[1])
+                continue;
+            if (!value_at(run, request->kind == PLOT_ORBIT ? &d->against : &time, i, &x[n], d->error) ||
+                !value_at(run, &d->column[c], i, &y[n], d->error))
+                return false;
+            n++;
+        }
+        if (n == 0) {
+            error_at(d->error, request->at, "run %d has no event '%.*s' in this time", run->number,
+                     (int)(request->at.len < 64 ? request->at.len : 64), request->at.at);
+            return error_hint(d->error, "'list events' shows what happened");
+        }
+        d->curve[d->curves++] = (struct curve){.label = label, .x = x, .y = y, .n = n, .points = true};
+    }
     return true;
 }

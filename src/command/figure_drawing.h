@@ -54,6 +54,11 @@ bool drawing_columns(struct drawing *d, const struct system *system);
 /* Name of what is drawn of one run, i of its coordinates. NULL: no memory. */
 const char *drawing_label(const struct drawing *d, int i);
 
+/* The columns where the event of the request happened. */
+bool drawing_happenings(struct drawing *d, const struct held_run *held);
+/* Name of the run in a legend; NULL: no memory. */
+const char *drawing_run_label(const struct drawing *d, const struct run *run);
+
 /* [s] that the scene, or the sizes of what moves, lead to expect of a run; NAN: none. */
 double run_rhythm(const struct run *run);
 /* Chooses the window of time; the model and the period are known. */

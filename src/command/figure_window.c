@@ -9,7 +9,10 @@
 const struct plot_row plot_rows[] = {
     [PLOT_POSITION] = {{"position", "", "y against t, or all coordinates", "", NULL}, NULL, "y", true},
     [PLOT_VELOCITY] = {{"velocity", "", "v against t", "", NULL}, NULL, NULL, true},
-    [PLOT_PHASE] = {{"phase", "", "v against y, the last two periods unless a window is given", "", NULL},
+    [PLOT_PHASE] = {{"phase", "",
+                     "v against y, the last two periods unless a window is given; of first order the second value "
+                     "against the first",
+                     "", NULL},
                     NULL,
                     NULL,
                     false},
@@ -44,7 +47,9 @@ bool plot_is_plane(enum plot_kind kind)
 
 const struct variable *vertical_variable(const struct model *model, enum plot_kind kind)
 {
-    return &model->variable[kind == PLOT_VELOCITY || kind == PLOT_PHASE ? model->n / 2 : kind == PLOT_ORBIT ? 1 : 0];
+    if (kind == PLOT_ORBIT || (kind == PLOT_PHASE && model->order == 1))
+        return &model->variable[1];
+    return &model->variable[kind == PLOT_VELOCITY || kind == PLOT_PHASE ? model->n / 2 : 0];
 }
 
 int plot_coordinates(const struct model *model)
@@ -60,7 +65,9 @@ bool plot_fits(enum plot_kind kind, const struct model *model)
 {
     if (kind == PLOT_ORBIT)
         return model->order == 2 && model->n == 4 && plot_coordinates(model) == 2;
-    return model->order == 2 || (kind != PLOT_VELOCITY && kind != PLOT_PHASE && kind != PLOT_ENERGY);
+    if (kind == PLOT_PHASE)
+        return model->n > 1;
+    return model->order == 2 || (kind != PLOT_VELOCITY && kind != PLOT_ENERGY);
 }
 
 /* ---- which part of the time ---- */

@@ -202,6 +202,8 @@ int model_observation(const struct model *model, struct text name); /* place of 
 const struct model *model_with(struct text name); /* the first with such a parameter, derived quantity or variable */
 const char *model_scene(const struct model *model); /* name of a scene that is one */
 enum quantity model_quantity(const struct model *model, const struct observable *observable);
+/* NULL: none. In what a user has typed `y` is no other name of the first coordinate. */
+const struct observable *model_observable(const struct model *model, struct text name);
 bool model_offers(const struct model *model, const struct observable *observable); /* as far as the model decides it */
 /* Says where the name belongs, if it is to another model; false: it does not. */
 bool hint_other_model(const struct session *session, struct text name, struct error *error);

@@ -76,7 +76,7 @@ static bool find_name(const struct names *names, struct text name, int *slot)
         kind = NAME_OBSERVED;
     else if (scene->model->typed && in_catalog(scene_params(scene), name, &place))
         kind = NAME_PARAM;
-    else if (moving && in_catalog(&observable_catalog, name, &place))
+    else if (moving && model_observable(moving, name) && in_catalog(&observable_catalog, name, &place))
         kind = NAME_OBSERVABLE;
     else if (in_catalog(scene_params(scene), name, &place))
         kind = NAME_PARAM;
@@ -238,7 +238,7 @@ bool names_explain(const struct session *session, struct error *error)
     if (find_name(&names, name, &slot))
         return false;
     const struct model *model = session->setup.scene.model;
-    if (catalog_find(&observable_catalog, name) || model_variable(model, name) >= 0 ||
+    if (model_observable(model, name) || model_variable(model, name) >= 0 ||
         model_observation(model, name) >= 0) {
         error_at(error, name, "'%.*s' has no value: there is no run yet", (int)name.len, name.at);
         return error_hint(error, "type: run");

@@ -37,6 +37,12 @@ static bool has_mechanics(const struct session *session)
     return run ? run->system.order == 2 : figure_recording(session, PLOT_VELOCITY) >= 0;
 }
 
+static bool has_phase(const struct session *session)
+{
+    const struct run *run = session_run(session);
+    return run ? plot_fits(PLOT_PHASE, run->system.model) : has_mechanics(session);
+}
+
 static bool has_orbit(const struct session *session)
 {
     const struct run *run = session_run(session);
@@ -57,7 +63,8 @@ static bool has_residual(const struct session *session)
 static const struct pane_row panes[] = {
     [PANE_POSITION] = {{"position", "m", "y against t, with the recording", "", NULL}, has_series},
     [PANE_ENERGY] = {{"energy", "J", "energy against t", "", NULL}, has_mechanics},
-    [PANE_PHASE] = {{"phase", "m", "v against y", "", NULL}, has_mechanics},
+    [PANE_PHASE] = {{"phase", "m", "v against y; of first order the second value against the first", "", NULL},
+                    has_phase},
     [PANE_VELOCITY] = {{"velocity", "m/s", "v against t", "", NULL}, has_mechanics},
     [PANE_ERROR] = {{"error", "m", "distance from the exact solution against t", "", NULL}, has_exact},
     [PANE_RESIDUAL] = {{"residual", "m", "the recording minus its fit, or minus the run, against t", "", NULL},

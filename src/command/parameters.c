@@ -130,10 +130,17 @@ enum quantity model_quantity(const struct model *model, const struct observable 
     return observable_quantity(observable, &system);
 }
 
+const struct observable *model_observable(const struct model *model, struct text name)
+{
+    const struct row *row = model->typed && text_is(name, "y") ? NULL : catalog_find(&observable_catalog, name);
+    return (const struct observable *)(const void *)row;
+}
+
 bool model_offers(const struct model *model, const struct observable *observable)
 {
-    const unsigned never = (model->order == 2 ? 0u : (unsigned)NEED_MECHANICS) | (model->typed ? (unsigned)NEED_EXACT : 0u);
-    return !(observable->needs & never);
+    const unsigned never = (model->order == 2 ? 0u : (unsigned)NEED_MECHANICS) |
+                           (model->typed ? (unsigned)NEED_EXACT : 0u);
+    return !(observable->needs & never) && model_observable(model, text_of(observable->row.name));
 }
 
 static void put_params(const struct scene *scene, struct buffer *text)

@@ -70,7 +70,7 @@ static bool find_model(struct drawing *d)
 
 /* ---- curves ---- */
 
-static const char *run_label(const struct drawing *d, const struct run *run)
+const char *drawing_run_label(const struct drawing *d, const struct run *run)
 {
     const char *name = run->name[0] ? run->name : run->method->row.name;
     bool alone = true;
@@ -106,7 +106,7 @@ static bool add_run(struct drawing *d, const struct run *run)
 {
     const bool plane = plot_is_plane(d->request->kind);
     struct curve *curve = &d->curve[d->curves];
-    const char *label = run_label(d, run);
+    const char *label = drawing_run_label(d, run);
     *curve = (struct curve){.label = label};
     if (!label)
         return error_memory(d->error);
@@ -400,7 +400,7 @@ bool session_figure(const struct session *session, const struct figure_request *
     if (request->runs > 0) {
         const struct run *run = session->run[request->run[0]]->run;
         const double stiffness = run->system.oscillator.stiffness; /* now in force */
-        d.period = run_rhythm(run);
+        d.period = request->at.len ? NAN : run_rhythm(run);
         if (phase && session->setup.settings.phase_axes == PHASE_SCALED && stiffness > 0)
             d.omega0 = sqrt(stiffness);
     }
@@ -412,7 +412,8 @@ bool session_figure(const struct session *session, const struct figure_request *
     if (residual && !recording)
         return error_set(error, ERROR_COMMAND, "a residual needs a recording");
     for (int i = 0; i < request->runs && !residual; i++)
-        if (!add_run(&d, session->run[request->run[i]]->run))
+        if (!(request->at.len ? drawing_happenings(&d, session->run[request->run[i]])
+                              : add_run(&d, session->run[request->run[i]]->run)))
             return false;
     if (recording && !(residual ? add_residual : add_recording)(&d, recording))
         return false;
@@ -462,7 +463,7 @@ bool session_figure(const struct session *session, const struct figure_request *
         figure->x.fixed = true;
         figure->x.to = isfinite(d.period) ? fmin(nyquist, HARMONICS / d.period) : nyquist;
     }
-    if (!residual && !spectrum && request->kind != PLOT_ENVELOPE)
+    if (!residual && !spectrum && request->kind != PLOT_ENVELOPE && !request->at.len)
         mark_present(&d, figure);
     return true;
 }

@@ -268,7 +268,9 @@ static bool missing_operand(struct compiler *c)
         error_at(c->error, where, "a number or a name is missing after '%.*s'", (int)top->where.len, top->where.at);
     else
         error_at(c->error, where, "a number or a name is missing");
-    return (unsigned char)peek(c, 0) > 126 && error_hint(c->error, "write names and signs in ASCII: - * / and a to z");
+    const unsigned char first = (unsigned char)peek(c, 0);
+    return first >= 0xC2 && first <= 0xF4 && /* of a letter in UTF-8 */
+           error_hint(c->error, "write names and signs in ASCII: - * / and a to z");
 }
 
 /* Where an operand has to stand. *complete: one was read, an operator may follow. */

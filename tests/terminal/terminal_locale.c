@@ -175,7 +175,7 @@ static void test_invalid_bytes(void **state)
     type(&p, "\x03");
     expect_prompt(&p, EMPTY_PROMPT);
     type(&p, "set \xFE\xFE 1\r"); /* an error quotes it */
-    expect(&p, "error: NAME needs a name");
+    expect(&p, "is not a name");
     expect(&p, "\\xfe 1");
     enter(&p, "print 6*7");
     expect(&p, "42");

@@ -77,6 +77,8 @@ static void numbers_for_people(void **state)
     assert_string_equal(uncertain(&b, -0.001, 0.5), "0.0 +- 0.5");
     assert_string_equal(uncertain(&b, -0.07, 0.5), "-0.1 +- 0.5");
     assert_string_equal(uncertain(&b, 0, 0.02), "0.00 +- 0.02");
+    assert_string_equal(uncertain(&b, -0.9, 20), "0 +- 20");
+    assert_string_equal(uncertain(&b, 6, 20), "10 +- 20");
     assert_string_equal(uncertain(&b, 1.2344e-6, 5e-9), "1.234e-6 +- 5e-9");
     assert_string_equal(uncertain(&b, 1.2e9, 3e7), "1.20e9 +- 3e7");
     assert_string_equal(uncertain(&b, 1234567, 1), "1234567.0 +- 1.0");

@@ -119,7 +119,8 @@ static void every_run_can_be_looked_at(void **state)
         static const enum plot_kind kinds[] = {PLOT_POSITION, PLOT_VELOCITY, PLOT_PHASE, PLOT_ORBIT, PLOT_ENERGY};
         for (size_t k = 0; k < COUNT_OF(kinds); k++) {
             const bool plane = kinds[k] != PLOT_ORBIT || model->n == 4;
-            const bool fits = kinds[k] == PLOT_POSITION || (model->order == 2 && plane);
+            const bool fits = kinds[k] == PLOT_POSITION || (kinds[k] == PLOT_PHASE && model->n > 1) ||
+                              (model->order == 2 && plane);
             snprintf(line, sizeof line, "plot %s", catalog_row(&plot_catalog, kinds[k])->name);
             if (type(&b, line) != fits)
                 fail_msg("%s of %s: %s", line, preset_at(p)->row.name, said(&b.err));

@@ -223,6 +223,7 @@ static void test_mistakes(void **state)
     expect_mistake(".", "malformed number", ".", "");
     expect_mistake("1e400", "the number 1e400 is too large", "1e400", "");
     expect_mistake("\xff", "a number or a name is missing", "\xff", "");
+    expect_mistake("2*\xe2\x88\x92x", "a number or a name is missing after '*'", "\xe2", "write names and signs in ASCII: - * / and a to z");
 }
 
 static void test_constants(void **state)
