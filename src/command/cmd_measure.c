@@ -88,7 +88,7 @@ static bool measure_period(struct measuring *m)
         return false;
     put(&text, "T", p.period, QUANTITY_TIME);
     buffer_format(&text, " (%g period%s, up-crossings)", p.periods, p.periods == 1 ? "" : "s");
-    if (!m->subject.energy)
+    if (!m->subject.energy && !m->subject.column)
         put_theory(&text, p.period.value, theory_period(m), QUANTITY_TIME);
     if (m->subject.recording && series_correlation_period(&m->subject.series, m->given->arena, &alike))
         put(&text, "\nautocorrelation: T", alike, QUANTITY_TIME);
@@ -111,7 +111,7 @@ static bool measure_frequency(struct measuring *m)
     put(&text, "f", f, QUANTITY_FREQUENCY);
     put(&text, "   omega", (struct measured){2 * PI * f.value, 2 * PI * f.uncertainty}, QUANTITY_ANGULAR_FREQUENCY);
     buffer_format(&text, " (%g periods)", p.periods);
-    if (!m->subject.energy)
+    if (!m->subject.energy && !m->subject.column)
         put_theory(&text, f.value, 1 / theory_period(m), QUANTITY_FREQUENCY);
     begin(m, f, QUANTITY_FREQUENCY, p.periods);
     reply_end(m->reply);
@@ -389,6 +389,9 @@ HANDLER(measure)
     const struct item *quantity = given_for(given, "QUANTITY")->item;
     const enum measurable which = (enum measurable)quantity->index;
     const bool energy = is_given(given, "energy") || which == MEASURE_ENERGY;
+    const struct given *column = given_for(given, "COLUMN");
+    if (column->count && (energy || which > MEASURE_DECAY))
+        return error_at(error, column->where, "period, frequency, amplitude and decay are measured of a column");
     struct measuring m = {session, given, reply, {.run = NULL}, quantity->row->name, error};
     /* The Reynolds number can be asked for before anything has moved. */
     if (which == MEASURE_REYNOLDS && session->runs == 0 && session->recordings == 0) {
@@ -399,14 +402,16 @@ HANDLER(measure)
         return measure_spring(&m);
     return subject_open(session, given_for(given, "run"), given_for(given, "data"), given_for(given, "window"), energy,
                         2, given->arena, &m.subject, error) &&
+           (!column->count ||
+            subject_column(&m.subject, column, given_for(given, "window"), given->arena, error)) &&
            measures[which](&m);
 }
 #endif
 
 COMMAND(measure, .row = {"measure", "", "measure a quantity of a run or a recording", "", NULL}, .group = "MEASURE",
-        .text = "Acts on the most recent run or recording unless told. The period comes from line fits at the "
-                "up-crossings and is given\n"
-                "with its standard uncertainty. at= or windows= choose where the amplitude is read; from three readings "
+        .text = "Acts on the position (or first value) of the most recent run or recording unless told; 'period of NAME' on "
+                "another column of a\n"
+                "run. The period comes from line fits at the up-crossings and is given with its standard uncertainty. at= or windows= choose where the amplitude is read; from three readings "
                 "gamma follows.\n"
                 "'period windows=N' tells whether T depends on the amplitude. 'spring' takes every recording whose mass "
                 "is known ('data\n"
@@ -419,4 +424,4 @@ COMMAND(measure, .row = {"measure", "", "measure a quantity of a run or a record
                   WORD("data", TYPE_RECORDING, .lead = "of", .group = 1), WORD("energy", TYPE_NONE, .lead = "of"),
                   KEY("window", TYPE_RANGE, .quantity = QUANTITY_TIME),
                   KEY("at", TYPE_VALUE, .flags = ARG_MANY | ARG_NEGATIVE, .quantity = QUANTITY_TIME),
-                  KEY("windows", TYPE_INTEGER)))
+                  KEY("windows", TYPE_INTEGER), PLACE("COLUMN", TYPE_COLUMN, .lead = "of")))

@@ -255,7 +255,10 @@ static void offer_arguments(struct completion *c, const struct command *command,
     bool led = false;
     for (int i = 0; i < command->arguments; i++)
         if (command->argument[i].lead && text_is(last, command->argument[i].lead)) {
-            offer(c, command->argument[i].name, "");
+            if (command->argument[i].form == FORM_PLACE)
+                offer_item(c, &command->argument[i], TEXT(""));
+            else
+                offer(c, command->argument[i].name, "");
             led = true;
         }
     if (led)

@@ -344,6 +344,7 @@ struct subject {
     struct series series;
     char name[LIMIT_NAME + 16]; /* "run 1", "data swing3" */
     bool energy;                /* the series is an energy */
+    bool column;                /* it is a column that was asked for by name */
     struct run *run;            /* NULL: a recording */
     struct recording *recording;
     char how[340]; /* of the energy of a recording: whose m, k and v */
@@ -363,6 +364,9 @@ bool session_keep_measurement(struct session *session, const char *name, const c
                               enum quantity unit, double periods, struct error *error);
 /* The first variable, or energy, of a run over time; oldest first also where it went backwards. */
 bool run_series(const struct run *run, bool energy, struct arena *arena, struct series *series, struct error *error);
+/* The series of another column of the subject's run, in the same window. */
+bool subject_column(struct subject *subject, const struct given *column, const struct given *window,
+                    struct arena *arena, struct error *error);
 /* The run or recording that was given, else the latest; window: of TYPE_RANGE. At least `least` samples. */
 bool subject_open(struct session *session, const struct given *run, const struct given *data,
                   const struct given *window, bool energy, size_t least, struct arena *arena, struct subject *subject,

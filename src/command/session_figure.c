@@ -383,6 +383,16 @@ static bool find_motion(struct drawing *d, const struct recording *recording)
     return true;
 }
 
+static double seen_period(const struct drawing *d, const struct run *run)
+{
+    struct series series;
+    struct period period;
+    struct error ignored;
+    return run_series(run, false, d->arena, &series, &ignored) && series_period(&series, d->arena, &period, &ignored)
+               ? period.period.value
+               : NAN;
+}
+
 bool session_figure(const struct session *session, const struct figure_request *request, struct arena *arena,
                     struct figure *figure, struct error *error)
 {
@@ -408,6 +418,9 @@ bool session_figure(const struct session *session, const struct figure_request *
     if (recording && plot_needs_motion(request->kind) && !find_motion(&d, recording))
         return false;
     drawing_window(&d);
+    /* No law says how fast it goes: as it was seen to. */
+    if (request->kind == PLOT_SPECTRUM && request->runs > 0 && isnan(d.period) && !request->follow)
+        d.period = seen_period(&d, session->run[request->run[0]]->run);
     const bool residual = request->kind == PLOT_RESIDUAL, spectrum = request->kind == PLOT_SPECTRUM;
     if (residual && !recording)
         return error_set(error, ERROR_COMMAND, "a residual needs a recording");

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What measure and fit act on: a run or a recording as a series; and the distance between the two. */
+#include "columns.h"
 #include "data_motion.h"
 
 #include <math.h>
@@ -53,6 +54,14 @@ static bool data_energy(const struct session *session, struct arena *arena, stru
     return motion_series(&motion, true, -HUGE_VAL, HUGE_VAL, arena, &subject->series, error);
 }
 
+static struct series in_window(struct series series, const struct given *window)
+{
+    const double *range = window && window->count ? window->item->range : NULL;
+    return !range ? series
+                  : series_window(series, isnan(range[0]) ? -HUGE_VAL : range[0],
+                                  isnan(range[1]) ? HUGE_VAL : range[1]);
+}
+
 static bool open_run(struct run *run, const struct given *window, bool energy, size_t least, struct arena *arena,
                      struct subject *subject, struct error *error)
 {
@@ -60,11 +69,7 @@ static bool open_run(struct run *run, const struct given *window, bool energy, s
     snprintf(subject->name, sizeof subject->name, "run %d", run->number);
     if (!run_series(run, energy, arena, &subject->series, error))
         return false;
-    if (window && window->count) {
-        const double *range = window->item->range;
-        subject->series = series_window(subject->series, isnan(range[0]) ? -HUGE_VAL : range[0],
-                                        isnan(range[1]) ? HUGE_VAL : range[1]);
-    }
+    subject->series = in_window(subject->series, window);
     if (subject->series.n >= least)
         return true;
     error_set(error, ERROR_COMMAND, "%s holds %zu samples there, at least %zu are needed", subject->name,
@@ -93,6 +98,37 @@ static bool open_recording(const struct session *session, struct recording *reco
     if (!ok && window && window->count)
         error->where = window->where;
     return ok && (!energy || data_energy(session, arena, subject, error));
+}
+
+bool subject_column(struct subject *subject, const struct given *column, const struct given *window,
+                    struct arena *arena, struct error *error)
+{
+    const struct text name = column->item->text;
+    const struct run *run = subject->run;
+    struct chosen_column chosen;
+    if (!run)
+        return error_at(error, column->where, "a recording has no column '%.*s'", (int)name.len, name.at);
+    if (!chosen_find(run->system.model, name, &chosen, error))
+        return false;
+    const size_t n = trace_count(run->trace);
+    double *t = arena_array(arena, n, sizeof *t), *y = arena_array(arena, n, sizeof *y);
+    if (!t || !y)
+        return error_memory(error);
+    if (!chosen_values(run, &chosen, y, error))
+        return false;
+    const bool backwards = trace_time(run->trace, n - 1) < trace_time(run->trace, 0);
+    for (size_t i = 0; i < n; i++)
+        t[i] = trace_time(run->trace, backwards ? n - 1 - i : i);
+    for (size_t i = 0; backwards && i < n / 2; i++) {
+        const double last = y[n - 1 - i];
+        y[n - 1 - i] = y[i];
+        y[i] = last;
+    }
+    const struct series whole = {t, y, n, chosen_variable(&run->system, &chosen).quantity};
+    subject->series = in_window(whole, window);
+    subject->column = true;
+    snprintf(subject->name, sizeof subject->name, "%.*s of run %d", (int)name.len, name.at, run->number);
+    return true;
 }
 
 bool subject_open(struct session *session, const struct given *run, const struct given *data,

@@ -182,6 +182,7 @@ static void completion_follows_the_type(void **state)
         {"run until ", " energy ", " s ", 10, false},
         {"measure ", " period ", " run ", 8, false},
         {"measure period of ", " data ", " period ", 18, false},
+        {"measure period of ", " momentum ", " k ", 18, false},
         {"measure period of run ", " 1 ", " data ", 22, false},
         {"plot position run ", " all ", " data ", 18, false},
         {"plot ", " phase ", " m ", 5, false},
