@@ -153,8 +153,7 @@ bool choose_rows(const struct run *run, const struct row_request *request, struc
 
 /* ---- values ---- */
 
-/* Whether the scene of the start has been in force all along, as far as can be seen from outside. */
-static bool never_changed(const struct run *run)
+bool run_never_changed(const struct run *run)
 {
     struct system start;
     struct error ignored;
@@ -178,7 +177,7 @@ static bool follows_from_row(const struct run *run, const struct observable *obs
     return observable->needs == 0 ||
            (trace_count(run->trace) > ROWS_ALL && !(observable->needs & (NEED_WORK | NEED_RATIO | NEED_CENTRE)) &&
             run->system.order == 2 && (run->plan.exact_known || !(observable->needs & NEED_EXACT)) &&
-            never_changed(run));
+            run_never_changed(run));
 }
 
 void state_at_rows(const struct run *run, int i, const struct chosen_rows *rows, double *out)

@@ -22,6 +22,9 @@ struct chosen_rows {
 
 bool choose_rows(const struct run *run, const struct row_request *request, struct arena *arena,
                  struct chosen_rows *rows, struct error *error);
+/* Whether the scene of the start has been in force all along, as far as can be seen from outside. */
+bool run_never_changed(const struct run *run);
+
 /* The observable at these rows; one that sums up over the run, and a run whose parameters were changed, are walked
  * through as a whole. */
 bool values_at_rows(const struct run *run, const struct observable *observable, const struct chosen_rows *rows,

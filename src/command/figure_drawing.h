@@ -56,6 +56,9 @@ const char *drawing_label(const struct drawing *d, int i);
 
 /* The columns where the event of the request happened. */
 bool drawing_happenings(struct drawing *d, const struct held_run *held);
+/* Of an adaptive run the state over time, or one part of it against another, also between its rows. *drawn: it was. */
+bool drawing_smooth(struct drawing *d, const struct run *run, const struct chosen_rows *rows, const char *label,
+                    bool *drawn);
 /* Name of the run in a legend; NULL: no memory. */
 const char *drawing_run_label(const struct drawing *d, const struct run *run);
 

@@ -130,6 +130,11 @@ static bool add_run(struct drawing *d, const struct run *run)
                                      d->request->follow};
     if (!choose_rows(run, &part, d->arena, &rows, d->error))
         return false;
+    bool drawn;
+    if (!drawing_smooth(d, run, &rows, label, &drawn))
+        return false;
+    if (drawn)
+        return true;
     double *x = arena_array(d->arena, rows.n + 1, sizeof *x);
     if (!x)
         return error_memory(d->error);

@@ -267,9 +267,45 @@ static void recorded_sessions_are_the_same(void **state)
     bench_close(&b);
 }
 
+/* The steps of dop853 are long; what is drawn goes through what lies between them. Observed quantities keep to rows. */
+static void adaptive_curves_are_smooth(void **state)
+{
+    (void)state;
+    struct bench b;
+    bench_open(&b, false);
+    type_ok(&b, "scene spring; var x = 1; x'' = -x; observe E = x^2 + x'^2; method dop853; run 6 s");
+    for (int k = 0; k < 3; k++) {
+        struct arena arena = {0};
+        struct figure figure;
+        struct error error;
+        const int run = 0;
+        const struct text name = TEXT("E");
+        const struct figure_request request = {.kind = k == 1 ? PLOT_PHASE : PLOT_POSITION,
+                                               .column = k == 2 ? &name : NULL,
+                                               .columns = k == 2,
+                                               .run = &run,
+                                               .runs = 1,
+                                               .recording = -1,
+                                               .width = 80,
+                                               .window = {NAN, NAN}};
+        assert_true(session_figure(b.session, &request, &arena, &figure, &error));
+        const struct curve *curve = &figure.curve[0];
+        assert_true(k == 2 ? curve->n < 50 : curve->n > 200);
+        for (size_t i = 0; i < curve->n; i++) {
+            const double wanted = k == 0   ? cos(curve->x[i])
+                                  : k == 1 ? copysign(sqrt(fmax(0, 1 - curve->x[i] * curve->x[i])), curve->y[i])
+                                           : 1;
+            assert_true(fabs(curve->y[i] - wanted) < (k == 2 ? 1e-5 : k ? 0.05 : 2e-3));
+        }
+        arena_reset(&arena);
+    }
+    bench_close(&b);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(adaptive_curves_are_smooth),
         cmocka_unit_test(saved_lines_recreate_the_scene),   cmocka_unit_test(autosaves_bring_back_runs),
         cmocka_unit_test(undo_takes_lines_back),            cmocka_unit_test(names_are_completed),
         cmocka_unit_test(hostile_lines_are_refused_quickly), cmocka_unit_test(errors_have_their_caret),
