@@ -56,6 +56,9 @@ double scene_start_energy(const struct scene *scene); /* [J] */
 #define TERM_POTENTIAL(name) static double name##_potential(const double *c, const double *y)
 #define TERM_POWER(name) static double name##_power(const double *c, UNUSED double t, const double *y)
 
+/* Natural sizes of one oscillator, with cubic y^3 [1/(m^2 s^2)] and van der Pol's force beside it. */
+void oscillator_scale(struct system *system, double cubic, double mu, double width);
+
 /* A natural size that error norms can divide by. */
 static inline double scale_clamp(double scale)
 {

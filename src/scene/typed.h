@@ -108,6 +108,13 @@ bool typed_bind(const struct typed *typed, const double *param, struct system *s
 /* Once start and scale are known: is the force the slope of the potential? */
 bool typed_check(const struct system *system, struct error *error);
 
+/* ---- what they are (typed_linear.c) ---- */
+
+/* Are all outputs linear in the state, as they are written? The coefficients may still depend on time. */
+bool typed_affine(const struct typed *typed, const struct program *program, bool *affine, struct error *error);
+/* Adds what the term is, with its values, to the oscillator, or notes that it is nothing of that kind. */
+void typed_recognise(const struct typed_term *term, const double *c, struct oscillator *oscillator);
+
 /* ---- natural sizes (typed_scale.c) ---- */
 
 void typed_begin(const double *param, struct system *system); /* struct model's begin */

@@ -143,12 +143,12 @@ static bool has_kink(const struct expr *expr, int velocity)
     return false;
 }
 
-static unsigned flags_of(const struct typed_term *term)
+static unsigned flags_of(const struct typed_term *term, bool affine)
 {
     const struct typed *typed = term->typed;
     const int n = typed->model.n, rows = typed_rows(typed), entries = rows * n;
     unsigned flags = 0;
-    if (!depends(term->jacobian, entries, 0, 1 + n))
+    if (affine && !depends(term->jacobian, entries, 0, 1 + n))
         flags |= TERM_LINEAR;
     if (depends(term->add, rows, 0, 1))
         flags |= TERM_TIME;
@@ -181,9 +181,10 @@ static bool make_term(const struct making *m, struct typed_term *term, const str
     if (!equations_derive(m->equations, first, rows, state, n, m->error))
         return false;
     term->jacobian = make(m, rows * n);
-    if (!term->jacobian)
+    bool affine;
+    if (!term->jacobian || !typed_affine(m->typed, term->add, &affine, m->error))
         return false;
-    term->row.flags = flags_of(term);
+    term->row.flags = flags_of(term, affine);
     term->row.add = add;
     term->row.jacobian = all_zero(term->jacobian, rows * n) ? NULL : jacobian;
     for (int i = 0; n == 2 && rows == 1 && term->row.flags & TERM_VELOCITY && i < rows; i++)

@@ -2,7 +2,7 @@
 /*
  * Natural sizes of what a typed scene moves: the largest |value| at the start and on a short trial run, by Heun's
  * method with the step that Euler's allows. It goes over about a period or time constant, as far as the Jacobian at the start
- * knows it, and ends early where it meets something faster.
+ * knows it, and ends early where it meets something faster. Of an oscillator they are known without a trial.
  */
 #include <string.h>
 
@@ -87,6 +87,10 @@ void typed_begin(const double *param, struct system *system)
     for (int i = 0; i < system->n; i++) {
         system->start[i] = param[typed->initial[i]];
         most[i] = fabs(system->start[i]);
+    }
+    if (system->oscillator.whole) {
+        oscillator_scale(system, 0, 0, 0);
+        return;
     }
     const double rate = fastest_rate(system);
     try_out(system, rate > 0 ? SPAN / rate : 1, most);

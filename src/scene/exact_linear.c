@@ -1,0 +1,197 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * The exact solution of y' = A y + b: exp(X) of X = [A b; 0 0] t on the state with a 1 below it, by scaling and squaring
+ * (Higham, Functions of Matrices, 2008, 10.3). What is squared is E = exp(X/2^s) - 1, E <- 2 E + E E: so slow motion
+ * keeps its digits beside a fast one that is over soon, where exp(X/2^s) would round it away s times. The series of E
+ * is that of Taylor, with X/2^s small enough for ten terms; balancing (Parlett, Reinsch 1969, Numer. Math. 13:293)
+ * makes X small where units are far apart.
+ */
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "exact.h"
+
+#define LINEAR_MOST 16 /* variables: a matrix product of more is slow for each row of a run */
+#define SIDE (LINEAR_MOST + 1)
+#define TERMS 10
+#define SMALL (1. / 16) /* (1/16)^10/11! is below the rounding of long double */
+
+typedef long double real;
+
+struct matrix {
+    int n;
+    real at[SIDE][SIDE];
+};
+
+/* [A b; 0 0] */
+static void coefficients(const struct system *system, struct matrix *x)
+{
+    const int n = system->n;
+    double jac[LIMIT_VARIABLES * LIMIT_VARIABLES], b[LIMIT_VARIABLES], rest[LIMIT_VARIABLES] = {0};
+    system_jacobian(system, system->t0, rest, jac);
+    system_derivative(system, system->t0, rest, b);
+    x->n = n + 1;
+    for (int i = 0; i <= n; i++) {
+        for (int j = 0; j < n; j++)
+            x->at[i][j] = i < n ? (real)jac[i * n + j] : 0;
+        x->at[i][n] = i < n ? (real)b[i] : 0;
+    }
+}
+
+bool linear_has_exact(const struct system *system)
+{
+    struct matrix x;
+    bool fine = system->linear && system->autonomous && system->n <= LINEAR_MOST;
+    if (fine)
+        coefficients(system, &x);
+    for (int i = 0; fine && i < x.n; i++)
+        for (int j = 0; fine && j < x.n; j++)
+            fine = isfinite(x.at[i][j]);
+    return fine;
+}
+
+/* Makes it D^-1 X D, rows and columns of which are about the same size; d: the diagonal of D, powers of two. */
+static void balance(struct matrix *x, real *d)
+{
+    const int n = x->n - 1;
+    bool changed = true;
+    for (int i = 0; i <= n; i++)
+        d[i] = 1;
+    for (int sweep = 0; changed && sweep < 100; sweep++) {
+        changed = false;
+        for (int i = 0; i < n; i++) {
+            real row = 0, column = 0;
+            for (int j = 0; j < n; j++) {
+                row += j != i ? fabsl(x->at[i][j]) : 0;
+                column += j != i ? fabsl(x->at[j][i]) : 0;
+            }
+            const int power = row > 0 && column > 0 ? (ilogbl(row) - ilogbl(column)) / 2 : 0;
+            changed = changed || power != 0;
+            d[i] = scalbnl(d[i], power);
+            for (int j = 0; power != 0 && j <= n; j++) {
+                x->at[i][j] = scalbnl(x->at[i][j], -power);
+                x->at[j][i] = scalbnl(x->at[j][i], power);
+            }
+        }
+    }
+    /* The 1 below the state comes from nowhere: any size will do. */
+    real most = 0, shift = 0;
+    for (int i = 0; i < n; i++) {
+        for (int j = 0; j < n; j++)
+            most = fmaxl(most, fabsl(x->at[i][j]));
+        shift = fmaxl(shift, fabsl(x->at[i][n]));
+    }
+    const int power = most > 0 && shift > 0 ? ilogbl(most) - ilogbl(shift) : 0;
+    d[n] = scalbnl(1, power);
+    for (int i = 0; i < n; i++)
+        x->at[i][n] = scalbnl(x->at[i][n], power);
+}
+
+static real norm(const struct matrix *x)
+{
+    real most = 0;
+    for (int i = 0; i < x->n; i++) {
+        real sum = 0;
+        for (int j = 0; j < x->n; j++)
+            sum += fabsl(x->at[i][j]);
+        most = fmaxl(most, sum);
+    }
+    return most;
+}
+
+/* c = (share a + b e)/divisor. What is 0 is left out: beside it a part that is decoupled may be infinite. */
+static void multiply_add(real share, const struct matrix *a, const struct matrix *b, const struct matrix *e,
+                         real divisor, struct matrix *c)
+{
+    const int n = c->n = a->n;
+    for (int i = 0; i < n; i++) {
+        real row[SIDE];
+        for (int j = 0; j < n; j++)
+            row[j] = share * a->at[i][j];
+        for (int k = 0; k < n; k++)
+            for (int j = 0; b->at[i][k] != 0 && j < n; j++)
+                row[j] += e->at[k][j] != 0 ? b->at[i][k] * e->at[k][j] : 0;
+        for (int j = 0; j < n; j++)
+            c->at[i][j] = row[j] / divisor;
+    }
+}
+
+/* exp(x t) - 1 */
+static void exponential(const struct matrix *x, real t, struct matrix *made)
+{
+    struct matrix e[2] = {{.n = x->n}}, scaled = {.n = x->n};
+    const real size = norm(x) * fabsl(t) / (real)SMALL;
+    const int halvings = size > 1 ? ilogbl(size) + 1 : 0;
+    int now = 0;
+    for (int i = 0; i < x->n; i++)
+        for (int j = 0; j < x->n; j++)
+            scaled.at[i][j] = scalbnl(x->at[i][j] * t, -halvings);
+    for (int k = TERMS; k >= 1; k--, now = !now) /* x (1 + x/2 (1 + x/3 (1 + ...))) */
+        multiply_add(1, &scaled, &scaled, &e[now], k, &e[!now]);
+    for (int k = 0; k < halvings; k++, now = !now)
+        multiply_add(2, &e[now], &e[now], &e[now], 1, &e[!now]);
+    *made = e[now];
+}
+
+/* For each variable those that it depends on, directly or through others, as bits. */
+static void dependence(const struct matrix *x, unsigned *on)
+{
+    const int n = x->n - 1;
+    for (int i = 0; i < n; i++) {
+        on[i] = 1u << i;
+        for (int j = 0; j < n; j++)
+            on[i] |= (unsigned)(x->at[i][j] != 0) << j;
+    }
+    for (int k = 0; k < n; k++) /* Warshall 1962 */
+        for (int i = 0; i < n; i++)
+            on[i] |= on[i] >> k & 1 ? on[k] : 0;
+}
+
+/*
+ * One ulp in the time scale moves the state by eps |t| y'. A rate passes through 0 where another of the same motion is
+ * largest, so the largest of all that the variable depends on stands for it, in units of the natural sizes.
+ */
+static void find_floor(const struct system *system, const struct matrix *x, real t, const real *y, double *floor)
+{
+    const int n = system->n;
+    unsigned on[LINEAR_MOST];
+    real rate[LINEAR_MOST];
+    dependence(x, on);
+    for (int i = 0; i < n; i++) {
+        rate[i] = x->at[i][n];
+        for (int j = 0; j < n; j++)
+            rate[i] += x->at[i][j] * y[j];
+        rate[i] = fabsl(rate[i]) / (real)system->scale[i];
+    }
+    for (int i = 0; i < n; i++) {
+        real most = 0;
+        for (int j = 0; j < n; j++)
+            most = on[i] >> j & 1 ? fmaxl(most, rate[j]) : most;
+        floor[i] = (double)((real)DBL_EPSILON * (fabsl(y[i]) + fabsl(t) * most * (real)system->scale[i]));
+    }
+}
+
+void linear_exact(const struct system *system, double t0, const double *start, double t, double *y, double *floor)
+{
+    const int n = system->n;
+    const real elapsed = (real)t - (real)t0;
+    struct matrix x, balanced, e;
+    real d[SIDE], z[SIDE], end[SIDE];
+    coefficients(system, &x);
+    balanced = x;
+    balance(&balanced, d);
+    exponential(&balanced, elapsed, &e);
+    for (int i = 0; i < n; i++)
+        z[i] = (real)start[i] / d[i];
+    z[n] = 1 / d[n];
+    for (int i = 0; i < n; i++) {
+        real sum = 0;
+        for (int j = 0; j <= n; j++)
+            sum += e.at[i][j] != 0 && z[j] != 0 ? e.at[i][j] * z[j] : 0;
+        end[i] = d[i] * (z[i] + sum);
+        y[i] = isnan(end[i]) ? HUGE_VAL : (double)end[i]; /* growth in both directions */
+    }
+    if (floor)
+        find_floor(system, &x, elapsed, end, floor);
+}
