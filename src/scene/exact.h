@@ -7,5 +7,8 @@
 
 bool linear_has_exact(const struct system *system);
 void linear_exact(const struct system *system, double t0, const double *start, double t, double *y, double *floor);
+/* Raises most [n] to what |state| reaches in some hundred time constants, as long as it does not just grow. rate [1/s]:
+ * of the fastest motion, 0: none. */
+void linear_sizes(const struct system *system, double rate, double *most);
 
 #endif

@@ -100,37 +100,47 @@ static real norm(const struct matrix *x)
     return most;
 }
 
-/* c = (share a + b e)/divisor. What is 0 is left out: beside it a part that is decoupled may be infinite. */
-static void multiply_add(real share, const struct matrix *a, const struct matrix *b, const struct matrix *e,
-                         real divisor, struct matrix *c)
+/* c = part (share a + b e), held where its square does not overflow: growth ends as a large number, not as NaN. */
+static void multiply_add(real part, real share, const struct matrix *a, const struct matrix *b, const struct matrix *e,
+                         struct matrix *c)
 {
+    const real most = scalbnl(1, LDBL_MAX_EXP / 2 - 8);
     const int n = c->n = a->n;
-    for (int i = 0; i < n; i++) {
-        real row[SIDE];
-        for (int j = 0; j < n; j++)
-            row[j] = share * a->at[i][j];
-        for (int k = 0; k < n; k++)
-            for (int j = 0; b->at[i][k] != 0 && j < n; j++)
-                row[j] += e->at[k][j] != 0 ? b->at[i][k] * e->at[k][j] : 0;
-        for (int j = 0; j < n; j++)
-            c->at[i][j] = row[j] / divisor;
-    }
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) {
+            real sum = share * a->at[i][j];
+            for (int k = 0; k < n; k++)
+                sum += b->at[i][k] * e->at[k][j];
+            c->at[i][j] = fabsl(sum) <= most ? part * sum : copysignl(most, sum);
+        }
 }
 
-/* exp(x t) - 1 */
-static void exponential(const struct matrix *x, real t, struct matrix *made)
+/* exp(x t) - 1 and, where it is wanted, the integral of exp(x t) over t, to a few per cent. */
+static void exponential(const struct matrix *x, real t, struct matrix *made, struct matrix *integral)
 {
-    struct matrix e[2] = {{.n = x->n}}, scaled = {.n = x->n};
+    struct matrix e[2], scaled = {.n = x->n}, before;
     const real size = norm(x) * fabsl(t) / (real)SMALL;
     const int halvings = size > 1 ? ilogbl(size) + 1 : 0;
     int now = 0;
     for (int i = 0; i < x->n; i++)
-        for (int j = 0; j < x->n; j++)
+        for (int j = 0; j < x->n; j++) {
             scaled.at[i][j] = scalbnl(x->at[i][j] * t, -halvings);
-    for (int k = TERMS; k >= 1; k--, now = !now) /* x (1 + x/2 (1 + x/3 (1 + ...))) */
-        multiply_add(1, &scaled, &scaled, &e[now], k, &e[!now]);
-    for (int k = 0; k < halvings; k++, now = !now)
-        multiply_add(2, &e[now], &e[now], &e[now], 1, &e[!now]);
+            e[now].at[i][j] = scaled.at[i][j] / TERMS;
+        }
+    for (int k = TERMS - 1; k > 0; k--, now = !now) /* x (1 + x/2 (1 + x/3 (1 + ...))) */
+        multiply_add(1 / (real)k, 1, &scaled, &scaled, &e[now], &e[!now]);
+    if (integral)
+        integral->n = x->n;
+    for (int i = 0; integral && i < x->n; i++)
+        for (int j = 0; j < x->n; j++)
+            integral->at[i][j] = scalbnl(t * ((i == j) + e[now].at[i][j] / 2), -halvings);
+    for (int k = 0; k < halvings; k++, now = !now) {
+        if (integral) {
+            before = *integral;
+            multiply_add(1, 2, &before, &e[now], &before, integral);
+        }
+        multiply_add(1, 2, &e[now], &e[now], &e[now], &e[!now]);
+    }
     *made = e[now];
 }
 
@@ -149,49 +159,97 @@ static void dependence(const struct matrix *x, unsigned *on)
 }
 
 /*
- * One ulp in the time scale moves the state by eps |t| y'. A rate passes through 0 where another of the same motion is
- * largest, so the largest of all that the variable depends on stands for it, in units of the natural sizes.
+ * What one ulp does. In the time scale it moves the state by eps |t| y'. A rate passes through 0 where another of the
+ * same motion is largest, so the largest of all that the variable depends on stands for it, in units of the natural
+ * sizes. In a coefficient it moves the rate by eps |A| |y|, more than y' where fast motion has come to rest, and the state
+ * by the integral of exp(A t) times that.
  */
-static void find_floor(const struct system *system, const struct matrix *x, real t, const real *y, double *floor)
+static void find_floor(const struct system *system, const struct matrix *x, const real *d, const struct matrix *integral,
+                       real t, const real *y, double *floor)
 {
     const int n = system->n;
     unsigned on[LINEAR_MOST];
-    real rate[LINEAR_MOST];
+    real rate[LINEAR_MOST], parts[LINEAR_MOST];
     dependence(x, on);
     for (int i = 0; i < n; i++) {
         rate[i] = x->at[i][n];
-        for (int j = 0; j < n; j++)
+        parts[i] = fabsl(rate[i]);
+        for (int j = 0; j < n; j++) {
             rate[i] += x->at[i][j] * y[j];
+            parts[i] += fabsl(x->at[i][j] * y[j]);
+        }
         rate[i] = fabsl(rate[i]) / (real)system->scale[i];
     }
     for (int i = 0; i < n; i++) {
-        real most = 0;
-        for (int j = 0; j < n; j++)
+        real most = 0, moved = 0;
+        for (int j = 0; j < n; j++) {
             most = on[i] >> j & 1 ? fmaxl(most, rate[j]) : most;
-        floor[i] = (double)((real)DBL_EPSILON * (fabsl(y[i]) + fabsl(t) * most * (real)system->scale[i]));
+            moved += d[i] * fabsl(integral->at[i][j]) / d[j] * parts[j];
+        }
+        floor[i] = (double)((real)DBL_EPSILON * (fabsl(y[i]) + fabsl(t) * most * (real)system->scale[i] + moved));
     }
+}
+
+/* The state, and the 1 below it, in units of d. */
+static void begin(int n, const double *start, const real *d, real *z)
+{
+    for (int i = 0; i < n; i++)
+        z[i] = (real)start[i] / d[i];
+    z[n] = 1 / d[n];
+}
+
+static void go(const struct matrix *e, real *z)
+{
+    real by[SIDE] = {0};
+    for (int i = 0; i < e->n; i++)
+        for (int j = 0; j < e->n; j++)
+            by[i] += e->at[i][j] * z[j];
+    for (int i = 0; i < e->n; i++)
+        z[i] += by[i];
 }
 
 void linear_exact(const struct system *system, double t0, const double *start, double t, double *y, double *floor)
 {
     const int n = system->n;
     const real elapsed = (real)t - (real)t0;
-    struct matrix x, balanced, e;
-    real d[SIDE], z[SIDE], end[SIDE];
+    struct matrix x, balanced, e, integral;
+    real d[SIDE], z[SIDE];
     coefficients(system, &x);
     balanced = x;
     balance(&balanced, d);
-    exponential(&balanced, elapsed, &e);
-    for (int i = 0; i < n; i++)
-        z[i] = (real)start[i] / d[i];
-    z[n] = 1 / d[n];
+    exponential(&balanced, elapsed, &e, floor ? &integral : NULL);
+    begin(n, start, d, z);
+    go(&e, z);
     for (int i = 0; i < n; i++) {
-        real sum = 0;
-        for (int j = 0; j <= n; j++)
-            sum += e.at[i][j] != 0 && z[j] != 0 ? e.at[i][j] * z[j] : 0;
-        end[i] = d[i] * (z[i] + sum);
-        y[i] = isnan(end[i]) ? HUGE_VAL : (double)end[i]; /* growth in both directions */
+        z[i] *= d[i];
+        y[i] = (double)z[i];
     }
     if (floor)
-        find_floor(system, &x, elapsed, end, floor);
+        find_floor(system, &x, d, &integral, elapsed, z, floor);
+}
+
+void linear_sizes(const struct system *system, double rate, double *most)
+{
+    enum { STAGES = 9, STEPS = 32 }; /* each stage takes twice the time of the one before */
+    const int n = system->n;
+    struct matrix x, e, before;
+    real d[SIDE], z[SIDE];
+    coefficients(system, &x);
+    balance(&x, d);
+    begin(n, system->start, d, z);
+    exponential(&x, (real)(rate > 0 ? 8 / rate : 1) / STEPS, &e, NULL);
+    real first = 0;
+    for (int stage = 0; stage < STAGES; stage++) {
+        real last = 0;
+        for (int step = 0; step < STEPS; step++) {
+            go(&e, z);
+            for (int i = 0; i < n; i++)
+                last = fmaxl(last, fabsl(z[i]));
+            for (int i = 0; i < n && (stage == 0 || last <= 4 * first); i++) /* later it may only have grown */
+                most[i] = fmax(most[i], fabs((double)(d[i] * z[i])));
+        }
+        first = stage == 0 ? last : first;
+        before = e;
+        multiply_add(1, 2, &before, &before, &before, &e);
+    }
 }
