@@ -162,10 +162,10 @@ static void dependence(const struct matrix *x, unsigned *on)
  * What one ulp does. In the time scale it moves the state by eps |t| y'. A rate passes through 0 where another of the
  * same motion is largest, so the largest of all that the variable depends on stands for it, in units of the natural
  * sizes. In a coefficient it moves the rate by eps |A| |y|, more than y' where fast motion has come to rest, and the state
- * by the integral of exp(A t) times that.
+ * by the integral of exp(A t) times that. What has decayed is the difference of 1 and -E: rounding of long double stays.
  */
 static void find_floor(const struct system *system, const struct matrix *x, const real *d, const struct matrix *integral,
-                       real t, const real *y, double *floor)
+                       const double *start, real t, const real *y, double *floor)
 {
     const int n = system->n;
     unsigned on[LINEAR_MOST];
@@ -181,12 +181,14 @@ static void find_floor(const struct system *system, const struct matrix *x, cons
         rate[i] = fabsl(rate[i]) / (real)system->scale[i];
     }
     for (int i = 0; i < n; i++) {
-        real most = 0, moved = 0;
+        real most = 0, moved = 0, begun = 0;
         for (int j = 0; j < n; j++) {
             most = on[i] >> j & 1 ? fmaxl(most, rate[j]) : most;
+            begun = on[i] >> j & 1 ? fmaxl(begun, d[i] * fabsl((real)start[j]) / d[j]) : begun;
             moved += d[i] * fabsl(integral->at[i][j]) / d[j] * parts[j];
         }
-        floor[i] = (double)((real)DBL_EPSILON * (fabsl(y[i]) + fabsl(t) * most * (real)system->scale[i] + moved));
+        floor[i] = (double)((real)DBL_EPSILON * (fabsl(y[i]) + fabsl(t) * most * (real)system->scale[i] + moved) +
+                            16 * LDBL_EPSILON * begun);
     }
 }
 
@@ -225,7 +227,7 @@ void linear_exact(const struct system *system, double t0, const double *start, d
         y[i] = (double)z[i];
     }
     if (floor)
-        find_floor(system, &x, d, &integral, elapsed, z, floor);
+        find_floor(system, &x, d, &integral, start, elapsed, z, floor);
 }
 
 void linear_sizes(const struct system *system, double rate, double *most)

@@ -31,24 +31,43 @@ static int degree(enum node_kind kind, int a, int b, int c)
     }
 }
 
-bool typed_affine(const struct typed *typed, const struct program *program, bool *affine, struct error *error)
+/* |x|, sign(x), x < 0 of the name x */
+static bool has_kink(const struct node *all, const struct node *node, int name)
 {
-    signed char *of = malloc((size_t)program->nodes);
-    if (!of)
-        return error_memory(error);
-    for (int i = 0; i < program->nodes; i++) {
+    const struct node *a = &all[node->operand[0]], *b = &all[node->operand[1]];
+    if (b->kind == NODE_NAME)
+        b = a, a = &all[node->operand[1]];
+    const bool compares = node->kind == NODE_LESS || node->kind == NODE_LESS_EQUAL;
+    return a->kind == NODE_NAME && a->operand[0] == name &&
+           (node->kind == NODE_ABS || (compares && b->kind == NODE_NUMBER && b->number == 0));
+}
+
+bool typed_look(const struct typed *typed, const struct program *program, bool *affine, bool *kinks, struct error *error)
+{
+    const size_t nodes = (size_t)program->nodes;
+    signed char *of = malloc(nodes);
+    bool *needed = calloc(nodes, sizeof *needed); /* others were made on the way */
+    const bool room = of && needed;
+    *affine = true;
+    *kinks = false;
+    for (int i = 0; room && i < program->outputs; i++)
+        needed[program->result[i]] = true;
+    if (room)
+        graph_reach(program->node, program->nodes, needed);
+    for (int i = 0; room && i < program->nodes; i++) {
         const struct node *node = &program->node[i];
         const int arity = node_arity(node->kind), *x = node->operand;
-        of[i] = node->kind == NODE_NAME
-                    ? x[0] >= 1 && x[0] <= typed->model.n
-                    : (signed char)degree(node->kind, arity > 0 ? of[x[0]] : 0, arity > 1 ? of[x[1]] : 0,
-                                          arity > 2 ? of[x[2]] : 0);
+        of[i] = (signed char)(node->kind == NODE_NAME
+                                  ? x[0] >= 1 && x[0] <= typed->model.n
+                                  : degree(node->kind, arity > 0 ? of[x[0]] : 0, arity > 1 ? of[x[1]] : 0,
+                                           arity > 2 ? of[x[2]] : 0));
+        *kinks = *kinks || (needed[i] && arity > 0 && has_kink(program->node, node, 2));
     }
-    *affine = true;
-    for (int i = 0; i < program->outputs; i++)
+    for (int i = 0; room && i < program->outputs; i++)
         *affine = *affine && of[program->result[i]] < 2;
     free(of);
-    return true;
+    free(needed);
+    return room || error_memory(error);
 }
 
 /* ---- one oscillator ---- */
@@ -86,7 +105,9 @@ static bool add_drive(struct oscillator *o, double drive, double omega, double p
         return true;
     if (o->drive != 0 && o->omega != omega)
         return false;
-    if (o->drive != 0) {
+    if (o->drive != 0 && o->phase == phase) {
+        drive += o->drive;
+    } else if (o->drive != 0) {
         const double along = o->drive * cos(o->phase) + drive * cos(phase);
         const double across = o->drive * sin(o->phase) + drive * sin(phase);
         drive = hypot(along, across);
