@@ -82,6 +82,14 @@ double system_potential(const struct system *system, const double *y)
     return sum;
 }
 
+bool system_has_potential(const struct system *system)
+{
+    for (int i = 0; i < system->terms; i++)
+        if (!system->term[i].row->potential && !(system->term[i].row->flags & TERM_VELOCITY))
+            return false;
+    return true;
+}
+
 /* Of the terms whose flags under `mask` are `wanted`. */
 static double power_of(const struct system *system, unsigned mask, unsigned wanted, double t, const double *y)
 {
