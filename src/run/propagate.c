@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * A linear scene without drive and a step of fixed size: every one-step method is y' = M y + s. M is found by stepping
+ * A linear scene of two variables without drive and a step of fixed size: every one-step method is y' = M y + s. M is found by stepping
  * the unit vectors, once; then a block of steps is M, M^2, … M^BLOCK times the state at its beginning, all independent
  * of one another. No forces are evaluated.
  *

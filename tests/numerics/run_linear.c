@@ -128,7 +128,6 @@ static void test_runs_are_the_same(void **state)
             run_destroy(run[1]);
         }
     }
-    print_message("%d runs\n", runs);
     assert_true(runs > 1000);
     typed_destroy(models);
 }
@@ -155,6 +154,41 @@ static void test_friction_is_not_linear(void **state)
     }
     assert_true(end[0] == end[1]);
     assert_true(fabs(end[0] - (0.1 + 0.9 * cos(3))) < 1e-3); /* half a swing about the shifted equilibrium */
+    typed_destroy(models);
+}
+
+/* Two equations of first order by powers of the one-step matrix: within rounding of the steps, and of the exact end. */
+static void test_first_order_propagates(void **state)
+{
+    (void)state;
+    struct error error;
+    struct typed_models *models = typed_create(&error);
+    struct scene scene;
+    int propagated = 0;
+    scene_init(&scene, NULL);
+    assert_true(type_scene(models, &scene, LINES("var a = 1", "var b = 2", "a' = -3*a + 2*b + 0.25", "b' = a - 2*b")));
+    for (size_t i = 0; i < method_catalog.count; i++) {
+        const struct method *by = (const struct method *)(const void *)catalog_row(&method_catalog, i);
+        double end[2][2];
+        bool applies = true;
+        for (int k = 0; k < 2 && applies; k++) {
+            const struct run_settings settings = {.dt = 0.01, .kernel = k ? KERNEL_GENERAL : KERNEL_PROPAGATOR};
+            struct run *run = run_create(&scene, by, &settings, 10, &error);
+            applies = run && !(by->flags & METHOD_YARDSTICK);
+            if (applies) {
+                const struct run_target target = {.t = 10, .steps = -1};
+                run_advance(run, &target, 0, NULL);
+                propagated += run->plan.propagates;
+                assert_true(run->stop == STOP_END);
+                memcpy(end[k], run->y, sizeof end[k]);
+            }
+            run_destroy(run);
+        }
+        for (int j = 0; applies && j < 2; j++)
+            if (!agree("state", by->row.name, end[0][j], end[1][j], 2e-13))
+                fail();
+    }
+    assert_true(propagated > 20);
     typed_destroy(models);
 }
 
@@ -201,6 +235,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_runs_are_the_same),
         cmocka_unit_test(test_friction_is_not_linear),
+        cmocka_unit_test(test_first_order_propagates),
         cmocka_unit_test(test_coupled),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
