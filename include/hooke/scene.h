@@ -360,10 +360,9 @@ void system_exact(const struct system *system, double t0, const double *start, d
  *   force EXPR             [N], divided by the mass: added to the first coordinate of a second-order scene; a potential
  *                          that was typed for the forces before goes
  *   force x = EXPR         the same for the coordinate x
- *   potential EXPR         [J], of the forces that depend on positions only (of those typed, on top of a built-in scene)
- *   observe E = EXPR       a quantity to look at, and a name for the lines below it
- * Names in expressions: t, variables, velocities, parameters, observed quantities. Names have to be there when a line
- * uses them.
+ *   potential EXPR         [J], of the forces that depend on positions only (of those typed, on top of a built-in
+ * scene) observe E = EXPR       a quantity to look at, and a name for the lines below it Names in expressions: t,
+ * variables, velocities, parameters, observed quantities. Names have to be there when a line uses them.
  *
  * Initial values are parameters: x0 of x and vy0 of vy, x1_0 of x1. So is t0. The mass is the parameter m where there
  * is one, else 1. If every variable has an equation of second order the scene is of second order: positions, then

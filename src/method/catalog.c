@@ -100,7 +100,8 @@ bool method_applies(const struct method *method, const struct system *system, en
     }
     if (method->flags & METHOD_EXACT && !system_has_exact(system)) {
         error_set(error, ERROR_COMMAND, "no exact solution is known for this scene, so '%s' cannot step it", name);
-        return error_hint(error, "the scene must be linear, with constant coefficients; use dopri5 with a small tol instead");
+        return error_hint(error,
+                          "the scene must be linear, with constant coefficients; use dopri5 with a small tol instead");
     }
     if (method->flags & METHOD_NO_VELOCITY && system->velocity) {
         error_set(error, ERROR_COMMAND, "%s is for y'' = a(t, y): no force may depend on velocity", name);

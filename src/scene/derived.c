@@ -151,7 +151,8 @@ struct measured scene_propagate(const struct scene *scene, double (*value)(const
  * The parameter where the scene alone would need `target`: what was typed adds its share to the coefficient `total`, as
  * long as that does not depend on the parameter.
  */
-static double without_typed(const struct scene *scene, enum param place, double target, double (*total)(const struct system *))
+static double without_typed(const struct scene *scene, enum param place, double target,
+                            double (*total)(const struct system *))
 {
     struct system system;
     if (!typed_motion(scene, &system))

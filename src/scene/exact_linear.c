@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The exact solution of y' = A y + b: exp(X) of X = [A b; 0 0] t on the state with a 1 below it, by scaling and squaring
- * (Higham, Functions of Matrices, 2008, 10.3). What is squared is E = exp(X/2^s) - 1, E <- 2 E + E E: so slow motion
- * keeps its digits beside a fast one that is over soon, where exp(X/2^s) would round it away s times. The series of E
- * is that of Taylor, with X/2^s small enough for ten terms; balancing (Parlett, Reinsch 1969, Numer. Math. 13:293)
+ * The exact solution of y' = A y + b: exp(X) of X = [A b; 0 0] t on the state with a 1 below it, by scaling and
+ * squaring (Higham, Functions of Matrices, 2008, 10.3). What is squared is E = exp(X/2^s) - 1, E <- 2 E + E E: so slow
+ * motion keeps its digits beside a fast one that is over soon, where exp(X/2^s) would round it away s times. The series
+ * of E is that of Taylor, with X/2^s small enough for ten terms; balancing (Parlett, Reinsch 1969, Numer. Math. 13:293)
  * makes X small where units are far apart.
  */
 #include <float.h>
@@ -161,11 +161,12 @@ static void dependence(const struct matrix *x, unsigned *on)
 /*
  * What one ulp does. In the time scale it moves the state by eps |t| y'. A rate passes through 0 where another of the
  * same motion is largest, so the largest of all that the variable depends on stands for it, in units of the natural
- * sizes. In a coefficient it moves the rate by eps |A| |y|, more than y' where fast motion has come to rest, and the state
- * by the integral of exp(A t) times that. What has decayed is the difference of 1 and -E: rounding of long double stays.
+ * sizes. In a coefficient it moves the rate by eps |A| |y|, more than y' where fast motion has come to rest, and the
+ * state by the integral of exp(A t) times that. What has decayed is the difference of 1 and -E: rounding of long double
+ * stays.
  */
-static void find_floor(const struct system *system, const struct matrix *x, const real *d, const struct matrix *integral,
-                       const double *start, real t, const real *y, double *floor)
+static void find_floor(const struct system *system, const struct matrix *x, const real *d,
+                       const struct matrix *integral, const double *start, real t, const real *y, double *floor)
 {
     const int n = system->n;
     unsigned on[LINEAR_MOST];

@@ -112,7 +112,8 @@ bool typed_check(const struct system *system, struct error *error);
 
 /* Are all outputs linear in the state, as they are written? The coefficients may still depend on time. Do some have a
  * kink where the second variable, a velocity, is 0? */
-bool typed_look(const struct typed *typed, const struct program *program, bool *affine, bool *kinks, struct error *error);
+bool typed_look(const struct typed *typed, const struct program *program, bool *affine, bool *kinks,
+                struct error *error);
 /* Adds what the term is, with its values, to the oscillator, or notes that it is nothing of that kind. */
 void typed_recognise(const struct typed_term *term, const double *c, struct oscillator *oscillator);
 

@@ -42,7 +42,8 @@ static bool has_kink(const struct node *all, const struct node *node, int name)
            (node->kind == NODE_ABS || (compares && b->kind == NODE_NUMBER && b->number == 0));
 }
 
-bool typed_look(const struct typed *typed, const struct program *program, bool *affine, bool *kinks, struct error *error)
+bool typed_look(const struct typed *typed, const struct program *program, bool *affine, bool *kinks,
+                struct error *error)
 {
     const size_t nodes = (size_t)program->nodes;
     signed char *of = malloc(nodes);
@@ -57,10 +58,9 @@ bool typed_look(const struct typed *typed, const struct program *program, bool *
     for (int i = 0; room && i < program->nodes; i++) {
         const struct node *node = &program->node[i];
         const int arity = node_arity(node->kind), *x = node->operand;
-        of[i] = (signed char)(node->kind == NODE_NAME
-                                  ? x[0] >= 1 && x[0] <= typed->model.n
-                                  : degree(node->kind, arity > 0 ? of[x[0]] : 0, arity > 1 ? of[x[1]] : 0,
-                                           arity > 2 ? of[x[2]] : 0));
+        of[i] = (signed char)(node->kind == NODE_NAME ? x[0] >= 1 && x[0] <= typed->model.n
+                                                      : degree(node->kind, arity > 0 ? of[x[0]] : 0,
+                                                               arity > 1 ? of[x[1]] : 0, arity > 2 ? of[x[2]] : 0));
         *kinks = *kinks || (needed[i] && arity > 0 && has_kink(program->node, node, 2));
     }
     for (int i = 0; room && i < program->outputs; i++)

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
  * Natural sizes of what a typed scene moves: the largest |value| at the start and on a short trial run, by Heun's
- * method with the step that Euler's allows. It goes over about a period or time constant, as far as the Jacobian at the start
- * knows it, and ends early where it meets something faster. What a linear
- * system with constant coefficients reaches is known without a trial.
+ * method with the step that Euler's allows. It goes over about a period or time constant, as far as the Jacobian at the
+ * start knows it, and ends early where it meets something faster. What a linear system with constant coefficients
+ * reaches is known without a trial.
  */
 #include <string.h>
 

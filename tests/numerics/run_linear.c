@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Runs of typed oscillators are those of built-in ones: plans, steps by every method, errors; linear systems as well. */
+/* Runs of typed oscillators are those of built-in ones: plans, steps by every method, errors; linear systems, too. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -31,7 +31,11 @@ struct pair {
     } given[8]; /* of the built-in scene, on m = 1, k = 16 */
 };
 
-#define LINES(...) (const char *const[]){__VA_ARGS__, NULL}
+#define LINES(...)                                                                                                     \
+    (const char *const[])                                                                                              \
+    {                                                                                                                  \
+        __VA_ARGS__, NULL                                                                                              \
+    }
 
 /* Parameters are powers of two and the like: coefficients are the same to the bit. */
 static const struct pair pairs[] = {
@@ -77,7 +81,8 @@ static void test_runs_are_the_same(void **state)
     bool fine = true;
     int runs = 0;
     for (size_t i = 0; i < COUNT_OF(pairs) * method_catalog.count; i++) {
-        const struct method *by = (const struct method *)(const void *)catalog_row(&method_catalog, i / COUNT_OF(pairs));
+        const struct method *by =
+            (const struct method *)(const void *)catalog_row(&method_catalog, i / COUNT_OF(pairs));
         struct scene scene[2];
         make(&pairs[i % COUNT_OF(pairs)], models, &scene[0], &scene[1]);
         for (int way = 0; way < 12; way++) {
@@ -105,8 +110,9 @@ static void test_runs_are_the_same(void **state)
                 const struct plan *p = &run[0]->plan, *q = &run[1]->plan;
                 const double scale = run[0]->system.scale[0];
                 runs++;
-                fine &= p->exact_known == q->exact_known && p->propagates == q->propagates && agree("steps", by->row.name, p->steps, q->steps, 0) &&
-                        p->adaptive == q->adaptive && p->ledger == q->ledger;
+                fine &= p->exact_known == q->exact_known && p->propagates == q->propagates &&
+                        agree("steps", by->row.name, p->steps, q->steps, 0) && p->adaptive == q->adaptive &&
+                        p->ledger == q->ledger;
                 fine &= agree("growth", by->row.name, p->growth, q->growth, 0) &&
                         agree("limit", by->row.name, p->limit, q->limit, 0);
                 fine &= run[0]->stop == run[1]->stop && run[0]->t == run[1]->t;
@@ -200,8 +206,9 @@ static void test_coupled(void **state)
     struct typed_models *models = typed_create(&error);
     struct scene scene;
     scene_init(&scene, NULL);
-    assert_true(type_scene(models, &scene, LINES("var a = 1", "var b = 0", "param j = 3", "a'' = -a + j*(b - a)",
-                                                 "b'' = -b + j*(a - b)")));
+    assert_true(
+        type_scene(models, &scene,
+                   LINES("var a = 1", "var b = 0", "param j = 3", "a'' = -a + j*(b - a)", "b'' = -b + j*(a - b)")));
     const struct {
         const char *name;
         double error;

@@ -11,7 +11,11 @@
 #include <float.h>
 #include <stdlib.h>
 
-#define LINES(...) (const char *const[]){__VA_ARGS__, NULL}
+#define LINES(...)                                                                                                     \
+    (const char *const[])                                                                                              \
+    {                                                                                                                  \
+        __VA_ARGS__, NULL                                                                                              \
+    }
 
 struct fixture {
     struct typed_models *models;
@@ -78,9 +82,9 @@ static bool same_oscillator(const struct system *a, const struct system *b)
     return p->whole == q->whole && p->drag_whole == q->drag_whole && alike(p->stiffness, q->stiffness, 0) &&
            alike(p->damping, q->damping, 0) && alike(p->quadratic, q->quadratic, 0) &&
            alike(p->gravity, q->gravity, 0) && hypot(along, across) <= 4e-15 * fabs(q->drive) &&
-           (q->drive == 0 || p->omega == q->omega) && a->linear == b->linear &&
-           a->autonomous == b->autonomous && a->velocity == b->velocity && a->kinks == b->kinks &&
-           alike(a->scale[0], b->scale[0], 0) && alike(a->scale[1], b->scale[1], 0);
+           (q->drive == 0 || p->omega == q->omega) && a->linear == b->linear && a->autonomous == b->autonomous &&
+           a->velocity == b->velocity && a->kinks == b->kinks && alike(a->scale[0], b->scale[0], 0) &&
+           alike(a->scale[1], b->scale[1], 0);
 }
 
 static bool same_solution(const struct system *a, const struct system *b)
@@ -110,7 +114,7 @@ static void test_like_the_built_in(void **state)
     struct system wanted;
     for (int i = 0; i < 300; i++) {
         double value[] = {random_between(-5, 40), random_between(-0.5, 3), random_between(0, 2), random_between(-9, 9),
-                          random_between(-2, 2), random_between(0, 9),     random_between(-4, 4)};
+                          random_between(-2, 2),  random_between(0, 9),    random_between(-4, 4)};
         for (int k = 0; k < 5; k++)
             if (rand() % 3 == 0)
                 value[k] = 0;
@@ -121,9 +125,19 @@ static void test_like_the_built_in(void **state)
         const struct {
             const char *name;
             double value;
-        } given[] = {{"m", m},           {"k", value[0]}, {"gamma", value[1] / m}, {"C", value[2]},
-                     {"rho", 1},         {"area", 1},     {"g", value[3] / m},     {"F0", value[4]},
-                     {"omega", value[5]}, {"phase", value[6]}, {"y0", y0}, {"v0", v0}, {"t0", 0.5}};
+        } given[] = {{"m", m},
+                     {"k", value[0]},
+                     {"gamma", value[1] / m},
+                     {"C", value[2]},
+                     {"rho", 1},
+                     {"area", 1},
+                     {"g", value[3] / m},
+                     {"F0", value[4]},
+                     {"omega", value[5]},
+                     {"phase", value[6]},
+                     {"y0", y0},
+                     {"v0", v0},
+                     {"t0", 0.5}};
         for (size_t k = 0; k < COUNT_OF(given); k++)
             set(&built_in, given[k].name, given[k].value);
         assert_true(scene_bind(&built_in, &wanted, &f->error));
@@ -172,9 +186,15 @@ static void test_like_the_built_in(void **state)
                 const struct {
                     const char *name;
                     double value;
-                } rest[] = {{"k", half * value[0]}, {"gamma", half * value[1] / m}, {"C", half * value[2]},
-                            {"rho", 1},             {"area", 1},                    {"g", half * value[3] / m},
-                            {"F0", half * value[4]}, {"omega", value[5]},           {"phase", value[6]}};
+                } rest[] = {{"k", half * value[0]},
+                            {"gamma", half * value[1] / m},
+                            {"C", half * value[2]},
+                            {"rho", 1},
+                            {"area", 1},
+                            {"g", half * value[3] / m},
+                            {"F0", half * value[4]},
+                            {"omega", value[5]},
+                            {"phase", value[6]}};
                 for (size_t k = 0; k < COUNT_OF(rest); k++)
                     set(&f->scene, rest[k].name, rest[k].value);
             }
@@ -190,14 +210,33 @@ static void test_like_the_built_in(void **state)
 static void test_not_recognised(void **state)
 {
     struct fixture *f = *state;
-    static const char *const none[] = {
-        "y'' = -y*y",          "y'' = -y + 1e-9*y^3",     "y'' = -max(y,0)",        "y'' = -abs(y)",
-        "y'' = -abs(y)*y'",    "y'' = -y - y*y'",         "y'' = -k*(1+0.1*t)*y",   "y'' = -y - (1+t)*y'",
-        "y'' = -sin(y)",       "y'' = -y - sign(y')",     "y'' = -y - 0.1*y'^2",    "y'' = -y + cos(t)*cos(t)",
-        "y'' = -y + cos(t^2)", "y'' = -y + cos(t)+cos(2*t)", "y'' = -y + t",        "y'' = -y - step(y)",
-        "y'' = -y - floor(y')", "y'' = -if(y,y,2*y)",     "y'' = -y - abs(abs(y')-1)*y'", "y'' = -y + y'*abs(y')",
-        "y'' = -y + exp(t)",   "y'' = -1/y",              "y'' = -y*(y < 1)",       "y'' = -y + cos(y)",
-        "y'' = -y - abs(y')",  "y'' = -y - y'*abs(y'+1)", "y'' = -sqrt(y*y)"};
+    static const char *const none[] = {"y'' = -y*y",
+                                       "y'' = -y + 1e-9*y^3",
+                                       "y'' = -max(y,0)",
+                                       "y'' = -abs(y)",
+                                       "y'' = -abs(y)*y'",
+                                       "y'' = -y - y*y'",
+                                       "y'' = -k*(1+0.1*t)*y",
+                                       "y'' = -y - (1+t)*y'",
+                                       "y'' = -sin(y)",
+                                       "y'' = -y - sign(y')",
+                                       "y'' = -y - 0.1*y'^2",
+                                       "y'' = -y + cos(t)*cos(t)",
+                                       "y'' = -y + cos(t^2)",
+                                       "y'' = -y + cos(t)+cos(2*t)",
+                                       "y'' = -y + t",
+                                       "y'' = -y - step(y)",
+                                       "y'' = -y - floor(y')",
+                                       "y'' = -if(y,y,2*y)",
+                                       "y'' = -y - abs(abs(y')-1)*y'",
+                                       "y'' = -y + y'*abs(y')",
+                                       "y'' = -y + exp(t)",
+                                       "y'' = -1/y",
+                                       "y'' = -y*(y < 1)",
+                                       "y'' = -y + cos(y)",
+                                       "y'' = -y - abs(y')",
+                                       "y'' = -y - y'*abs(y'+1)",
+                                       "y'' = -sqrt(y*y)"};
     for (size_t i = 0; i < COUNT_OF(none); i++) {
         bind_lines(f, LINES("var y = 0.5", "param k = 1", none[i]));
         if (f->system.oscillator.whole || system_has_exact(&f->system))
@@ -206,13 +245,14 @@ static void test_not_recognised(void **state)
     static const struct {
         const char *line;
         bool linear;
-    } linear[] = {{"y'' = -y - sign(y')", false}, {"y'' = -y - step(y)", false},   {"y'' = -y + t", true},
-                  {"y'' = -y + exp(t)", true},    {"y'' = -y*(1 + t)", false},     {"y'' = -if(k, y, y^2)", true},
-                  {"y'' = -if(k-2, y, y^2)", false}, {"y'' = -y/(1 + k)", true},   {"y'' = -round(y)", false},
-                  {"y'' = -y*y/y", false},        {"y'' = -(y < 1)*k", false}};
+    } linear[] = {{"y'' = -y - sign(y')", false},    {"y'' = -y - step(y)", false}, {"y'' = -y + t", true},
+                  {"y'' = -y + exp(t)", true},       {"y'' = -y*(1 + t)", false},   {"y'' = -if(k, y, y^2)", true},
+                  {"y'' = -if(k-2, y, y^2)", false}, {"y'' = -y/(1 + k)", true},    {"y'' = -round(y)", false},
+                  {"y'' = -y*y/y", false},           {"y'' = -(y < 1)*k", false}};
     for (size_t i = 0; i < COUNT_OF(linear); i++) {
         bind_lines(f, LINES("var y = 0.5", "param k = 1", linear[i].line));
-        if (i != 5 && f->system.linear != linear[i].linear) /* a parameter in a condition is not known as it is written */
+        if (i != 5 &&
+            f->system.linear != linear[i].linear) /* a parameter in a condition is not known as it is written */
             fail_msg("%s: linear is %d", linear[i].line, f->system.linear);
     }
     /* What is recognised is so for the present parameters. */
@@ -287,7 +327,8 @@ static void test_normal_modes(void **state)
                         "b'' = -k*b + j*(a - b)"));
     assert_true(f->system.linear && !f->system.oscillator.whole);
     for (size_t i = 0; i < COUNT_OF(times); i++) {
-        const long double t = (long double)times[i], s = sqrtl(2), w = sqrtl(8), c = cosl(s * t) / 2, d = cosl(w * t) / 2;
+        const long double t = (long double)times[i], s = sqrtl(2), w = sqrtl(8), c = cosl(s * t) / 2,
+                          d = cosl(w * t) / 2;
         const long double u = -s * sinl(s * t) / 2, v = -w * sinl(w * t) / 2;
         const double wanted[] = {(double)(c + d), (double)(c - d), (double)(u + v), (double)(u - v)};
         check(&f->system, times[i], wanted, 3e-16 + 1e-18 * fabs(times[i]));
@@ -340,7 +381,8 @@ static void test_stiff(void **state)
     check(&f->system, 3, (const double[]){0.09957448524565454443472, 0.0995743856712688732780418}, 2e-16);
     bind_lines(f, LINES("var a = 1", "var b = 2", "a' = -500000.5*a + 499999.5*b", "b' = 499999.5*a - 500000.5*b"));
     check(&f->system, 3, (const double[]){0.07468060255179591446901, 0.07468060255179591446901}, 5e-14);
-    bind_lines(f, LINES("var y = 1", "param k = 1e6", "y' = -k*(y - 3)")); /* what is fast is over, and nothing else is */
+    bind_lines(f,
+               LINES("var y = 1", "param k = 1e6", "y' = -k*(y - 3)")); /* what is fast is over, and nothing else is */
     check(&f->system, 1e-6, (const double[]){3 - 2 * exp(-1)}, 2e-16);
     check(&f->system, 100, (const double[]){3}, 1e-16);
     bind_lines(f, LINES("var a = 1", "var b = 1e-8", "a' = -1e9*a", "b' = 1e-3*b")); /* neither knows of the other */
@@ -440,7 +482,8 @@ static void test_derived(void **state)
     bind_lines(f, LINES("var y = 1", "y'' = -y^3"));
     assert_true(isnan(derived(&f->scene, "T0")) && isnan(derived(&f->scene, "Q")));
     bind_lines(f, LINES("force -5*y - 0.1*v"));
-    const struct derived_row *T0 = (const struct derived_row *)(const void *)catalog_find(scene_derived(&f->scene), TEXT("T0"));
+    const struct derived_row *T0 =
+        (const struct derived_row *)(const void *)catalog_find(scene_derived(&f->scene), TEXT("T0"));
     assert_true(alike(derived(&f->scene, "omega0"), 10, 0) && alike(derived(&f->scene, "Q"), 20, 0));
     assert_true(scene_set_derived(&f->scene, T0, (struct measured){0.5, 0}, &f->error)); /* the spring does the rest */
     assert_true(alike(derived(&f->scene, "T0"), 0.5, 0));
@@ -456,9 +499,15 @@ static void test_derived(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        TEST(test_like_the_built_in), TEST(test_not_recognised), TEST(test_extremes),
-        TEST(test_normal_modes),      TEST(test_like_the_closed_form), TEST(test_stiff),
-        TEST(test_floor),             TEST(test_chain),          TEST(test_derived),
+        TEST(test_like_the_built_in),
+        TEST(test_not_recognised),
+        TEST(test_extremes),
+        TEST(test_normal_modes),
+        TEST(test_like_the_closed_form),
+        TEST(test_stiff),
+        TEST(test_floor),
+        TEST(test_chain),
+        TEST(test_derived),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
