@@ -233,7 +233,7 @@ void linear_exact(const struct system *system, double t0, const double *start, d
 
 void linear_sizes(const struct system *system, double rate, double *most)
 {
-    enum { STAGES = 9, STEPS = 32 }; /* each stage takes twice the time of the one before */
+    enum { STAGES = 6, STEPS = 16 }; /* each stage takes twice the time of the one before */
     const int n = system->n;
     struct matrix x, e, before;
     real d[SIDE], z[SIDE];
