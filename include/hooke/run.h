@@ -34,9 +34,9 @@ size_t trace_bytes(const struct trace *trace); /* memory held */
 /* ---- settings and the plan ---- */
 
 /*
- * How fixed steps are computed. A propagator (linear scene, no drive) multiplies by powers of the method's one-step
- * matrix: no forces are evaluated, and the states differ from the others' by a few eps a step. The other two give the
- * same bits.
+ * How fixed steps are computed. A propagator (linear scene of two variables, no drive) multiplies by powers of the
+ * method's one-step matrix: no forces are evaluated, and the states differ from the others' by a few eps a step. The
+ * other two give the same bits.
  */
 enum kernel { KERNEL_PROPAGATOR, KERNEL_SPECIALISED, KERNEL_GENERAL };
 

@@ -329,6 +329,7 @@ void system_jacobian(const struct system *system, double t, const double *y,
 
 double system_kinetic(const struct system *system, const double *y);         /* [J] */
 double system_potential(const struct system *system, const double *y);       /* [J] */
+bool system_has_potential(const struct system *system);                      /* all forces but drag have one */
 double system_power(const struct system *system, double t, const double *y); /* [W] of the non-conservative terms */
 double system_dissipation(const struct system *system, double t,
                           const double *y); /* [W] of the drag terms alone, <= 0 */
@@ -340,7 +341,8 @@ int model_state(const struct model *model, struct text name);
 /* ---- exact solutions ----
  *
  * For linear oscillators in every regime (under-, critically and overdamped, k = 0, k < 0, gamma < 0, constant force,
- * driven, resonance, with formulas that do not cancel) and for models that bring their own. From `start` at t0 to t
+ * driven, resonance, with formulas that do not cancel), typed or not; for models that bring their own; by the matrix
+ * exponential for other linear systems with constant coefficients and up to 16 variables. From `start` at t0 to t
  * (before or after t0); growth beyond double ends as infinity. floor [n], or NULL: what one ulp in the coefficients (of
  * other models: in the start) does to the answer, about eps * omega * |t - t0| times the amplitude: no error below it
  * means anything.
@@ -358,10 +360,9 @@ void system_exact(const struct system *system, double t0, const double *start, d
  *   force EXPR             [N], divided by the mass: added to the first coordinate of a second-order scene; a potential
  *                          that was typed for the forces before goes
  *   force x = EXPR         the same for the coordinate x
- *   potential EXPR         [J], of the forces that depend on positions only (of those typed, on top of a built-in scene)
- *   observe E = EXPR       a quantity to look at, and a name for the lines below it
- * Names in expressions: t, variables, velocities, parameters, observed quantities. Names have to be there when a line
- * uses them.
+ *   potential EXPR         [J], of the forces that depend on positions only (of those typed, on top of a built-in
+ * scene) observe E = EXPR       a quantity to look at, and a name for the lines below it Names in expressions: t,
+ * variables, velocities, parameters, observed quantities. Names have to be there when a line uses them.
  *
  * Initial values are parameters: x0 of x and vy0 of vy, x1_0 of x1. So is t0. The mass is the parameter m where there
  * is one, else 1. If every variable has an equation of second order the scene is of second order: positions, then
@@ -373,7 +374,11 @@ void system_exact(const struct system *system, double t0, const double *start, d
  *
  * A model is immutable: a line makes a new one. All of them live until typed_destroy(). An incomplete one (a variable
  * without an equation) can be looked at and set; scene_bind() says what is missing. Natural sizes: the largest |initial
- * value| and |value| on a short trial run of about one time constant; where all are 0, 1.
+ * value| and |value| on a short trial run of about one time constant (of linear systems: many); where all are 0, 1.
+ *
+ * What is a second-order equation in y with a0 + a1 y + a2 y' + a3 |y'| y' + a4 cos(a5 t + a6) on its right, as it is
+ * written (or with sin), with the present parameters and a3 <= 0, is the oscillator with these coefficients: natural
+ * sizes, exact solution, exact drag and derived quantities are those of the built-in one. So are forces on top of it.
  */
 
 enum typed_kind { TYPED_VAR, TYPED_PARAM, TYPED_EQUATION, TYPED_FORCE, TYPED_POTENTIAL, TYPED_OBSERVE };

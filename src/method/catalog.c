@@ -90,15 +90,6 @@ void method_end(const struct method *method, struct step *step)
     step->library = NULL;
 }
 
-/* All forces but drag have a potential. */
-static bool has_potential(const struct system *system)
-{
-    for (int i = 0; i < system->terms; i++)
-        if (!system->term[i].row->potential && !(system->term[i].row->flags & TERM_VELOCITY))
-            return false;
-    return true;
-}
-
 bool method_applies(const struct method *method, const struct system *system, enum drag *drag, struct error *error)
 {
     const char *name = method->row.name;
@@ -109,13 +100,14 @@ bool method_applies(const struct method *method, const struct system *system, en
     }
     if (method->flags & METHOD_EXACT && !system_has_exact(system)) {
         error_set(error, ERROR_COMMAND, "no exact solution is known for this scene, so '%s' cannot step it", name);
-        return error_hint(error, "the scene must be a linear oscillator; use dopri5 with a small tol instead");
+        return error_hint(error,
+                          "the scene must be linear, with constant coefficients; use dopri5 with a small tol instead");
     }
     if (method->flags & METHOD_NO_VELOCITY && system->velocity) {
         error_set(error, ERROR_COMMAND, "%s is for y'' = a(t, y): no force may depend on velocity", name);
         return error_hint(error, "with damping or drag use verlet, rk4 or dopri5");
     }
-    if (method->flags & METHOD_POTENTIAL && !has_potential(system)) {
+    if (method->flags & METHOD_POTENTIAL && !system_has_potential(system)) {
         error_set(error, ERROR_COMMAND, "%s is for forces that have a potential, besides drag", name);
         return error_hint(error, "use implicit-midpoint or gauss4");
     }

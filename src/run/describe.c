@@ -37,6 +37,42 @@ static bool recorded(const struct system *system, const char *name)
     return found;
 }
 
+/* What the typed equations turned out to be. */
+static void describe_recognised(const struct system *system, struct buffer *text)
+{
+    const struct oscillator *o = &system->oscillator;
+    if (!system->model->typed || !o->whole)
+        return;
+    key(text, "which is");
+    buffer_format(text, "an oscillator: ");
+    if (o->stiffness > 0) {
+        buffer_format(text, "omega0 = ");
+        buffer_quantity(text, sqrt(o->stiffness), QUANTITY_ANGULAR_FREQUENCY, 6);
+    } else {
+        buffer_format(text, "k/m = ");
+        buffer_short(text, o->stiffness, 6);
+        buffer_format(text, " 1/s^2");
+    }
+    buffer_format(text, ", gamma = ");
+    buffer_quantity(text, o->damping, QUANTITY_RATE, 6);
+    const struct {
+        const char *before;
+        double value;
+        const char *after;
+    } more[] = {{", drag ", o->quadratic, " |v| v"}, {", constant ", -o->gravity, ""}, {", drive ", o->drive, ""}};
+    for (size_t i = 0; i < COUNT_OF(more); i++)
+        if (more[i].value != 0) {
+            buffer_put(text, text_of(more[i].before));
+            buffer_short(text, more[i].value, 6);
+            buffer_put(text, text_of(more[i].after));
+        }
+    if (o->drive != 0) {
+        buffer_put(text, TEXT(" cos(omega t + phase) with omega = "));
+        buffer_quantity(text, o->omega, QUANTITY_ANGULAR_FREQUENCY, 6);
+    }
+    buffer_char(text, '\n');
+}
+
 static void describe_scene(const struct scene *scene, const struct system *system, struct buffer *text)
 {
     key(text, "scene");
@@ -50,6 +86,7 @@ static void describe_scene(const struct scene *scene, const struct system *syste
         key(text, i ? "" : "terms");
         buffer_format(text, "%s: %s\n", row->name, row->brief);
     }
+    describe_recognised(system, text);
     bool none = true;
     for (size_t i = 0; i < system->model->terms->count; i++) {
         const struct row *row = catalog_row(system->model->terms, i);
@@ -184,8 +221,10 @@ void plan_describe(const struct scene *scene, const struct system *system, const
     describe_record(system, settings, plan, text);
     describe_prediction(system, method, settings, plan, text);
     key(text, "exact");
-    buffer_format(text, plan->exact_known ? "closed form known: no reference integration\n"
-                                          : "no closed form: no error column\n");
+    buffer_format(text, !plan->exact_known ? "no closed form: no error column\n"
+                        : system->oscillator.whole || system->model->exact
+                            ? "closed form known: no reference integration\n"
+                            : "known by the matrix exponential: no reference integration\n");
     if (system->order == 2) {
         key(text, "energy");
         buffer_format(text, plan->ledger ? "balance E - E0 - W, W along the recorded rows, only when asked for\n"

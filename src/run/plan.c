@@ -5,7 +5,8 @@
 #include <math.h>
 
 static const struct row kernels[] = {
-    [KERNEL_PROPAGATOR] = {"propagator", "", "linear scenes by powers of the one-step matrix, the rest specialised", "",
+    [KERNEL_PROPAGATOR] = {"propagator", "",
+                           "linear scenes of two variables by powers of the one-step matrix, the rest specialised", "",
                            NULL},
     [KERNEL_SPECIALISED] = {"specialised", "", "steps made for the method and the kind of scene, where there are some",
                             "", NULL},
@@ -109,8 +110,8 @@ bool plan_make(const struct system *system, const struct method *method, const s
                           .seconds = NAN,
                           .growth = adaptive ? NAN : predicted_growth(system, method, drag, dt),
                           .limit = NAN};
-    plan->propagates = settings->kernel == KERNEL_PROPAGATOR && !adaptive && !settings->compensated &&
-                       system->order == 2 && system->n == 2 && system->linear && system->autonomous && !method->growth;
+    plan->propagates = settings->kernel == KERNEL_PROPAGATOR && !adaptive && !settings->compensated && system->n == 2 &&
+                       system->linear && system->autonomous && !method->growth;
     if (plan->growth > 1 + GROWTH_MARGIN)
         plan->limit = plan_stable_limit(system, method, drag);
     if (adaptive || isinf(span))

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * A linear scene without drive and a step of fixed size: every one-step method is y' = M y + s. M is found by stepping
- * the unit vectors, once; then a block of steps is M, M^2, … M^BLOCK times the state at its beginning, all independent
- * of one another. No forces are evaluated.
+ * A linear scene of two variables without drive and a step of fixed size: every one-step method is y' = M y + s. M is
+ * found by stepping the unit vectors, once; then a block of steps is M, M^2, … M^BLOCK times the state at its
+ * beginning, all independent of one another. No forces are evaluated.
  *
  * Rounding: powers are taken in long double, and the state at a block's end is computed in it, so that of a symplectic
  * method the determinant is 1 to 1e-18 and nothing drifts. Against the step-by-step path the states differ by

@@ -37,14 +37,14 @@ static void set_bounds(struct run *run)
 
 /*
  * Energy is quadratic in the state where forces are linear and homogeneous; there a power of two on the state changes
- * no ratio of energies, and squares of 1e-200 or 1e200 stay in range.
+ * no ratio of energies, and squares of 1e-200 or 1e200 stay in range. A typed potential may have a constant in it.
  */
 static double energy_factor(const struct system *system)
 {
     const struct oscillator *o = &system->oscillator;
     int exponent;
     frexp(system->scale[0], &exponent);
-    if (!system->linear || !o->whole || o->gravity != 0 || o->drive != 0 || abs(exponent) < 300)
+    if (!system->linear || !o->whole || system->model->typed || o->gravity != 0 || o->drive != 0 || abs(exponent) < 300)
         return 1;
     return ldexp(1, exponent < -1000 ? 1000 : -exponent);
 }

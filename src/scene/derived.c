@@ -2,6 +2,8 @@
 /* Quantities that follow from the parameters, with the uncertainty that the parameters give them. */
 #include "params.h"
 
+#include <string.h>
+
 double scene_reynolds(const struct scene *scene, double speed)
 {
     if (scene->model != &oscillator_model)
@@ -19,10 +21,32 @@ const char *reynolds_regime(double reynolds)
 
 /* ---- values: NaN where there is nothing to speak of ---- */
 
+/* What was typed, bound, where it is one oscillator all the same. */
+static bool typed_motion(const struct scene *scene, struct system *system)
+{
+    struct error ignored;
+    return scene->model->typed && scene_bind(scene, system, &ignored) && system->oscillator.whole;
+}
+
+/* A parameter of the oscillator, which this is or what was typed rests on. */
+static double own(const struct scene *scene, enum param place)
+{
+    return typed_base(scene->model) == &oscillator_model ? scene->value[place] : NAN;
+}
+
 static double omega0(const struct scene *scene)
 {
-    double k = scene->value[P_k];
+    struct system system;
+    if (typed_motion(scene, &system))
+        return system.oscillator.stiffness > 0 ? sqrt(system.oscillator.stiffness) : NAN;
+    double k = own(scene, P_k);
     return k > 0 ? sqrt(k) / sqrt(scene->value[P_m]) : NAN;
+}
+
+static double damping(const struct scene *scene)
+{
+    struct system system;
+    return typed_motion(scene, &system) ? system.oscillator.damping : own(scene, P_gamma);
 }
 
 static double T0(const struct scene *scene)
@@ -37,24 +61,24 @@ static double f0(const struct scene *scene)
 
 static double zeta(const struct scene *scene)
 {
-    return scene->value[P_gamma] / 2 / omega0(scene);
+    return damping(scene) / 2 / omega0(scene);
 }
 
 static double Q(const struct scene *scene)
 {
-    double gamma = scene->value[P_gamma];
+    double gamma = damping(scene);
     return gamma > 0 ? omega0(scene) / gamma : NAN;
 }
 
 static double tau(const struct scene *scene)
 {
-    double gamma = scene->value[P_gamma];
+    double gamma = damping(scene);
     return gamma > 0 ? 2 / gamma : NAN;
 }
 
 static double omega_d(const struct scene *scene)
 {
-    double omega = omega0(scene), s = scene->value[P_gamma] / 2;
+    double omega = omega0(scene), s = damping(scene) / 2;
     return omega > fabs(s) ? sqrt((omega - s) * (omega + s)) : NAN;
 }
 
@@ -65,14 +89,20 @@ static double T_d(const struct scene *scene)
 
 static double equilibrium(const struct scene *scene)
 {
-    double k = scene->value[P_k], weight = scene->value[P_m] * scene->value[P_g];
-    return k != 0 && (weight == 0 || scene->value[P_k3] == 0) ? -weight / k : NAN; /* or the root of a cubic */
+    struct system system;
+    if (typed_motion(scene, &system))
+        return system.oscillator.stiffness != 0 ? -system.oscillator.gravity / system.oscillator.stiffness : NAN;
+    double k = own(scene, P_k), weight = own(scene, P_m) * own(scene, P_g);
+    return k != 0 && (weight == 0 || own(scene, P_k3) == 0) ? -weight / k : NAN; /* or the root of a cubic */
 }
 
 /* hypot neither overflows nor underflows on the way. */
 static double amplitude(const struct scene *scene)
 {
-    return hypot(scene->value[P_y0] - equilibrium(scene), scene->value[P_v0] / omega0(scene));
+    struct system system;
+    if (typed_motion(scene, &system))
+        return hypot(system.start[0] - equilibrium(scene), system.start[1] / omega0(scene));
+    return hypot(own(scene, P_y0) - equilibrium(scene), own(scene, P_v0) / omega0(scene));
 }
 
 double scene_start_energy(const struct scene *scene)
@@ -117,9 +147,35 @@ struct measured scene_propagate(const struct scene *scene, double (*value)(const
 
 /* ---- inverses: the value of `target` that gives the quantity this value; NaN for values it cannot take ---- */
 
+/*
+ * The parameter where the scene alone would need `target`: what was typed adds its share to the coefficient `total`, as
+ * long as that does not depend on the parameter.
+ */
+static double without_typed(const struct scene *scene, enum param place, double target,
+                            double (*total)(const struct system *))
+{
+    struct system system;
+    if (!typed_motion(scene, &system))
+        return target;
+    struct scene other = *scene;
+    other.value[place] += target - total(&system);
+    const double reached = typed_motion(&other, &system) ? total(&system) : NAN;
+    return fabs(reached - target) <= 1e-9 * fabs(target) ? other.value[place] : NAN;
+}
+
+static double whole_stiffness(const struct system *system)
+{
+    return system->mass * system->oscillator.stiffness;
+}
+
+static double whole_damping(const struct system *system)
+{
+    return system->oscillator.damping;
+}
+
 static double omega0_inverse(const struct scene *scene, double value)
 {
-    return value > 0 ? scene->value[P_m] * value * value : NAN;
+    return value > 0 ? without_typed(scene, P_k, scene->value[P_m] * value * value, whole_stiffness) : NAN;
 }
 
 static double T0_inverse(const struct scene *scene, double value)
@@ -134,18 +190,17 @@ static double f0_inverse(const struct scene *scene, double value)
 
 static double zeta_inverse(const struct scene *scene, double value)
 {
-    return 2 * value * omega0(scene);
+    return without_typed(scene, P_gamma, 2 * value * omega0(scene), whole_damping);
 }
 
 static double Q_inverse(const struct scene *scene, double value)
 {
-    return value > 0 ? omega0(scene) / value : NAN;
+    return value > 0 ? without_typed(scene, P_gamma, omega0(scene) / value, whole_damping) : NAN;
 }
 
 static double tau_inverse(const struct scene *scene, double value)
 {
-    (void)scene;
-    return value > 0 ? 2 / value : NAN;
+    return value > 0 ? without_typed(scene, P_gamma, 2 / value, whole_damping) : NAN;
 }
 
 /* name, unit, quantity, brief, citation, inverse and target parameter (or NULL). */
@@ -168,6 +223,29 @@ DERIVED_ROWS(MEASURED)
 static const struct derived_row rows[] = {DERIVED_ROWS(DERIVED_ROW)};
 
 const struct catalog derived_catalog = CATALOG("derived quantity", rows);
+
+bool derived_for_typed(const struct model *model, struct arena *arena, struct catalog *derived)
+{
+    struct derived_row *made = arena_array(arena, COUNT_OF(rows), sizeof *made);
+    size_t count = 0;
+    for (size_t i = 0; made && i < COUNT_OF(rows); i++) {
+        const struct text name = text_of(rows[i].row.name);
+        if (catalog_find(model->params, name) || model_state(model, name) >= 0 || text_is(name, "Re"))
+            continue;
+        struct derived_row *row = &made[count++];
+        *row = rows[i];
+        row->inverse = NULL;
+        row->target = NULL;
+        if (row->quantity == QUANTITY_LENGTH) {
+            row->quantity = model->variable[0].quantity;
+            row->row.unit = quantity_unit(row->quantity);
+        }
+    }
+    *derived = derived_catalog;
+    derived->rows = made;
+    derived->count = count;
+    return made;
+}
 
 bool scene_set_derived(struct scene *scene, const struct derived_row *row, struct measured value, struct error *error)
 {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Exact solutions of q'' + gamma q' + w2 q = -g + f cos(omega t + phase), w2 and gamma of any sign.
+ * Exact solutions of q'' + gamma q' + w2 q = -g + f cos(omega t + phase), w2 and gamma of any sign. Other linear
+ * systems: exact_linear.c.
  *
  * With the roots a, b of z^2 + gamma z + w2 every part of the solution is a divided difference of z -> exp(z t):
  *
@@ -20,7 +21,7 @@
 #include <float.h>
 #include <math.h>
 
-#include <hooke/scene.h>
+#include "exact.h"
 
 typedef long double real; /* private to this file, for the width of the formulas */
 typedef complex long double node;
@@ -75,17 +76,24 @@ static node divided3(node a, node b, node c, real t)
     return t * t * exponential(mean * t) * taylor(a * b + b * c + c * a, a * b * c, 2);
 }
 
+static bool is_oscillator(const struct system *system)
+{
+    return system->order == 2 && system->n == 2 && system->linear && system->oscillator.whole;
+}
+
 bool system_has_exact(const struct system *system)
 {
-    const struct model *model = system->model;
-    return (model && model->exact) ||
-           (system->order == 2 && system->n == 2 && system->linear && system->oscillator.whole);
+    return (system->model && system->model->exact) || is_oscillator(system) || linear_has_exact(system);
 }
 
 void system_exact(const struct system *system, double t0, const double *start, double t, double *y, double *floor)
 {
     if (system->model && system->model->exact) {
         system->model->exact(system, t0, start, t, y, floor);
+        return;
+    }
+    if (!is_oscillator(system)) {
+        linear_exact(system, t0, start, t, y, floor);
         return;
     }
     const struct oscillator *o = &system->oscillator;

@@ -44,6 +44,9 @@ double scene_start_energy(const struct scene *scene); /* [J] */
 #define DERIVED_ROW(name, unit, kind, brief, citation, back, param)                                                    \
     {{#name, unit, brief, citation, NULL}, QUANTITY_##kind, name##_measured, back, param},
 
+/* Those of the oscillator for one whose equation was typed, but where the name is taken. False: no memory. */
+bool derived_for_typed(const struct model *model, struct arena *arena, struct catalog *derived);
+
 /* ---- terms: not each needs all that a row's function is given ---- */
 
 #define UNUSED __attribute__((__unused__))
@@ -55,6 +58,9 @@ double scene_start_energy(const struct scene *scene); /* [J] */
     static void name##_jacobian(UNUSED const double *c, UNUSED double t, UNUSED const double *y, double *jac)
 #define TERM_POTENTIAL(name) static double name##_potential(const double *c, const double *y)
 #define TERM_POWER(name) static double name##_power(const double *c, UNUSED double t, const double *y)
+
+/* Natural sizes of one oscillator, with cubic y^3 [1/(m^2 s^2)] and van der Pol's force beside it. */
+void oscillator_scale(struct system *system, double cubic, double mu, double width);
 
 /* A natural size that error norms can divide by. */
 static inline double scale_clamp(double scale)

@@ -7,15 +7,14 @@
  * The answer to a drive is taken no closer to resonance than a tenth of the spring's own frequency squared. Two wells
  * and a limit cycle are sizes too; the limit cycle of a strong van der Pol term mostly creeps, and its speed is that.
  */
-static void set_scale(const double *param, struct system *system)
+void oscillator_scale(struct system *system, double cubic, double mu, double width)
 {
     const struct oscillator *o = &system->oscillator;
     double y0 = fabs(system->start[0]), v0 = fabs(system->start[1]), g = fabs(o->gravity), f = fabs(o->drive);
-    double cubic = param[P_k3] / param[P_m], mu = param[P_mu];
     if (cubic > 0 && o->stiffness < 0)
         y0 = fmax(y0, sqrt(-o->stiffness / cubic));
     if (mu > 0 && o->stiffness > 0)
-        y0 = fmax(y0, 2 * param[P_width]);
+        y0 = fmax(y0, 2 * width);
     double rate = sqrt(fabs(o->stiffness));
     if (rate == 0) { /* how far it gets: cubic y^4/4 = v^2/2 */
         y0 = fmax(y0, cubic > 0 ? sqrt(v0 * sqrt(2 / cubic)) : 0);
@@ -45,7 +44,7 @@ static void begin(const double *param, struct system *system)
     system->mass = param[P_m];
     system->start[0] = param[P_y0];
     system->start[1] = param[P_v0];
-    set_scale(param, system);
+    oscillator_scale(system, param[P_k3] / param[P_m], param[P_mu], param[P_width]);
 }
 
 static const struct variable variables[] = {{"y", QUANTITY_LENGTH}, {"v", QUANTITY_VELOCITY}};

@@ -82,6 +82,14 @@ double system_potential(const struct system *system, const double *y)
     return sum;
 }
 
+bool system_has_potential(const struct system *system)
+{
+    for (int i = 0; i < system->terms; i++)
+        if (!system->term[i].row->potential && !(system->term[i].row->flags & TERM_VELOCITY))
+            return false;
+    return true;
+}
+
 /* Of the terms whose flags under `mask` are `wanted`. */
 static double power_of(const struct system *system, unsigned mask, unsigned wanted, double t, const double *y)
 {
@@ -182,7 +190,7 @@ static void sum_up(struct system *system)
     system->conservative = system->order == 2 && all & TERM_CONSERVATIVE;
     system->velocity = any & TERM_VELOCITY;
     system->autonomous = !(any & TERM_TIME);
-    system->kinks = system->order == 2 && system->n == 2 && any & TERM_KINK;
+    system->kinks = system->order == 2 && system->n == 2 && (any & TERM_KINK || system->oscillator.quadratic != 0);
     if (system->n > 2 && system->oscillator.quadratic != 0) /* |v| is not that of each coordinate */
         system->oscillator.drag_whole = false;
 }
@@ -198,12 +206,12 @@ bool scene_bind(const struct scene *scene, struct system *system, struct error *
     system->oscillator.drag_whole = system->order == 2;
     bind_rows(param, system);
     sum_up(system);
-    if (typed_base(model)) /* sizes are those without what was typed */
+    if (typed_base(model)) /* sizes are those without what was typed, unless that is an oscillator, too */
         model->begin(param, system);
     if (model->typed && !typed_bind(model->typed, param, system, error))
         return false;
     sum_up(system);
-    if (!typed_base(model))
+    if (model->typed && (!typed_base(model) || system->oscillator.whole))
         model->begin(param, system);
     for (int i = 0; i < system->terms; i++)
         if (!check_term(system, &system->term[i], error))

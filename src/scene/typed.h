@@ -27,7 +27,7 @@ struct typed {
     struct typed_line *line;   /* in the order of typing */
     int lines;
     struct term_row *row;      /* [terms of the base + GROUPS] the groups that are there */
-    struct catalog params, terms;
+    struct catalog params, terms, derived;
     int initial[LIMIT_VARIABLES]; /* parameter of each state variable; of scenes that are all typed, like the next two */
     int velocity[LIMIT_VARIABLES]; /* places in the state of a variable and of its velocity, -1: none */
     int t0, mass;                 /* parameters, mass -1: it is 1 */
@@ -107,6 +107,15 @@ void typed_parts_destroy(struct typed_parts *parts);
 bool typed_bind(const struct typed *typed, const double *param, struct system *system, struct error *error);
 /* Once start and scale are known: is the force the slope of the potential? */
 bool typed_check(const struct system *system, struct error *error);
+
+/* ---- what they are (typed_linear.c) ---- */
+
+/* Are all outputs linear in the state, as they are written? The coefficients may still depend on time. Do some have a
+ * kink where the second variable, a velocity, is 0? */
+bool typed_look(const struct typed *typed, const struct program *program, bool *affine, bool *kinks,
+                struct error *error);
+/* Adds what the term is, with its values, to the oscillator, or notes that it is nothing of that kind. */
+void typed_recognise(const struct typed_term *term, const double *c, struct oscillator *oscillator);
 
 /* ---- natural sizes (typed_scale.c) ---- */
 

@@ -101,8 +101,10 @@ bool typed_bind(const struct typed *typed, const double *param, struct system *s
     const struct typed_part *part = part_for(typed, zeros, error);
     if (!part)
         return false;
-    if (!typed->base)
+    if (!typed->base) {
         system->mass = typed->mass >= 0 ? param[typed->mass] : 1;
+        system->oscillator.whole = system->order == 2 && system->n == 2;
+    }
     set_values(typed, &part->all, param, system->mass, &system->typed);
     for (int g = 0; g < GROUPS; g++) {
         const struct typed_term *term = &part->term[g];
@@ -110,10 +112,9 @@ bool typed_bind(const struct typed *typed, const double *param, struct system *s
             continue;
         if (system->terms == TERM_MAX)
             return error_set(error, ERROR_COMMAND, "a scene has at most %d terms", TERM_MAX);
-        set_values(typed, term, param, system->mass, &system->term[system->terms++]);
-        system->oscillator.whole = false;
-        if (term->row.flags & TERM_VELOCITY)
-            system->oscillator.drag_whole = false;
+        struct bound_term *bound = &system->term[system->terms++];
+        set_values(typed, term, param, system->mass, bound);
+        typed_recognise(term, bound->c, &system->oscillator);
     }
     return true;
 }

@@ -311,7 +311,12 @@ static bool make_model(struct compile *c)
     find_dependence(c, depends);
     const bool fine = check_mechanics(c, depends) && group_rows(c, depends);
     free(depends);
-    return fine && make_tables(c);
+    if (!fine || !make_tables(c))
+        return false;
+    if (typed->base || model->order != 2 || model->n != 2)
+        return true;
+    model->derived = &typed->derived;
+    return derived_for_typed(model, &typed->arena, &typed->derived) || error_memory(c->error);
 }
 
 bool typed_compile(struct typed *typed, struct error *error)

@@ -126,34 +126,19 @@ static bool depends(const struct program *program, int count, int first, int nam
     return false;
 }
 
-/* Not smooth at v = 0: |v|, sign(v), v < 0. */
-static bool has_kink(const struct expr *expr, int velocity)
-{
-    for (size_t i = 1; expr && i < expr->count; i++) {
-        const struct op *op = &expr->op[i], *last = op - 1, *other = i > 1 ? op - 2 : last;
-        const bool calls = op->kind == OP_CALL &&
-                           (strcmp(op->function->row.name, "abs") == 0 || strcmp(op->function->row.name, "sign") == 0 ||
-                            strcmp(op->function->row.name, "step") == 0);
-        const bool compares = op->kind >= OP_LESS && op->kind <= OP_GREATER_EQUAL;
-        if ((calls && last->kind == OP_NAME && last->slot == velocity) ||
-            (compares && ((last->kind == OP_NUMBER && other->kind == OP_NAME && other->slot == velocity) ||
-                          (other->kind == OP_NUMBER && last->kind == OP_NAME && last->slot == velocity))))
-            return true;
-    }
-    return false;
-}
-
-static unsigned flags_of(const struct typed_term *term)
+static unsigned flags_of(const struct typed_term *term, bool affine, bool kinks)
 {
     const struct typed *typed = term->typed;
     const int n = typed->model.n, rows = typed_rows(typed), entries = rows * n;
     unsigned flags = 0;
-    if (!depends(term->jacobian, entries, 0, 1 + n))
+    if (affine && !depends(term->jacobian, entries, 0, 1 + n))
         flags |= TERM_LINEAR;
     if (depends(term->add, rows, 0, 1))
         flags |= TERM_TIME;
     if (typed->model.order == 2 && depends(term->add, rows, 1 + rows, rows))
         flags |= TERM_VELOCITY;
+    if (kinks && typed->model.order == 2 && n == 2)
+        flags |= TERM_KINK;
     return flags;
 }
 
@@ -181,13 +166,12 @@ static bool make_term(const struct making *m, struct typed_term *term, const str
     if (!equations_derive(m->equations, first, rows, state, n, m->error))
         return false;
     term->jacobian = make(m, rows * n);
-    if (!term->jacobian)
+    bool affine, kinks;
+    if (!term->jacobian || !typed_look(m->typed, term->add, &affine, &kinks, m->error))
         return false;
-    term->row.flags = flags_of(term);
+    term->row.flags = flags_of(term, affine, kinks);
     term->row.add = add;
     term->row.jacobian = all_zero(term->jacobian, rows * n) ? NULL : jacobian;
-    for (int i = 0; n == 2 && rows == 1 && term->row.flags & TERM_VELOCITY && i < rows; i++)
-        term->row.flags |= has_kink(expr[i], 2) ? TERM_KINK : 0;
     return true;
 }
 

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
  * Natural sizes of what a typed scene moves: the largest |value| at the start and on a short trial run, by Heun's
- * method with the step that Euler's allows. It goes over about a period or time constant, as far as the Jacobian at the start
- * knows it, and ends early where it meets something faster.
+ * method with the step that Euler's allows. It goes over about a period or time constant, as far as the Jacobian at the
+ * start knows it, and ends early where it meets something faster. What a linear system with constant coefficients
+ * reaches is known without a trial.
  */
 #include <string.h>
 
+#include "exact.h"
 #include "model.h"
 #include "typed.h"
 
@@ -88,8 +90,15 @@ void typed_begin(const double *param, struct system *system)
         system->start[i] = param[typed->initial[i]];
         most[i] = fabs(system->start[i]);
     }
+    if (system->oscillator.whole) {
+        oscillator_scale(system, 0, 0, 0);
+        return;
+    }
     const double rate = fastest_rate(system);
-    try_out(system, rate > 0 ? SPAN / rate : 1, most);
+    if (linear_has_exact(system))
+        linear_sizes(system, rate, most);
+    else
+        try_out(system, rate > 0 ? SPAN / rate : 1, most);
     for (int i = 0; i < system->n; i++)
         system->scale[i] = scale_clamp(most[i]);
 }

@@ -37,7 +37,7 @@ static struct prediction predict(const struct run *run)
     struct prediction prediction = {.growth = run->plan.growth, .factor = NAN, .exact = NAN, .swing = NAN};
     bool oscillates = o->stiffness > 0 && fabs(o->damping) < 2 * sqrt(o->stiffness);
     if (!o->whole || !run->system.linear || !run->system.autonomous || o->gravity != 0 || !oscillates ||
-        run->plan.adaptive) {
+        run->plan.adaptive || !system_has_potential(&run->system)) {
         return prediction;
     }
     double omega = sqrt(o->stiffness), x = omega * run->settings.dt, zeta = o->damping / (2 * omega);

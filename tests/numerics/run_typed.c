@@ -131,7 +131,8 @@ static void test_kernels(void **state)
     assert_true(fine);
 }
 
-/* Splittings with drag: explicit only, and refused otherwise with the way out. */
+/* Splittings with drag of another kind than linear and quadratic: explicit only, and refused otherwise with the way
+ * out. */
 static void test_splitting_with_drag(void **state)
 {
     (void)state;
@@ -139,7 +140,7 @@ static void test_splitting_with_drag(void **state)
     struct typed_models *models = typed_create(&error);
     struct scene scene;
     scene_init(&scene, NULL);
-    assert_true(type_lines(models, &scene, "var x = 1;x'' = -x - 0.1*x'*abs(x');potential x^2/2"));
+    assert_true(type_lines(models, &scene, "var x = 1;x'' = -x - 0.1*x'*max(x', -x');potential x^2/2"));
     const struct run_settings settings = {.dt = 0.001};
     assert_null(run_create(&scene, method("verlet"), &settings, 10, &error));
     assert_non_null(strstr(error.hint, "drag=explicit"));

@@ -360,7 +360,11 @@ static void test_which_systems_have_one(void **state)
     assert_true(system_has_exact(&plain));
     assert_true(system_has_exact(&driven));
     assert_false(system_has_exact(&drag));
+    driven.oscillator.whole = false; /* then only what does not depend on time, by the matrix exponential */
+    assert_false(system_has_exact(&driven));
     plain.oscillator.whole = false;
+    assert_true(system_has_exact(&plain));
+    plain.linear = false;
     assert_false(system_has_exact(&plain));
 }
 

@@ -54,7 +54,7 @@ static void test_two_kinds_against_the_truth(void **state)
         struct error error = {0};
         bind(presets[i], NULL, 0, &system);
         hidden = system;
-        hidden.oscillator.whole = false;
+        hidden.oscillator.whole = hidden.linear = false;
         assert_false(system_has_exact(&hidden));
         assert_true(study_reference(&system, 10, NULL, &truth, &error));
         assert_true(study_reference(&hidden, 10, NULL, &found, &error));
