@@ -388,6 +388,7 @@ struct session {
     int nesting;      /* command_exec inside command_exec */
     bool halted;      /* a run was paused: what stands after it on the line and in the file is not executed */
     bool reacting;    /* commands of an event are executed: part of the statement that ran into it */
+    bool passing;     /* the run goes on after them: what they set is not told each time */
 
     struct view view;
     struct log log;

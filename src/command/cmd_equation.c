@@ -141,6 +141,24 @@ HANDLER(param)
     return add_value(session, given, TYPED_PARAM, "param NAME = VALUE", reply, error);
 }
 
+/* y' = EXPR in an event: the velocity jumps. */
+static bool set_velocity(struct session *session, const struct arguments *given, const struct typed_line *line,
+                         struct reply *reply, struct error *error)
+{
+    const struct command *change = command_at(catalog_find(&command_catalog, TEXT("change")));
+    const char *end = line->expr.at + line->expr.len;
+    struct item name = {.text = line->name}, rest = {.text = {.at = line->name.at + line->name.len}};
+    rest.text.len = (size_t)(end - rest.text.at);
+    if (line->order != 1)
+        return error_at(error, line->name, "an event cannot change the law of %.*s", (int)line->name.len,
+                        line->name.at);
+    struct arguments with = *given;
+    with.command = change;
+    with.given[0] = (struct given){1, &name, name.text};
+    with.given[1] = (struct given){1, &rest, rest.text};
+    return change->handler(session, &with, reply, error);
+}
+
 HANDLER(equation)
 {
     struct text rest = given_for(given, "NAME' = EXPR")->item->text;
@@ -158,6 +176,8 @@ HANDLER(equation)
     if (!skip_equals(&rest, "NAME' = EXPR", error))
         return false;
     line.expr = rest;
+    if (session->reacting)
+        return set_velocity(session, given, &line, reply, error);
     return add_line(session, &line, reply, error);
 }
 
@@ -223,6 +243,24 @@ static bool event_usage(struct text where, const char *what, struct error *error
     return error_hint(error, "for example: event top when y' falling do record");
 }
 
+/* As far as can be seen now: what they mean is seen when they are executed. */
+static bool check_commands(struct text commands, struct error *error)
+{
+    bool passes;
+    struct text rest = event_commands(commands, &passes), statement;
+    while (rest.len > 0) {
+        if (!next_statement(&rest, &statement, error))
+            return false;
+        const struct text word = peek_word(statement, "=");
+        const struct row *row = catalog_find(&command_catalog, word);
+        const struct text after_word = after(statement, word.len);
+        const bool sets = after_word.len > 0 && after_word.at[0] == '=';
+        if (row && !sets && !event_executes(command_at(row)))
+            return refuse_in_event(command_at(row), word, error);
+    }
+    return true;
+}
+
 /* do stop|record|COMMANDS */
 static bool read_action(struct parser *parser, struct event_line *line, struct item *commands, struct error *error)
 {
@@ -239,7 +277,8 @@ static bool read_action(struct parser *parser, struct event_line *line, struct i
         return event_usage(commands->text, "'do' takes stop, record or a string of commands", error);
     if (commands->text.len > LIMIT_EVENT_TEXT)
         return error_at(error, commands->text, "more than %d bytes of commands", LIMIT_EVENT_TEXT);
-    return refuse_rest(parser, NULL, error);
+    return refuse_rest(parser, NULL, error) &&
+           (line->action != EVENT_COMMANDS || check_commands(commands->text, error));
 }
 
 static bool read_event(struct session *session, const struct arguments *given, struct text name, struct text rule,
@@ -353,9 +392,12 @@ COMMAND(event, .row = {"event", "", "watch for a moment on the way of runs", "",
                 "comparison becomes true,\n"
                 "is located inside of the step. 'do record' makes a row for 'list events' and 'export FILE events'; "
                 "'do stop' stops the run\n"
-                "there; a string of commands is executed after it has stopped. It holds for runs that start later. "
-                "'event NAME off' drops one,\n"
-                "'event off' all, 'event' shows them.",
-        .examples = "event top when v falling do record; run 5 s; list events\nevent low when y < -1 cm do stop; run 5 s",
+                "there; a string of commands is executed after it has stopped, and goes on where it ends in "
+                "continue. There NAME = VALUE\n"
+                "changes the run alone, a parameter of it or what moves: v = -0.9*v. It holds for runs that start "
+                "later. 'event NAME off' drops\n"
+                "one, 'event off' all, 'event' shows them.",
+        .examples = "event top when v falling do record; run 5 s; list events\nevent wall when y < -1 cm do 'v = -0.9*v; "
+                    "continue'; run 5 s",
         .see = "run list export equation", .flags = COMMAND_CHANGES,
         ARGUMENTS(PLACE("NAME", TYPE_NAME), PLACE("when EXPR do stop|record|COMMANDS", TYPE_FORMULA)))

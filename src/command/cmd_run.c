@@ -12,6 +12,8 @@
 #define UNTIL_DURATIONS 1000 /* `run until` gives up after so many durations */
 #define STEPS_MOST 1000000000
 #define SLICE_NS 10000000 /* 10 ms between looks at the front end */
+#define PASSES_MOST 10000 /* events whose commands let a run go on, in one command */
+#define PILE 1e-9         /* of t: what lies between moments that pile up */
 
 /* ---- going ---- */
 
@@ -79,14 +81,11 @@ static bool set_out(struct session *session, const struct arguments *given, int6
     return !held->events || watch(session, given, journey, error);
 }
 
-static void travel(struct session *session, struct run *run, const struct run_target *target, bool clocked,
-                   struct reply *reply)
+static void travel(struct session *session, struct run *run, const struct run_target *target, bool clocked)
 {
     const struct front *front = &session->front;
     const double from = run->t;
     if (front->watched && front->slice) {
-        if (clocked && session->typed)
-            reply_line(reply, "running... (pause: Ctrl-C or F5; you can keep typing commands)");
         live_advance(session, run, target, clocked && session->typed);
         return;
     }
@@ -101,29 +100,86 @@ static void travel(struct session *session, struct run *run, const struct run_ta
         front->progress(front->context, run, 2);
 }
 
-/* What `record`, and the story of the session, have to say where the statement alone does not tell what happened. */
+/* What `record`, and the story of the session, have to say where the statement alone does not tell what happened. What
+ * events did it does again. */
 static void tell(struct session *session, const struct journey *journey)
 {
-    const bool paused = journey->held->run->stop == STOP_CANCELLED, changed = journey->held->legs > journey->legs;
+    const bool paused = journey->held->run->stop == STOP_CANCELLED;
     const bool whole = journey->legs == 1 && journey->steps == 0;
-    if (paused || changed)
-        journal_write(session, journey->held, whole ? 0 : journey->legs, whole ? -1 : journey->steps, 0,
+    if (paused || journal_changed(journey->held, journey->legs))
+        journal_write(session, journey->held, whole ? 0 : journey->legs, whole ? -1 : journey->steps, 0, false,
                       &session->live.record);
 }
 
-/* What the event that stopped it wants executed; the run's statement stands for it in what is recorded and saved. */
+/*
+ * What the event that stopped it wants executed, in the parameters that the run has; those that it sets are the run's
+ * alone. The run's statement stands for it in what is recorded and saved.
+ */
 static bool react(struct session *session, const struct event_line *event, const struct arguments *given,
                   struct reply *reply, struct error *error)
 {
     const struct source where = {event->name, 1, given->where};
+    const struct scene scene = session->setup.scene;
     if (event->action != EVENT_COMMANDS)
         return true;
+    journal_scene(session->run[session->current_run], true, &session->setup.scene);
     session->reacting = true;
-    const bool ok = command_exec(session, text_of(event->commands), &where, reply);
-    session->reacting = false;
+    const struct text commands = event_commands(text_of(event->commands), &session->passing);
+    const bool ok = command_exec(session, commands, &where, reply);
+    session->reacting = session->passing = false;
+    session->setup.scene = scene;
     if (!ok)
         *error = (struct error){.code = ERROR_NONE}; /* it was reported there */
     return ok;
+}
+
+/* Events at which a run stops only for what they change. */
+struct passage {
+    const struct event_line *stopped[LIMIT_EVENTS]; /* where it is now */
+    int count;
+    int passed;                /* of this journey */
+    double last[LIMIT_EVENTS]; /* [s] when each did */
+    int close[LIMIT_EVENTS];   /* how often in a row at once after that */
+};
+
+/* The ball that bounces ever lower does so infinitely often before it lies still (Zeno). */
+static bool piles_up(const struct journey *journey, struct passage *passage, struct error *error)
+{
+    const struct run *run = journey->held->run;
+    if (++passage->passed > PASSES_MOST) {
+        error_set(error, ERROR_NUMERICAL, "events have stopped run %d %d times, at last at t = %.9g s, more than one "
+                  "command follows", run->number, PASSES_MOST, run->t);
+        return !error_hint(error, "'continue' goes on");
+    }
+    for (int i = 0; i < passage->count; i++) {
+        const ptrdiff_t event = passage->stopped[i] - journey->held->events->line;
+        const double since = fabs(run->t - passage->last[event]);
+        passage->close[event] = passage->passed > 1 && since <= PILE * fabs(run->t) ? passage->close[event] + 1 : 0;
+        passage->last[event] = run->t;
+        if (passage->close[event] < 2)
+            continue;
+        error_set(error, ERROR_NUMERICAL, "the event %s comes again after %.2g s, and again: its moments pile up at "
+                  "t = %.9g s", passage->stopped[i]->name, since, run->t);
+        return !error_hint(error, "run %d is kept up to there; an event with 'do stop' can end it before",
+                           run->number);
+    }
+    return false;
+}
+
+/* The commands of events that pass. False: the run is where it stops, *ok unless because of an error. */
+static bool pass(struct session *session, const struct journey *journey, struct passage *passage,
+                 const struct arguments *given, struct reply *reply, bool *ok, struct error *error)
+{
+    bool passes = true;
+    passage->count = events_stopped_at(journey->held, passage->stopped);
+    for (int i = 0; i < passage->count && passes; i++)
+        event_commands(text_of(passage->stopped[i]->commands), &passes); /* none of others than EVENT_COMMANDS */
+    if (passage->count == 0 || !passes)
+        return false;
+    *ok = !piles_up(journey, passage, error);
+    for (int i = 0; i < passage->count && *ok; i++)
+        *ok = react(session, passage->stopped[i], given, reply, error);
+    return *ok;
 }
 
 static void reply_event(const struct held_run *held, const struct event_line *stopped, struct reply *reply)
@@ -136,21 +192,20 @@ static void reply_event(const struct held_run *held, const struct event_line *st
 }
 
 /* Says how it went; false if it did not get where it should. */
-static bool arrive(struct session *session, const struct journey *journey, const struct arguments *given,
+static bool arrive(struct session *session, const struct journey *journey, const struct passage *passage,
                    struct reply *reply, struct error *error)
 {
     struct run *run = journey->held->run;
-    const struct event_line *stopped = event_stopped_at(journey->held);
     session->data_is_latest = false;
     session_changed(session);
-    if (run->stop == STOP_CONDITION)
+    if (run->stop == STOP_CONDITION && passage->count == 0)
         journal_pending(journey->held)->met = run->steps;
     tell(session, journey);
     if (run->stop == STOP_CANCELLED)
         reply_line(reply, "%s at t = %.6g s; 'continue' goes on", session->front.watched ? "paused" : "stopped",
                    run->t);
     reply_run(session, run, reply);
-    reply_event(journey->held, stopped, reply);
+    reply_event(journey->held, passage->count > 0 ? passage->stopped[0] : NULL, reply);
     reply_growth(run, reply);
     if (run->stop == STOP_CANCELLED) {
         session->halted = session->front.watched;
@@ -169,7 +224,7 @@ static bool arrive(struct session *session, const struct journey *journey, const
         buffer_free(&why);
         return false;
     }
-    return !stopped || react(session, stopped, given, reply, error);
+    return true;
 }
 
 /*
@@ -180,17 +235,30 @@ static bool advance(struct session *session, const struct arguments *given, int6
                     struct reply *reply, struct error *error)
 {
     struct journey journey;
+    struct passage passage = {.count = 0};
+    struct error why = {0};
+    bool ok = true;
     if (!set_out(session, given, steps, &journey, error))
         return false;
     struct run *run = journey.held->run;
-    travel(session, run, &journey.target, clocked, reply);
+    const int64_t last = journey.target.steps < 0 ? -1 : run->steps + journey.target.steps;
+    if (clocked && session->typed && session->front.watched && session->front.slice)
+        reply_line(reply, "running... (pause: Ctrl-C or F5; you can keep typing commands)");
+    do {
+        journey.target.steps = last < 0 ? -1 : last - run->steps;
+        travel(session, run, &journey.target, clocked);
+    } while (pass(session, &journey, &passage, given, reply, &ok, &why));
     const bool early = run->stop == STOP_END && run->t != journey.leg.t && steps >= 0 && run->steps < journey.leg.end;
-    if (!early)
-        return arrive(session, &journey, given, reply, error);
-    journey.target.condition = NULL; /* it was not waited for */
-    const bool ok = arrive(session, &journey, given, reply, error);
-    run->stop = STOP_CANCELLED;
-    return ok;
+    if (early)
+        journey.target.condition = NULL; /* it was not waited for */
+    const bool arrived = arrive(session, &journey, &passage, reply, error);
+    if (early)
+        run->stop = STOP_CANCELLED;
+    for (int i = 0; i < passage.count && arrived && ok; i++)
+        ok = react(session, passage.stopped[i], given, reply, &why);
+    if (arrived && !ok)
+        *error = why;
+    return arrived && ok;
 }
 
 static struct run *new_run(struct session *session, double span, int64_t steps, bool force, struct error *error)
@@ -290,7 +358,7 @@ static void warn_other_scene(const struct session *session, const struct run *ru
 {
     const struct scene *now = &session->setup.scene;
     struct scene in_force;
-    journal_scene(session->run[session->current_run], &in_force);
+    journal_scene(session->run[session->current_run], false, &in_force);
     if (now->model != in_force.model || session->setup.events != session->run[session->current_run]->events ||
         memcmp(now->value, in_force.value, sizeof now->value) != 0 ||
         run->method != session->setup.method)
@@ -305,10 +373,12 @@ static double direction(const struct run *run)
     return run->t < run->system.t0 ? -1 : 1;
 }
 
-/* Whether something is left of what was asked for before a pause. */
+/* Whether something is left of what was asked for before a pause, or an event. */
 static bool is_paused(const struct session *session, const struct run *run)
 {
-    return run->stop == STOP_CANCELLED && journal_pending(session->run[session->current_run]);
+    const struct leg *leg = journal_pending(session->run[session->current_run]);
+    const bool at_event = run->stop == STOP_CONDITION && leg && leg->met == 0;
+    return leg && (run->stop == STOP_CANCELLED || (at_event && leg->end == INT64_MAX && run->t != leg->t));
 }
 
 HANDLER(continue)
@@ -418,11 +488,12 @@ COMMAND(run, .row = {"run", "", "start a new run at t0", "", "r"}, .group = "RUN
                   OPTION("number", TYPE_INTEGER), OPTION("force", TYPE_NONE)))
 
 COMMAND(continue, .row = {"continue", "", "let the current run go on", "", NULL}, .group = "RUN",
-        .text = "A paused run goes on to where it was to end. Otherwise for DURATION (else the setting 'duration'), to "
-                "the time T, or until a\n"
-                "condition becomes true, with the parameters and the method of the run. The result is the same, bit "
-                "for bit, as if the run\n"
-                "had been longer from the start. --steps N pauses after N steps.",
+        .text = "A run that was paused, or stopped by an event, goes on to where it was to end. Otherwise for DURATION "
+                "(else the setting\n"
+                "'duration'), to the time T, or until a condition becomes true, with the parameters and the method of "
+                "the run. The result\n"
+                "is the same, bit for bit, as if the run had been longer from the start. --steps N pauses after N "
+                "steps.",
         .examples = "run; continue 5 s\nrun 3 s; continue to 10 s", .see = "run step back change",
         .flags = COMMAND_CHANGES,
         ARGUMENTS(PLACE("DURATION", TYPE_VALUE, .quantity = QUANTITY_TIME, .group = 1),

@@ -84,6 +84,42 @@ HANDLER(scene)
 
 /* ---- set, unset, let ---- */
 
+/* What stands after NAME, without the "=" of an assignment. */
+static struct parser value_parser(struct session *session, const struct arguments *given)
+{
+    struct text value = given_for(given, "VALUE")->item->text;
+    if (value.len > 0 && value.at[0] == '\'') /* of a velocity's name */
+        value = (struct text){value.at + 1, value.len - 1};
+    skip_blanks(&value);
+    if (value.len > 0 && value.at[0] == '=')
+        value = (struct text){value.at + 1, value.len - 1};
+    return (struct parser){session, given->scope, given->arena, value};
+}
+
+static bool read_value(struct parser *parser, const char *what, enum quantity quantity, struct item *item,
+                       struct error *error)
+{
+    return parse_value(parser, what, quantity, item, error) && refuse_rest(parser, item, error);
+}
+
+/* What was set; events that happen often keep silent. */
+static void reply_set(const struct session *session, struct buffer *text, struct reply *reply)
+{
+    if (!session->passing)
+        reply_text(reply, buffer_text(text));
+    buffer_free(text);
+}
+
+/* Of what moves in the current run, where it may be set; -1: none. */
+static int state_named(const struct session *session, struct text name, struct text value)
+{
+    const struct run *run = session_run(session);
+    if (!run || (!session->reacting && !session->live.changing))
+        return -1;
+    name.len += value.len > 0 && value.at == name.at + name.len && value.at[0] == '\'';
+    return model_state(run->system.model, name);
+}
+
 /* The scene as it was, where the run that goes on cannot follow. */
 static bool bind_param(struct session *session, int param, const struct scene *before, double *since,
                        struct error *error)
@@ -107,8 +143,28 @@ static bool set_param(struct session *session, int param, const struct item *ite
     struct buffer text = {0};
     put_param(session, param, &text);
     buffer_since(&text, since);
-    reply_text(reply, buffer_text(&text));
-    buffer_free(&text);
+    reply_set(session, &text, reply);
+    return true;
+}
+
+/* What moves: a jump of the current run. */
+static bool set_state(struct session *session, int variable, struct parser *parser, struct reply *reply,
+                      struct error *error)
+{
+    const struct run *run = session_run(session);
+    const struct variable moving = system_variable(&run->system, variable);
+    struct item item = {0};
+    struct buffer text = {0};
+    if (!read_value(parser, moving.name, moving.quantity, &item, error))
+        return false;
+    if (!live_kick(session, variable, item.value.value, error)) {
+        error->where = item.text;
+        return false;
+    }
+    buffer_format(&text, "%s = ", moving.name);
+    buffer_measured(&text, item.value, moving.quantity, session->setup.settings.digits);
+    buffer_since(&text, run->t);
+    reply_set(session, &text, reply);
     return true;
 }
 
@@ -141,8 +197,7 @@ static bool set_derived(struct session *session, const struct derived_row *deriv
     put_param(session, target, &text);
     buffer_char(&text, ')');
     buffer_since(&text, since);
-    reply_text(reply, buffer_text(&text));
-    buffer_free(&text);
+    reply_set(session, &text, reply);
     return true;
 }
 
@@ -190,21 +245,6 @@ static bool set_let(struct session *session, struct text name, const struct item
     return true;
 }
 
-/* What stands after NAME, without the "=" of an assignment. */
-static struct parser value_parser(struct session *session, const struct arguments *given)
-{
-    struct text value = given_for(given, "VALUE")->item->text;
-    if (value.len > 0 && value.at[0] == '=')
-        value = (struct text){value.at + 1, value.len - 1};
-    return (struct parser){session, given->scope, given->arena, value};
-}
-
-static bool read_value(struct parser *parser, const char *what, enum quantity quantity, struct item *item,
-                       struct error *error)
-{
-    return parse_value(parser, what, quantity, item, error) && refuse_rest(parser, item, error);
-}
-
 HANDLER(set)
 {
     const struct text name = given_for(given, "NAME")->item->text;
@@ -212,8 +252,11 @@ HANDLER(set)
     struct parser parser = value_parser(session, given);
     struct item item = {0};
     const struct row *row;
+    const int variable = state_named(session, name, given_for(given, "VALUE")->item->text);
     bool ok;
-    if ((row = catalog_find(params, name))) {
+    if (variable >= 0) {
+        ok = set_state(session, variable, &parser, reply, error);
+    } else if ((row = catalog_find(params, name))) {
         const struct param_row *param = (const struct param_row *)(const void *)row;
         ok = read_value(&parser, row->name, param->quantity, &item, error) &&
              set_param(session, catalog_place(params, row), &item, reply, error);

@@ -314,6 +314,8 @@ void live_refresh(struct session *session);
  * [s]: since when, NAN: there is no such run. The run is unchanged on error.
  */
 bool live_bind(struct session *session, int param, double *from, struct error *error);
+/* Gives a variable of the current run's state, which there is, another value. */
+bool live_kick(struct session *session, int variable, double value, struct error *error);
 /* " from t = 3.2 s on", nothing where `from` is NAN. */
 void buffer_since(struct buffer *text, double from);
 

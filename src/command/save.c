@@ -206,7 +206,7 @@ static bool save_run(const struct session *session, const struct held_run *held,
     const char *why = NULL;
     if (run->seconds >= SECONDS_MOST)
         why = "it took too long to compute";
-    else if (!journal_write(session, held, 0, -1, run->number, text))
+    else if (!journal_write(session, held, 0, -1, run->number, true, text))
         why = "it stopped at a condition on a variable or a result";
     if (why) {
         text->len = before;
