@@ -13,7 +13,7 @@
 #define STEPS_MOST 1000000000
 #define SLICE_NS 10000000 /* 10 ms between looks at the front end */
 #define PASSES_MOST 10000 /* events whose commands let a run go on, in one command */
-#define PILE 1e-9         /* of t: what lies between moments that pile up */
+#define PILE 1e-6         /* of the longest time between two: moments that pile up are closer */
 
 /* ---- going ---- */
 
@@ -137,9 +137,13 @@ static bool react(struct session *session, const struct event_line *event, const
 struct passage {
     const struct event_line *stopped[LIMIT_EVENTS]; /* where it is now */
     int count;
-    int passed;                /* of this journey */
-    double last[LIMIT_EVENTS]; /* [s] when each did */
-    int close[LIMIT_EVENTS];   /* how often in a row at once after that */
+    int passed;  /* of this journey */
+    size_t seen; /* happenings of the run */
+    struct {
+        bool known;
+        double last, longest; /* [s] when it was, and the longest time between two */
+        int close;            /* how often in a row it has come at once */
+    } event[LIMIT_EVENTS];
 };
 
 /* The ball that bounces ever lower does so infinitely often before it lies still (Zeno). */
@@ -147,21 +151,25 @@ static bool piles_up(const struct journey *journey, struct passage *passage, str
 {
     const struct run *run = journey->held->run;
     if (++passage->passed > PASSES_MOST) {
-        error_set(error, ERROR_NUMERICAL, "events have stopped run %d %d times, at last at t = %.9g s, more than one "
+        error_set(error, ERROR_NUMERICAL, "events have stopped run %d %d times, at last at t = %.9g s: more than one "
                   "command follows", run->number, PASSES_MOST, run->t);
         return !error_hint(error, "'continue' goes on");
     }
-    for (int i = 0; i < passage->count; i++) {
-        const ptrdiff_t event = passage->stopped[i] - journey->held->events->line;
-        const double since = fabs(run->t - passage->last[event]);
-        passage->close[event] = passage->passed > 1 && since <= PILE * fabs(run->t) ? passage->close[event] + 1 : 0;
-        passage->last[event] = run->t;
-        if (passage->close[event] < 2)
+    for (; passage->seen < run_happenings(run); passage->seen++) {
+        const struct happening *happening = run_happening(run, passage->seen);
+        const int i = happening->event;
+        const double since = fabs(happening->t - passage->event[i].last);
+        if (passage->event[i].known) {
+            passage->event[i].close = since <= PILE * passage->event[i].longest ? passage->event[i].close + 1 : 0;
+            passage->event[i].longest = fmax(passage->event[i].longest, since);
+        }
+        passage->event[i].known = true;
+        passage->event[i].last = happening->t;
+        if (passage->event[i].close < 3 || journey->held->events->line[i].action != EVENT_COMMANDS)
             continue;
-        error_set(error, ERROR_NUMERICAL, "the event %s comes again after %.2g s, and again: its moments pile up at "
-                  "t = %.9g s", passage->stopped[i]->name, since, run->t);
-        return !error_hint(error, "run %d is kept up to there; an event with 'do stop' can end it before",
-                           run->number);
+        error_set(error, ERROR_NUMERICAL, "the event %s comes again and again, at last after %.2g s: its moments pile "
+                  "up at t = %.9g s", journey->held->events->line[i].name, since, run->t);
+        return !error_hint(error, "run %d is kept up to there; an event with 'do stop' can end it before", run->number);
     }
     return false;
 }

@@ -150,7 +150,7 @@ static bool exec_statement(struct session *session, struct text statement, const
     }
     if (!ok)
         return false;
-    session->commands++;
+    session->commands += !session->reacting;
     const bool told_by_source = session->reacting || (where && where->parent);
     if (told_by_source && !running)
         buffer_free(&session->live.record);

@@ -255,6 +255,9 @@ bool run_kick(struct run *run, int i, double value, struct error *error)
     struct run_private *p = run->private_state;
     const struct system *system = &run->system;
     const double was = run->y[i], before = system->order == 2 ? system_energy(system, run->y) : 0;
+    if (run->method->flags & METHOD_YARDSTICK)
+        return error_set(error, ERROR_COMMAND, "%s keeps what it knows to itself: its state cannot be changed on the way",
+                         run->method->row.name);
     if (!(fabs(value) <= p->bound[i]))
         return error_set(error, ERROR_COMMAND, "%s cannot become %g", system_variable(system, i).name, value);
     if (!reserve_kick(p) || !trace_reserve_grids(run->trace, 1))
@@ -270,6 +273,9 @@ bool run_kick(struct run *run, int i, double value, struct error *error)
     trace_present(run->trace, run->steps, run->t, run->y);
     p->kick[p->kicks++] =
         (struct kick){run->steps, system->order == 2 ? system_energy(system, run->y) - before : 0};
+    /* Another motion: what the step control has learnt of the old one is no guide. */
+    run->controller = (struct controller){.tol = run->settings.tol,
+                                          .h = copysign(run->settings.dt, run->controller.h)};
     p->factor = 1;
     p->settled = (struct balance){0};
     p->step.warm = false;
