@@ -121,6 +121,7 @@ extern const struct catalog setting_catalog;
 #define LIMIT_LET 128     /* variables made by let */
 #define LIMIT_RESULTS 128 /* names of results: measured_period, fit_gamma … */
 #define LIMIT_CHECKPOINTS 64
+#define LIMIT_OWN 32 /* scenes of the user's own, by name */
 
 struct named_value {
     char name[LIMIT_NAME + 1];
@@ -133,6 +134,8 @@ struct events; /* private: what is watched for on the way; a list never changes 
 /* The part that is plain data: undo copies it. */
 struct setup {
     struct scene scene;
+    const struct preset *own[LIMIT_OWN]; /* scenes that are all typed, as they were when last changed */
+    int owns;
     const struct events *events; /* of the next run; NULL: none */
     const struct method *method;
     enum drag drag; /* DRAG_DEFAULT: the method's own */

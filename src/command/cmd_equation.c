@@ -37,15 +37,22 @@ static bool free_name(struct text name, struct error *error)
 }
 
 /* Events belong to what moves: another scene has its own. */
-static void use_model(struct session *session, const struct model *model, bool begins, struct reply *reply)
+static bool use_model(struct session *session, const struct model *model, bool begins, struct reply *reply,
+                      struct error *error)
 {
     struct setup *setup = &session->setup;
+    const struct scene before = setup->scene;
     scene_remodel(&setup->scene, model);
+    if (!keep_own_scene(session, error)) {
+        setup->scene = before;
+        return false;
+    }
     if (begins && setup->events) {
         setup->events = NULL;
         reply_line(reply, "the events of the scene before are gone");
     }
     session_changed(session);
+    return true;
 }
 
 /* A potential has to be that of the forces; where the scene is not complete yet, that is seen later. */
@@ -68,9 +75,9 @@ static bool add_line(struct session *session, const struct typed_line *line, str
     const struct model *before = session->setup.scene.model, *model;
     struct buffer text = {0};
     if (!(model = typed_add(session->models, before, line, error)) ||
-        !suits(&session->setup.scene, model, line, error))
+        !suits(&session->setup.scene, model, line, error) ||
+        !use_model(session, model, !typed_base(model) && typed_base(before), reply, error))
         return false;
-    use_model(session, model, !typed_base(model) && typed_base(before), reply);
     typed_describe(line, &text);
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
@@ -83,9 +90,8 @@ static bool remove_line(struct session *session, enum typed_kind kind, struct te
     const struct model *model = typed_remove(session->models, session->setup.scene.model, kind, name, error);
     if (!model && kind == TYPED_OBSERVE && model_observation(session->setup.scene.model, name) >= 0)
         return error_at(error, name, "%s is used by other lines of the scene", what);
-    if (!model)
+    if (!model || !use_model(session, model, false, reply, error))
         return false;
-    use_model(session, model, false, reply);
     reply_line(reply, "%s is gone", what);
     return true;
 }

@@ -174,6 +174,12 @@ static bool piles_up(const struct journey *journey, struct passage *passage, str
     return false;
 }
 
+static bool is_met(const struct run_target *target)
+{
+    return target->condition &&
+           condition_holds(target->condition, condition_value(target->condition, target->scope));
+}
+
 /* The commands of events that pass. False: the run is where it stops, *ok unless because of an error. */
 static bool pass(struct session *session, const struct journey *journey, struct passage *passage,
                  const struct arguments *given, struct reply *reply, bool *ok, struct error *error)
@@ -185,9 +191,13 @@ static bool pass(struct session *session, const struct journey *journey, struct 
     if (passage->count == 0 || !passes)
         return false;
     *ok = !piles_up(journey, passage, error);
+    const bool met = is_met(&journey->target);
     for (int i = 0; i < passage->count && *ok; i++)
         *ok = react(session, passage->stopped[i], given, reply, error);
-    return *ok;
+    if (!*ok || met || !is_met(&journey->target))
+        return *ok;
+    passage->count = 0; /* what they changed has made the condition true */
+    return false;
 }
 
 static void reply_event(const struct held_run *held, const struct event_line *stopped, struct reply *reply)

@@ -35,6 +35,8 @@ static void reply_scene(const struct session *session, struct reply *reply)
     struct buffer text = {0};
     buffer_format(&text, "%s: %s\n", scene->preset->row.name, scene->preset->row.brief);
     scene_lines(scene, "  ", &text);
+    if (scene->model->n == 0)
+        buffer_put(&text, TEXT("  nothing moves yet: var NAME = VALUE makes a variable\n"));
     buffer_char(&text, ' ');
     for (int i = 0; i < (int)scene_params(scene)->count; i++) {
         const char *name = param_at(scene, i)->row.name;
@@ -66,13 +68,53 @@ static void warn_hidden(const struct session *session, struct reply *reply)
     }
 }
 
+bool keep_own_scene(struct session *session, struct error *error)
+{
+    struct setup *setup = &session->setup;
+    const struct preset *own = typed_preset(setup->scene.model);
+    int i = 0;
+    while (own && i < setup->owns && strcmp(setup->own[i]->row.name, own->row.name) != 0)
+        i++;
+    if (i == LIMIT_OWN)
+        return error_set(error, ERROR_COMMAND, "%d scenes of your own exist already", LIMIT_OWN);
+    if (own)
+        setup->own[i] = own;
+    setup->owns += own && i == setup->owns;
+    return true;
+}
+
+/* An empty one; the handler's caller takes the set-up back if it fails. */
+static bool new_scene(struct session *session, const struct given *name, struct error *error)
+{
+    const struct text as = name->count ? name->item->text : TEXT("");
+    if (peek_name(as).len < as.len)
+        return error_at(error, as, "a name is letters, digits, _ and -, and begins with a letter");
+    if (name->count && (text_is(as, "new") || catalog_find(&preset_catalog, as)))
+        return error_at(error, as, "'%.*s' is taken", (int)as.len, as.at);
+    const struct model *model = typed_new(session->models, as, error);
+    if (!model)
+        return false;
+    struct setup *setup = &session->setup;
+    const struct scene before = setup->scene;
+    scene_init(&setup->scene, typed_preset(model));
+    if (keep_own_scene(session, error))
+        return true;
+    setup->scene = before;
+    return false;
+}
+
 HANDLER(scene)
 {
-    UNUSED(error);
-    const struct given *name = given_for(given, "NAME");
+    const struct given *name = given_for(given, "NAME|new"), *as = given_for(given, "NAME");
     if (name->count) {
         const struct model *before = session->setup.scene.model;
-        scene_init(&session->setup.scene, (const struct preset *)(const void *)name->item->row);
+        const struct preset *preset = (const struct preset *)(const void *)name->item->row;
+        if (preset && as->count)
+            return error_at(error, as->where, "a scene has one name; 'scene new NAME' begins one of your own");
+        if (preset)
+            scene_init(&session->setup.scene, preset);
+        else if (!new_scene(session, as, error))
+            return false;
         if (session->setup.scene.model != before)
             session->setup.events = NULL; /* they may speak of what is not there */
         session_changed(session);
@@ -370,10 +412,10 @@ COMMAND(
     scene, .row = {"scene", "", "choose a scene, or show the present one", "", NULL}, .group = "SCENE",
     .text =
         "Sets all parameters to those of the scene; method, dt and recordings stay. 'list scenes' shows what there is. "
-        "Without NAME it\nshows the present one, with the equations, forces and events that were typed. One of your own "
-        "begins with var.",
-    .examples = "scene damped\nscene", .see = "set show plan var force", .flags = COMMAND_CHANGES,
-    ARGUMENTS(PLACE("NAME", TYPE_CHOICE, .choices = &preset_catalog)))
+        "Without NAME it\nshows the present one, with the equations, forces and events that were typed. 'scene new' "
+        "begins an empty one for equations\nof your own; under a NAME it can be chosen again later.",
+    .examples = "scene damped\nscene new decay; var x = 1; x' = -x; run 1 s", .see = "set show plan var force",
+    .flags = COMMAND_CHANGES, ARGUMENTS(PLACE("NAME|new", TYPE_SCENE), PLACE("NAME", TYPE_TEXT)))
 
 COMMAND(set, .row = {"set", "", "set a parameter or a setting", "", NULL}, .group = "SCENE",
         .text = "The same as NAME = value. A value may carry a unit and an uncertainty; a bare number is in the SI "

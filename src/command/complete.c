@@ -143,6 +143,12 @@ static void offer_item(struct completion *c, const struct argument *argument, st
     case TYPE_MODEL:
         offer_catalog(c, argument->choices);
         break;
+    case TYPE_SCENE:
+        for (int i = 0; i < c->session->setup.owns; i++)
+            offer(c, c->session->setup.own[i]->row.name, "of your own");
+        offer_catalog(c, &preset_catalog);
+        offer(c, "new", "an empty scene, for equations of your own");
+        break;
     case TYPE_COLUMN:
         if (argument->choices)
             offer_catalog(c, argument->choices);

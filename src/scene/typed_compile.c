@@ -287,7 +287,7 @@ static bool make_model(struct compile *c)
         *model = *typed->base;
         model->exact = NULL;
     } else {
-        model->row = (struct row){"typed", "", "equations typed by the user", "", NULL};
+        model->row = (struct row){typed->name, "", "equations typed by the user", "", NULL};
         model->derived = &no_derived;
         model->begin = typed_begin;
         if (!lay_out(c))
