@@ -22,7 +22,7 @@ static int set_up(void **state)
     for (size_t i = 0; i < method_catalog.count && methods < 512; i++)
         if (!(method_at(i)->flags & METHOD_YARDSTICK))
             all[methods++] = method_at(i);
-    return study_stress(all, methods, NULL, &stress, &error) ? 0 : -1;
+    return study_stress(NULL, all, methods, NULL, &stress, &error) ? 0 : -1;
 }
 
 static int tear_down(void **state)
@@ -135,7 +135,7 @@ static void test_cancelled_keeps_what_is_finished(void **state)
     struct stress none;
     struct error error;
     const struct method *one[] = {method_named("rk4")};
-    assert_false(study_stress(one, 1, &cancel, &none, &error));
+    assert_false(study_stress(NULL, one, 1, &cancel, &none, &error));
     assert_int_equal(error.code, ERROR_CANCELLED);
     assert_int_equal(none.rows, 0);
     stress_free(&none);
