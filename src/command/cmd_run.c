@@ -194,10 +194,12 @@ static bool pass(struct session *session, const struct journey *journey, struct 
     const bool met = is_met(&journey->target);
     for (int i = 0; i < passage->count && *ok; i++)
         *ok = react(session, passage->stopped[i], given, reply, error);
-    if (!*ok || met || !is_met(&journey->target))
-        return *ok;
-    passage->count = 0; /* what they changed has made the condition true */
-    return false;
+    if (*ok && !met && is_met(&journey->target)) { /* by what they changed */
+        passage->count = 0;
+        return false;
+    }
+    *ok = *ok && journal_go_on(journey->held, true, error);
+    return *ok;
 }
 
 static void reply_event(const struct held_run *held, const struct event_line *stopped, struct reply *reply)
@@ -399,6 +401,11 @@ static bool is_paused(const struct session *session, const struct run *run)
     return leg && (run->stop == STOP_CANCELLED || (at_event && leg->end == INT64_MAX && run->t != leg->t));
 }
 
+static bool resume(struct session *session, const struct run *run, struct error *error)
+{
+    return run->stop == STOP_CANCELLED || journal_go_on(session->run[session->current_run], false, error);
+}
+
 HANDLER(continue)
 {
     const struct given *duration = given_for(given, "DURATION"), *to = given_for(given, "to"),
@@ -425,8 +432,10 @@ HANDLER(continue)
     if (!allow_long(session, plan.seconds, plan.steps, is_given(given, "force"), error))
         return false;
     warn_other_scene(session, run, reply);
-    if ((told || !is_paused(session, run)) &&
-        !new_leg(session, to->count ? to->item->value.value : run->t + span, INT64_MAX, until, error))
+    const bool paused = !told && is_paused(session, run);
+    if (!paused && !new_leg(session, to->count ? to->item->value.value : run->t + span, INT64_MAX, until, error))
+        return false;
+    if (paused && !resume(session, run, error))
         return false;
     return advance(session, given, steps_given(given), true, reply, error);
 }
@@ -442,7 +451,7 @@ HANDLER(step)
             : !(run = new_run(session, (double)steps * session->setup.settings.dt, -1, true, error)))
         return false;
     if (is_paused(session, run))
-        return advance(session, given, steps, false, reply, error);
+        return resume(session, run, error) && advance(session, given, steps, false, reply, error);
     return new_leg(session, direction(run) * FAR, run->steps + steps, &none, error) &&
            advance(session, given, -1, false, reply, error);
 }

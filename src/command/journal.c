@@ -53,6 +53,14 @@ struct leg *journal_pending(const struct held_run *held)
     return NULL;
 }
 
+bool journal_go_on(struct held_run *held, bool by_event, struct error *error)
+{
+    const struct leg *leg = journal_pending(held);
+    const struct leg again = {.kind = LEG_GO, .from = held->run->steps, .from_t = held->run->t,
+                              .t = leg->t, .end = leg->end, .by_event = by_event};
+    return journal_add(held, again, text_of(leg->condition), error);
+}
+
 bool journal_back(struct held_run *held, int64_t before, double before_t, int64_t rows, struct error *error)
 {
     const struct run *run = held->run;
@@ -102,16 +110,12 @@ static void go(struct session *session, const struct held_run *so_far, const str
     struct condition condition;
     struct error ignored;
     size_t used;
-    struct run_target target = {.t = leg->t, .scope = &scope};
+    struct run_target target = {.t = leg->t, .steps = end - run->steps, .scope = &scope};
     if (leg->condition && condition_compile(text_of(leg->condition), &scope, &arena, &condition, &used, &ignored))
         target.condition = &condition;
     events_compile(so_far->events, &watching, &arena, &target.event, &target.events, &ignored);
-    /* Events may have stopped it on the way, without anything to show for it. */
-    for (int64_t before = run->steps - 1; run->steps < end && run->steps > before;) {
-        before = run->steps;
-        target.steps = end - before;
+    if (target.steps >= 0) /* 0: may be where a time is reached to the last bit */
         run_advance(run, &target, 0, NULL);
-    }
     arena_reset(&arena);
 }
 
@@ -274,7 +278,9 @@ bool journal_write(const struct session *session, const struct held_run *held, i
         if (next && next->by_event && !by_events)
             continue;
         const int64_t to = next ? next->from : run->steps;
-        if (i >= first && going && to > at) {
+        /* No step, but the time: it was the one asked for but for rounding. */
+        const bool ends = !next && going && going->from == at && going->from_t != run->t;
+        if (i >= first && going && (to > at || ends)) {
             if (!put_go(&c, going, at, to, next ? next->from_t : run->t)) {
                 text->len = before;
                 return false;

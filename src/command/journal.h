@@ -26,7 +26,7 @@ struct leg {
     int64_t met;     /* step at which the condition became true, 0: it did not */
     int param;       /* LEG_SET; LEG_KICK: variable */
     struct measured value;
-    bool by_event;   /* the same: by the commands of an event of the run */
+    bool by_event;   /* asked for by the commands of an event of the run */
     int64_t rows; /* LEG_BACK */
 };
 
@@ -36,6 +36,8 @@ void journal_free(struct leg *leg, int legs);
 bool journal_copy(const struct leg *leg, int legs, struct leg **copy);
 /* What is still to be done after a pause: the last LEG_GO; NULL: nothing. */
 struct leg *journal_pending(const struct held_run *held);
+/* Where an event has stopped the run: on towards the same. */
+bool journal_go_on(struct held_run *held, bool by_event, struct error *error);
 /* The run has been taken back by `rows`, from step `before`. */
 bool journal_back(struct held_run *held, int64_t before, double before_t, int64_t rows, struct error *error);
 /* The parameters in force now: those of the start and what was changed since, by events too or without them. */
