@@ -177,6 +177,9 @@ bool journal_restore(struct session *session, struct held_run *held, const struc
     int64_t way = common_way(held, leg, legs);
     way = steps < way ? steps : way;
     if (run->steps != steps || run->t != t || way < steps) {
+        /* What these remember of earlier steps comes back only by doing them again. */
+        if (run->method->flags & (METHOD_MULTISTEP | METHOD_YARDSTICK))
+            way = 0;
         size_t rows = trace_count(run->trace), back = 0;
         while (back + 1 < rows && trace_step(run->trace, rows - 1 - back) > way)
             back++;
