@@ -73,10 +73,18 @@ void reply_end(struct reply *reply);   /* the record */
 
 /* ---- where a line comes from ---- */
 
+/* Of a line of a file, which may be continued on others: where a piece of it comes from. */
+struct source_piece {
+    size_t at; /* in the line as it is executed */
+    int line, indent; /* indent: characters left out before it */
+};
+
 struct source {
     const char *name;            /* "lab1.hk", "-c", "-" ; NULL: typed at the prompt */
     int line;                    /* counted from 1 */
     const struct source *parent; /* who sourced it */
+    const struct source_piece *piece;
+    int pieces;
 };
 
 /* ---- settings ---- */
@@ -432,7 +440,8 @@ bool command_exec(struct session *session, struct text line, const struct source
 struct script {
     struct source where;
     struct buffer pending;
-    int pending_line; /* where the joined line began */
+    struct source_piece piece[64]; /* of the joined line; more count as the last */
+    int pieces;
     int commands;     /* session->commands at the start */
     bool ok, stopped;
 };

@@ -305,6 +305,9 @@ static bool read_event(struct session *session, const struct arguments *given, s
     const struct text when = after(rule, 4);
     if (!event_compile(when, &scope, given->arena, &event, &used, error))
         return names_explain(session, error);
+    struct parser compared = {session, &scope, given->arena, when};
+    if (!check_condition(&compared, text_trim((struct text){when.at, used}), error))
+        return false;
     if (used > LIMIT_EVENT_TEXT)
         return error_at(error, (struct text){when.at, used}, "more than %d bytes", LIMIT_EVENT_TEXT);
     struct parser parser = {session, &scope, given->arena, after(when, used)};

@@ -118,7 +118,7 @@ static void tell(struct session *session, const struct journey *journey)
 static bool react(struct session *session, const struct event_line *event, const struct arguments *given,
                   struct reply *reply, struct error *error)
 {
-    const struct source where = {event->name, 1, given->where};
+    const struct source where = {.name = event->name, .line = 1, .parent = given->where};
     const struct scene scene = session->setup.scene;
     if (event->action != EVENT_COMMANDS)
         return true;

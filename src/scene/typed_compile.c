@@ -16,7 +16,10 @@ static bool read_expr(struct compile *c, struct text text, const struct expr **e
     if (!*expr)
         return false;
     const struct text rest = text_trim((struct text){text.at + used, text.len - used});
-    return rest.len == 0 || error_at(c->error, rest, "the expression ends before '%.*s'", (int)rest.len, rest.at);
+    if (rest.len == 0)
+        return true;
+    error_at(c->error, rest, "the expression ends before '%.*s'", (int)rest.len, rest.at);
+    return unit_match(rest) ? error_hint(c->error, "units stand with values: param NAME = 0.2 N/m, then NAME here") : false;
 }
 
 /* What is observed first: each knows those above, equations know all. */

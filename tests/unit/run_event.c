@@ -17,7 +17,7 @@ struct fixture {
     struct run *run;
     struct arena arena;
     struct expr_scope scope;
-    struct event event[4];
+    struct event event[LIMIT_EVENTS];
     int events;
     struct error error;
 };
@@ -233,6 +233,24 @@ static void test_graze(void **state)
         assert_true(fabs(time_of(f, i) - 1) < 1e-7);
 }
 
+/* Records have a limit, at which the run says so and stays as it is. */
+static void test_many(void **state)
+{
+    struct fixture *f = *state;
+    start(f, "euler", 0.1, 0);
+    for (int i = 0; i < LIMIT_EVENTS; i++)
+        add(f, "sin(20*pi*(t + 0.01))", false);
+    go(f, 1e6, -1);
+    struct buffer why = {0};
+    run_explain(f->run, &why);
+    buffer_put(&why, TEXT(""));
+    assert_int_equal(f->run->stop, STOP_FULL);
+    assert_int_equal(run_happenings(f->run) / LIMIT_EVENTS, LIMIT_HAPPENINGS / LIMIT_EVENTS);
+    assert_non_null(strstr(why.data, "1000000 events were noticed, more are not kept"));
+    assert_true(fabs(f->run->t - 0.1 * (double)f->run->steps) < 1e-6);
+    buffer_free(&why);
+}
+
 /* ---- jumps ---- */
 
 static void bounce(struct fixture *f, double factor, int64_t most)
@@ -346,6 +364,7 @@ int main(void)
         TEST_CASE(test_same_time),
         TEST_CASE(test_odd_values),
         TEST_CASE(test_graze),
+        TEST_CASE(test_many),
         TEST_CASE(test_bounces),
         TEST_CASE(test_kick),
         TEST_CASE(test_observed),
