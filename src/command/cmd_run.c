@@ -12,8 +12,6 @@
 #define UNTIL_DURATIONS 1000 /* `run until` gives up after so many durations */
 #define STEPS_MOST 1000000000
 #define SLICE_NS 10000000 /* 10 ms between looks at the front end */
-#define PASSES_MOST 10000 /* events whose commands let a run go on, in one command */
-#define PILE 1e-6         /* of the longest time between two: moments that pile up are closer */
 
 /* ---- going ---- */
 
@@ -111,97 +109,6 @@ static void tell(struct session *session, const struct journey *journey)
                       &session->live.record);
 }
 
-/*
- * What the event that stopped it wants executed, in the parameters that the run has; those that it sets are the run's
- * alone. The run's statement stands for it in what is recorded and saved.
- */
-static bool react(struct session *session, const struct event_line *event, const struct arguments *given,
-                  struct reply *reply, struct error *error)
-{
-    const struct source where = {.name = event->name, .line = 1, .parent = given->where};
-    const struct scene scene = session->setup.scene;
-    if (event->action != EVENT_COMMANDS)
-        return true;
-    journal_scene(session->run[session->current_run], true, &session->setup.scene);
-    session->reacting = true;
-    const struct text commands = event_commands(text_of(event->commands), &session->passing);
-    const bool ok = command_exec(session, commands, &where, reply);
-    session->reacting = session->passing = false;
-    session->setup.scene = scene;
-    if (!ok)
-        *error = (struct error){.code = ERROR_NONE}; /* it was reported there */
-    return ok;
-}
-
-/* Events at which a run stops only for what they change. */
-struct passage {
-    const struct event_line *stopped[LIMIT_EVENTS]; /* where it is now */
-    int count;
-    int passed;  /* of this journey */
-    size_t seen; /* happenings of the run */
-    struct {
-        bool known;
-        double last, longest; /* [s] when it was, and the longest time between two */
-        int close;            /* how often in a row it has come at once */
-    } event[LIMIT_EVENTS];
-};
-
-/* The ball that bounces ever lower does so infinitely often before it lies still (Zeno). */
-static bool piles_up(const struct journey *journey, struct passage *passage, struct error *error)
-{
-    const struct run *run = journey->held->run;
-    if (++passage->passed > PASSES_MOST) {
-        error_set(error, ERROR_NUMERICAL, "events have stopped run %d %d times, at last at t = %.9g s: more than one "
-                  "command follows", run->number, PASSES_MOST, run->t);
-        return !error_hint(error, "'continue' goes on");
-    }
-    for (; passage->seen < run_happenings(run); passage->seen++) {
-        const struct happening *happening = run_happening(run, passage->seen);
-        const int i = happening->event;
-        const double since = fabs(happening->t - passage->event[i].last);
-        if (passage->event[i].known) {
-            passage->event[i].close = since <= PILE * passage->event[i].longest ? passage->event[i].close + 1 : 0;
-            passage->event[i].longest = fmax(passage->event[i].longest, since);
-        }
-        passage->event[i].known = true;
-        passage->event[i].last = happening->t;
-        if (passage->event[i].close < 3 || journey->held->events->line[i].action != EVENT_COMMANDS)
-            continue;
-        error_set(error, ERROR_NUMERICAL, "the event %s comes again and again, at last after %.2g s: its moments pile "
-                  "up at t = %.9g s", journey->held->events->line[i].name, since, run->t);
-        return !error_hint(error, "run %d is kept up to there; an event with 'do stop' can end it before", run->number);
-    }
-    return false;
-}
-
-static bool is_met(const struct run_target *target)
-{
-    return target->condition &&
-           condition_holds(target->condition, condition_value(target->condition, target->scope));
-}
-
-/* The commands of events that pass. False: the run is where it stops, *ok unless because of an error. */
-static bool pass(struct session *session, const struct journey *journey, struct passage *passage,
-                 const struct arguments *given, struct reply *reply, bool *ok, struct error *error)
-{
-    bool passes = true;
-    passage->count = events_stopped_at(journey->held, passage->stopped);
-    for (int i = 0; i < passage->count && passes; i++)
-        event_commands(text_of(passage->stopped[i]->commands), &passes); /* none of others than EVENT_COMMANDS */
-    if (passage->count == 0 || !passes)
-        return false;
-    *ok = !piles_up(journey, passage, error);
-    const bool met = is_met(&journey->target);
-    for (int i = 0; i < passage->count && *ok; i++)
-        *ok = react(session, passage->stopped[i], given, reply, error);
-    if (*ok && !met && is_met(&journey->target)) { /* by what they changed */
-        passage->count = 0;
-        return false;
-    }
-    *ok = *ok && journal_go_on(journey->held, true, error);
-    return *ok;
-}
-
 static void reply_event(const struct held_run *held, const struct event_line *stopped, struct reply *reply)
 {
     const size_t count = run_happenings(held->run);
@@ -267,7 +174,7 @@ static bool advance(struct session *session, const struct arguments *given, int6
     do {
         journey.target.steps = last < 0 ? -1 : last - run->steps;
         travel(session, run, &journey.target, clocked);
-    } while (pass(session, &journey, &passage, given, reply, &ok, &why));
+    } while (events_pass(session, &journey.target, &passage, given, reply, &ok, &why));
     const bool early = run->stop == STOP_END && run->t != journey.leg.t && steps >= 0 && run->steps < journey.leg.end;
     if (early)
         journey.target.condition = NULL; /* it was not waited for */
@@ -275,7 +182,7 @@ static bool advance(struct session *session, const struct arguments *given, int6
     if (early)
         run->stop = STOP_CANCELLED;
     for (int i = 0; i < passage.count && arrived && ok; i++)
-        ok = react(session, passage.stopped[i], given, reply, &why);
+        ok = event_react(session, passage.stopped[i], given, reply, &why);
     if (arrived && !ok)
         *error = why;
     return arrived && ok;

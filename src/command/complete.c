@@ -131,7 +131,7 @@ static void offer_item(struct completion *c, const struct argument *argument, st
         break;
     case TYPE_COLUMN:
         if (argument->choices)
-            offer_catalog(c, argument->choices);
+            complete_catalog(c, argument->choices);
         offer_columns(c, argument->choices);
         break;
     case TYPE_UNIT:

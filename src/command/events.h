@@ -47,6 +47,29 @@ int events_stopped_at(const struct held_run *held, const struct event_line *stop
 /* What is to be executed; *passes: a `continue` at its end, which is not part of it, lets the run go on. */
 struct text event_commands(struct text commands, bool *passes);
 
+/* ---- what they do (passage.c) ---- */
+
+/* Events at which a run stops only for what they change. */
+struct passage {
+    const struct event_line *stopped[LIMIT_EVENTS]; /* where it is now */
+    int count;
+    int passed;  /* in the present command */
+    size_t seen; /* happenings of the run */
+    struct {
+        bool known;
+        double last, longest; /* [s] when it was, and the longest time between two */
+        int close;            /* how often in a row it has come at once */
+    } event[LIMIT_EVENTS];
+};
+
+/* The commands of an event, without `continue`. */
+bool event_react(struct session *session, const struct event_line *event, const struct arguments *given,
+                 struct reply *reply, struct error *error);
+/* The commands of events that pass, where the current run is at some. False: it is where it stops, *ok unless because of
+ * an error. */
+bool events_pass(struct session *session, const struct run_target *target, struct passage *passage,
+                 const struct arguments *given, struct reply *reply, bool *ok, struct error *error);
+
 /* Lines and records of all that happened in the current run. */
 void reply_happenings(const struct session *session, struct reply *reply);
 bool export_happenings(const struct session *session, struct export *export, struct error *error);
