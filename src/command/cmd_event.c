@@ -130,8 +130,8 @@ COMMAND(event, .row = {"event", "", "watch for a moment on the way of runs", "",
                 "there; a string of commands is executed after it has stopped, and goes on where it ends in "
                 "continue. There NAME = VALUE\n"
                 "changes the run alone, a parameter of it or what moves: v = -0.9*v. It holds for runs that start "
-                "later. 'event NAME off' drops\n"
-                "one, 'event off' all, 'event' shows them.",
+                "later; compare, sweep and\n"
+                "other studies know no events. 'event NAME off' drops one, 'event off' all, 'event' shows them.",
         .examples = "event top when v falling do record; run 5 s; list events\nevent wall when y < -1 cm do 'v = -0.9*v; "
                     "continue'; run 5 s",
         .see = "run list export equation", .flags = COMMAND_CHANGES,

@@ -8,7 +8,7 @@
 
 void script_begin(struct script *script, struct session *session, const char *name, const struct source *parent)
 {
-    *script = (struct script){.where = {name, 0, parent}, .commands = session->commands, .ok = true};
+    *script = (struct script){.where = {.name = name, .parent = parent}, .commands = session->commands, .ok = true};
 }
 
 static void execute(struct script *script, struct session *session, struct text line, struct reply *reply)

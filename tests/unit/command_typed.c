@@ -99,8 +99,8 @@ static void jumps_are_done_again(void **state)
     static const char *const scenes[] = {
         "var y = 1; y'' = -9.81; event bounce when y falling do \"y' = -0.8*y'; continue\"",
         "var u = 0; param I = 1.5; u' = I - u; event fire when u > 1 do 'u = 0; I = 1.01*I; continue'",
-        "var y = 1; var x = 0; x'' = 0; y'' = -1; event wall when abs(x) > 0.3 do 'vx = -vx; continue'; var x' = 1; "
-        "event floor when y < 0 do 'vy = -vy; y = 0; continue'; event count when x do 'print t; continue'",
+        ("var y = 1; var x = 0; x'' = 0; y'' = -1; event wall when abs(x) > 0.3 do 'vx = -vx; continue'; var x' = 1; "
+         "event floor when y < 0 do 'vy = -vy; y = 0; continue'; event count when x do 'print t; continue'"),
         "var y = 1; y'' = -9.81; event bounce when y falling do 'print t'"};
     static const char *const methods[] = {"rk4 dt=10ms", "dop853 tol=1e-9", "heun dt=7ms", "abm4 dt=10ms"};
     (void)state;
