@@ -73,10 +73,18 @@ void reply_end(struct reply *reply);   /* the record */
 
 /* ---- where a line comes from ---- */
 
+/* Of a line of a file, which may be continued on others: where a piece of it comes from. */
+struct source_piece {
+    size_t at; /* in the line as it is executed */
+    int line, indent; /* indent: characters left out before it */
+};
+
 struct source {
     const char *name;            /* "lab1.hk", "-c", "-" ; NULL: typed at the prompt */
     int line;                    /* counted from 1 */
     const struct source *parent; /* who sourced it */
+    const struct source_piece *piece;
+    int pieces;
 };
 
 /* ---- settings ---- */
@@ -121,6 +129,7 @@ extern const struct catalog setting_catalog;
 #define LIMIT_LET 128     /* variables made by let */
 #define LIMIT_RESULTS 128 /* names of results: measured_period, fit_gamma … */
 #define LIMIT_CHECKPOINTS 64
+#define LIMIT_OWN 32 /* scenes of the user's own, by name */
 
 struct named_value {
     char name[LIMIT_NAME + 1];
@@ -133,6 +142,8 @@ struct events; /* private: what is watched for on the way; a list never changes 
 /* The part that is plain data: undo copies it. */
 struct setup {
     struct scene scene;
+    const struct preset *own[LIMIT_OWN]; /* scenes that are all typed, as they were when last changed */
+    int owns;
     const struct events *events; /* of the next run; NULL: none */
     const struct method *method;
     enum drag drag; /* DRAG_DEFAULT: the method's own */
@@ -388,6 +399,7 @@ struct session {
     int nesting;      /* command_exec inside command_exec */
     bool halted;      /* a run was paused: what stands after it on the line and in the file is not executed */
     bool reacting;    /* commands of an event are executed: part of the statement that ran into it */
+    bool passing;     /* the run goes on after them: what they set is not told each time */
 
     struct view view;
     struct log log;
@@ -428,7 +440,8 @@ bool command_exec(struct session *session, struct text line, const struct source
 struct script {
     struct source where;
     struct buffer pending;
-    int pending_line; /* where the joined line began */
+    struct source_piece piece[64]; /* of the joined line; more count as the last */
+    int pieces;
     int commands;     /* session->commands at the start */
     bool ok, stopped;
 };

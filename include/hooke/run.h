@@ -127,6 +127,7 @@ void run_destroy(struct run *run);
  * output, which is located to rounding; a sign change and back within a step is found if half-way shows it.
  */
 #define LIMIT_EVENTS 16 /* looked for at once */
+#define LIMIT_HAPPENINGS 1000000 /* kept of a run: one more is STOP_FULL */
 
 struct event {
     char name[LIMIT_NAME + 1];
@@ -183,6 +184,12 @@ bool run_back(struct run *run, int64_t rows);
  * run is unchanged on error.
  */
 bool run_rebind(struct run *run, const struct scene *scene, struct error *error);
+/*
+ * Gives variable i of the present state another value, in a step of no length: two rows at one time. The change of
+ * energy counts as work, and from there on no exact solution is known. run_back() does not stop at the row before the
+ * jump. The run is unchanged on error: a value that no run may reach, no room.
+ */
+bool run_kick(struct run *run, int i, double value, struct error *error);
 /* Why it stopped, as a sentence for the user: "diverged at t = 12.31 s (step 18): dt = 0.7 s is above …; try dt <= 0.06
  * s". */
 void run_explain(const struct run *run, struct buffer *text);

@@ -396,6 +396,8 @@ struct typed_models; /* all of a session */
 
 struct typed_models *typed_create(struct error *error); /* NULL: no memory */
 void typed_destroy(struct typed_models *models);        /* with every model: nothing may use them any more */
+/* A scene without a line under this name ("": typed); lines that are added to it keep the name. NULL: error. */
+const struct model *typed_new(struct typed_models *models, struct text name, struct error *error);
 /*
  * `from` with one more line; a line of the same kind and name is replaced. On a built-in model var and equations begin
  * an empty scene, the others add to it. Texts are copied. NULL: error, whose `where` lies in line->expr or line->name.

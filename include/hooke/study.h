@@ -320,6 +320,7 @@ enum stress_verdict {
     STRESS_DAMPED,   /* what should swing is gone */
     STRESS_REFUSED,  /* with the reason: does not apply, out of budget, no solution … */
     STRESS_DIVERGED,
+    STRESS_UNKNOWN, /* arrived, but no two references do */
     STRESS_UNEXPLAINED, /* none of these: must not happen */
     STRESS_VERDICTS
 };
@@ -333,6 +334,10 @@ struct stress_case {
         const char *param;
         double value;
     } set[8];
+    const struct stress_scene *of; /* this scene instead, and what is changed there */
+    enum { STRESS_AS_IT_IS, STRESS_STEP, STRESS_PARAM, STRESS_START } change;
+    int param;
+    double value; /* STEP: in units of the method's own limit */
     double span; /* [s], 0: ten seconds */
     bool fixed;  /* the case is about its dt: methods that adapt take it too */
     double dt;   /* [s] where fixed, else span/1024 */
@@ -349,20 +354,30 @@ struct stress_row {
     char reason[240];
 };
 
-#define STRESS_MOST 80 /* cases */
+#define STRESS_MOST 300 /* cases */
+
+/* A scene that is driven to extremes: steps, parameters, initial values. */
+struct stress_scene {
+    const struct scene *scene;
+    double span;        /* [s] */
+    const bool *start;  /* [parameters] initial values */
+    const bool *matter; /* [parameters] others that act */
+};
 
 struct stress {
-    struct stress_case cases[STRESS_MOST]; /* names live as long as the process */
+    struct stress_case cases[STRESS_MOST];
     int count;
+    struct arena text; /* names of the cases of a scene */
     struct stress_row *row; /* [rows], case by case, the methods in order; owned: stress_free() */
     int rows;
     int count_of[STRESS_VERDICTS];
     double seconds;
 };
 
-/* False also when cancelled: the finished rows are kept. stress_free() in every case. */
-bool study_stress(const struct method *const *methods, int count, const struct cancel *cancel, struct stress *stress,
-                  struct error *error);
+/* scene NULL: the cases that are always there. False also when cancelled: the finished rows are kept. stress_free() in
+ * every case. */
+bool study_stress(const struct stress_scene *scene, const struct method *const *methods, int count,
+                  const struct cancel *cancel, struct stress *stress, struct error *error);
 void stress_free(struct stress *stress);
 
 /* ---- selftest: what the rows claim, measured on this machine ---- */

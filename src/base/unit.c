@@ -26,6 +26,8 @@ static const struct unit units[] = {
     {{"1/s", "1/s", "per second", "", NULL}, QUANTITY_RATE, 1.0, UNIT_HOME},
     {{"kg/s", "kg/s", "kilogram per second", "", NULL}, QUANTITY_MASS_RATE, 1.0, UNIT_HOME},
     {{"g/s", "kg/s", "gram per second", "", NULL}, QUANTITY_MASS_RATE, 1e-3, UNIT_SHOWN},
+    {{"N/(m/s)", "kg/s", "newton per metre a second", "", NULL}, QUANTITY_MASS_RATE, 1.0, UNIT_READ},
+    {{"N*s/m", "kg/s", "the same", "", NULL}, QUANTITY_MASS_RATE, 1.0, UNIT_READ},
     {{"m/s", "m/s", "metre per second", "", NULL}, QUANTITY_VELOCITY, 1.0, UNIT_SHOWN},
     {{"cm/s", "m/s", "centimetre per second", "", NULL}, QUANTITY_VELOCITY, 1e-2, UNIT_HOME},
     {{"mm/s", "m/s", "millimetre per second", "", NULL}, QUANTITY_VELOCITY, 1e-3, UNIT_SHOWN},

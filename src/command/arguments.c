@@ -87,6 +87,33 @@ static bool read_choice(struct parser *parser, const struct argument *argument, 
     return parse_word(parser, stops, item, error) && choose_row(parser, argument, item, error);
 }
 
+const struct preset *own_scene(const struct setup *setup, struct text name)
+{
+    for (int i = 0; i < setup->owns; i++)
+        if (text_is(name, setup->own[i]->row.name))
+            return setup->own[i];
+    return NULL;
+}
+
+static bool read_scene(struct parser *parser, const char *stops, struct item *item, struct error *error)
+{
+    const struct setup *setup = &parser->session->setup;
+    if (!parse_word(parser, stops, item, error))
+        return false;
+    const struct preset *own = own_scene(setup, item->text);
+    item->row = own ? &own->row : choose(parser->session, &preset_catalog, item->text);
+    if (item->row || text_is(item->text, "new"))
+        return true;
+    catalog_unknown(&preset_catalog, item->text, error);
+    struct suggestion near = {.wanted = item->text};
+    suggestion_offer(&near, "new");
+    for (int i = 0; i < setup->owns; i++)
+        suggestion_offer(&near, setup->own[i]->row.name);
+    if (!error->hint[0])
+        suggestion_hint(&near, error);
+    return error->hint[0] ? false : error_hint(error, "'list scenes' lists them; scene new begins one of your own");
+}
+
 static bool read_run(struct parser *parser, const struct argument *argument, struct item *item, struct error *error)
 {
     if (!parse_word(parser, ",", item, error))
@@ -233,6 +260,8 @@ static bool read_item(struct parser *parser, const struct argument *argument, co
                                                  : parse_value(parser, "the expression", QUANTITY_OTHER, item, error);
     case TYPE_CHOICE:
         return read_choice(parser, argument, stops, item, error);
+    case TYPE_SCENE:
+        return read_scene(parser, stops, item, error);
     case TYPE_COLUMN:
         return read_column(parser, argument, item, error);
     case TYPE_RUN:

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* var, param, equation, force, potential, observe, event: scenes that a user types */
+/* var, param, equation, force, potential, observe: scenes that a user types */
 #ifndef COMMAND_ROWS
 #include "events.h"
 
@@ -37,15 +37,22 @@ static bool free_name(struct text name, struct error *error)
 }
 
 /* Events belong to what moves: another scene has its own. */
-static void use_model(struct session *session, const struct model *model, bool begins, struct reply *reply)
+static bool use_model(struct session *session, const struct model *model, bool begins, struct reply *reply,
+                      struct error *error)
 {
     struct setup *setup = &session->setup;
+    const struct scene before = setup->scene;
     scene_remodel(&setup->scene, model);
+    if (!keep_own_scene(session, error)) {
+        setup->scene = before;
+        return false;
+    }
     if (begins && setup->events) {
         setup->events = NULL;
         reply_line(reply, "the events of the scene before are gone");
     }
     session_changed(session);
+    return true;
 }
 
 /* A potential has to be that of the forces; where the scene is not complete yet, that is seen later. */
@@ -68,9 +75,9 @@ static bool add_line(struct session *session, const struct typed_line *line, str
     const struct model *before = session->setup.scene.model, *model;
     struct buffer text = {0};
     if (!(model = typed_add(session->models, before, line, error)) ||
-        !suits(&session->setup.scene, model, line, error))
+        !suits(&session->setup.scene, model, line, error) ||
+        !use_model(session, model, !typed_base(model) && typed_base(before), reply, error))
         return false;
-    use_model(session, model, !typed_base(model) && typed_base(before), reply);
     typed_describe(line, &text);
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
@@ -83,9 +90,8 @@ static bool remove_line(struct session *session, enum typed_kind kind, struct te
     const struct model *model = typed_remove(session->models, session->setup.scene.model, kind, name, error);
     if (!model && kind == TYPED_OBSERVE && model_observation(session->setup.scene.model, name) >= 0)
         return error_at(error, name, "%s is used by other lines of the scene", what);
-    if (!model)
+    if (!model || !use_model(session, model, false, reply, error))
         return false;
-    use_model(session, model, false, reply);
     reply_line(reply, "%s is gone", what);
     return true;
 }
@@ -141,6 +147,24 @@ HANDLER(param)
     return add_value(session, given, TYPED_PARAM, "param NAME = VALUE", reply, error);
 }
 
+/* y' = EXPR in an event: the velocity jumps. */
+static bool set_velocity(struct session *session, const struct arguments *given, const struct typed_line *line,
+                         struct reply *reply, struct error *error)
+{
+    const struct command *change = command_at(catalog_find(&command_catalog, TEXT("change")));
+    const char *end = line->expr.at + line->expr.len;
+    struct item name = {.text = line->name}, rest = {.text = {.at = line->name.at + line->name.len}};
+    rest.text.len = (size_t)(end - rest.text.at);
+    if (line->order != 1)
+        return error_at(error, line->name, "an event cannot change the law of %.*s", (int)line->name.len,
+                        line->name.at);
+    struct arguments with = *given;
+    with.command = change;
+    with.given[0] = (struct given){1, &name, name.text};
+    with.given[1] = (struct given){1, &rest, rest.text};
+    return change->handler(session, &with, reply, error);
+}
+
 HANDLER(equation)
 {
     struct text rest = given_for(given, "NAME' = EXPR")->item->text;
@@ -158,6 +182,8 @@ HANDLER(equation)
     if (!skip_equals(&rest, "NAME' = EXPR", error))
         return false;
     line.expr = rest;
+    if (session->reacting)
+        return set_velocity(session, given, &line, reply, error);
     return add_line(session, &line, reply, error);
 }
 
@@ -200,95 +226,6 @@ HANDLER(observe)
         return false;
     line.expr = rest;
     return add_line(session, &line, reply, error);
-}
-
-/* ---- events ---- */
-
-static void reply_events(const struct session *session, struct reply *reply)
-{
-    const struct events *events = session->setup.events;
-    for (int i = 0; events && i < events->count; i++) {
-        struct buffer text = {0};
-        event_describe(&events->line[i], false, &text);
-        reply_text(reply, buffer_text(&text));
-        buffer_free(&text);
-    }
-    if (!events)
-        reply_line(reply, "no events");
-}
-
-static bool event_usage(struct text where, const char *what, struct error *error)
-{
-    error_at(error, where, "%s", what);
-    return error_hint(error, "for example: event top when y' falling do record");
-}
-
-/* do stop|record|COMMANDS */
-static bool read_action(struct parser *parser, struct event_line *line, struct item *commands, struct error *error)
-{
-    if (!text_is(peek_word(parser->rest, ""), "do"))
-        return event_usage(peek_word(parser->rest, ""), "after the expression comes 'do'", error);
-    parser->rest = after(parser->rest, 2);
-    if (!parse_word(parser, "", commands, error))
-        return false;
-    if (commands->is_string)
-        line->action = EVENT_COMMANDS;
-    else if (text_is(commands->text, "stop") || text_is(commands->text, "record"))
-        line->action = text_is(commands->text, "stop") ? EVENT_STOP : EVENT_RECORD;
-    else
-        return event_usage(commands->text, "'do' takes stop, record or a string of commands", error);
-    if (commands->text.len > LIMIT_EVENT_TEXT)
-        return error_at(error, commands->text, "more than %d bytes of commands", LIMIT_EVENT_TEXT);
-    return refuse_rest(parser, NULL, error);
-}
-
-static bool read_event(struct session *session, const struct arguments *given, struct text name, struct text rule,
-                       struct error *error)
-{
-    /* It has to mean the same whenever it is looked at: no variables, no results. */
-    const struct names names = {.session = session, .expects_run = true, .saved_only = true};
-    const struct expr_scope scope = names_scope(&names);
-    struct event_line line = {.action = EVENT_STOP};
-    struct item commands = {0};
-    struct event event = {.stop = false};
-    size_t used;
-    if (name.len > LIMIT_NAME)
-        return error_at(error, name, "a name of more than %d letters", LIMIT_NAME);
-    memcpy(line.name, name.at, name.len);
-    if (!text_is(peek_word(rule, ""), "when"))
-        return event_usage(peek_word(rule, ""), "after the name comes 'when'", error);
-    const struct text when = after(rule, 4);
-    if (!event_compile(when, &scope, given->arena, &event, &used, error))
-        return names_explain(session, error);
-    if (used > LIMIT_EVENT_TEXT)
-        return error_at(error, (struct text){when.at, used}, "more than %d bytes", LIMIT_EVENT_TEXT);
-    struct parser parser = {session, &scope, given->arena, after(when, used)};
-    if (!read_action(&parser, &line, &commands, error))
-        return false;
-    const struct events *events =
-        events_with(session, &line, text_trim((struct text){when.at, used}), commands.text, error);
-    if (events)
-        session->setup.events = events;
-    return events != NULL;
-}
-
-HANDLER(event)
-{
-    const struct given *name = given_for(given, "NAME"), *rule = given_for(given, "when EXPR do stop|record|COMMANDS");
-    const struct text end = name->count ? after(name->item->text, name->item->text.len) : TEXT("");
-    const struct text rest = rule->count ? rule->item->text : end;
-    if (name->count && rule->count == 0 && text_is(name->item->text, "off"))
-        session->setup.events = NULL;
-    else if (name->count && text_is(rest, "off")) {
-        if (!events_without(session, name->item->text, &session->setup.events, error))
-            return false;
-    } else if (name->count && !read_event(session, given, name->item->text, rest, error)) {
-        return false;
-    }
-    if (name->count)
-        session_changed(session);
-    reply_events(session, reply);
-    return true;
 }
 #endif
 
@@ -347,15 +284,3 @@ COMMAND(observe, .row = {"observe", "", "a quantity to look at", "", NULL}, .gro
         .see = "var equation print export", .flags = COMMAND_CHANGES,
         ARGUMENTS(PLACE("NAME", TYPE_NAME, .flags = ARG_REQUIRED),
                   PLACE("= EXPR", TYPE_FORMULA, .flags = ARG_REQUIRED)))
-
-COMMAND(event, .row = {"event", "", "watch for a moment on the way of runs", "", NULL}, .group = "EQUATIONS",
-        .text = "The moment at which EXPR passes through 0 (rising: from below, falling: from above), or at which a "
-                "comparison becomes true,\n"
-                "is located inside of the step. 'do record' makes a row for 'list events' and 'export FILE events'; "
-                "'do stop' stops the run\n"
-                "there; a string of commands is executed after it has stopped. It holds for runs that start later. "
-                "'event NAME off' drops one,\n"
-                "'event off' all, 'event' shows them.",
-        .examples = "event top when v falling do record; run 5 s; list events\nevent low when y < -1 cm do stop; run 5 s",
-        .see = "run list export equation", .flags = COMMAND_CHANGES,
-        ARGUMENTS(PLACE("NAME", TYPE_NAME), PLACE("when EXPR do stop|record|COMMANDS", TYPE_FORMULA)))

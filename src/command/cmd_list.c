@@ -114,6 +114,8 @@ HANDLER(list)
                                                                 : catalogs[kind];
         for (size_t i = 0; i < catalog->count; i++)
             list_row(catalog, catalog_row(catalog, i), reply);
+        for (int i = 0; kind == LIST_SCENES && i < session->setup.owns; i++)
+            list_row(catalog, &session->setup.own[i]->row, reply);
     } else {
         /* These lists are commands of their own. */
         const struct command *command = command_at(catalog_find(&command_catalog, text_of(others[kind])));

@@ -40,7 +40,9 @@ HANDLER(change)
 {
     const struct text name = given_for(given, "NAME")->item->text;
     const struct scene *scene = &session->setup.scene;
-    if (!catalog_find(scene_params(scene), name) && !catalog_find(scene_derived(scene), name))
+    const struct run *run = session_run(session);
+    if (!catalog_find(scene_params(scene), name) && !catalog_find(scene_derived(scene), name) &&
+        (!run || model_state(run->system.model, name) < 0))
         return unknown_parameter(session, name, error);
     session->live.changing = true;
     const bool ok = command_set(session, given, reply, error);
@@ -67,7 +69,10 @@ COMMAND(
 COMMAND(change, .row = {"change", "", "change a parameter of the current run from here on", "", NULL}, .group = "RUN",
         .text = "The scene and the current run get the value; the run goes on with it from the step where it stands. "
                 "'set' does the same\n"
-                "while a run goes on or is paused at the prompt. Exports say what was changed, and when.",
-        .examples = "run to 3.2 s; change gamma 0.1 1/s; continue to 10 s\nchange k 16 N/m", .see = "set continue run",
+                "while a run goes on or is paused at the prompt. Of what moves, y or v, only the run gets it: a jump, "
+                "whose energy counts as\n"
+                "work. Exports say what was changed, and when.",
+        .examples = "run to 3.2 s; change gamma 0.1 1/s; continue to 10 s\nrun 1 s; change v -0.5*v; continue 1 s",
+        .see = "set continue run event",
         .flags = COMMAND_CHANGES | COMMAND_ANYTIME,
         ARGUMENTS(PLACE("NAME", TYPE_NAME, .flags = ARG_REQUIRED), PLACE("VALUE", TYPE_REST, .flags = ARG_REQUIRED)))

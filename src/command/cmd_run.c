@@ -79,14 +79,11 @@ static bool set_out(struct session *session, const struct arguments *given, int6
     return !held->events || watch(session, given, journey, error);
 }
 
-static void travel(struct session *session, struct run *run, const struct run_target *target, bool clocked,
-                   struct reply *reply)
+static void travel(struct session *session, struct run *run, const struct run_target *target, bool clocked)
 {
     const struct front *front = &session->front;
     const double from = run->t;
     if (front->watched && front->slice) {
-        if (clocked && session->typed)
-            reply_line(reply, "running... (pause: Ctrl-C or F5; you can keep typing commands)");
         live_advance(session, run, target, clocked && session->typed);
         return;
     }
@@ -101,29 +98,15 @@ static void travel(struct session *session, struct run *run, const struct run_ta
         front->progress(front->context, run, 2);
 }
 
-/* What `record`, and the story of the session, have to say where the statement alone does not tell what happened. */
+/* What `record`, and the story of the session, have to say where the statement alone does not tell what happened. What
+ * events did it does again. */
 static void tell(struct session *session, const struct journey *journey)
 {
-    const bool paused = journey->held->run->stop == STOP_CANCELLED, changed = journey->held->legs > journey->legs;
+    const bool paused = journey->held->run->stop == STOP_CANCELLED;
     const bool whole = journey->legs == 1 && journey->steps == 0;
-    if (paused || changed)
-        journal_write(session, journey->held, whole ? 0 : journey->legs, whole ? -1 : journey->steps, 0,
+    if (paused || journal_changed(journey->held, journey->legs))
+        journal_write(session, journey->held, whole ? 0 : journey->legs, whole ? -1 : journey->steps, 0, false,
                       &session->live.record);
-}
-
-/* What the event that stopped it wants executed; the run's statement stands for it in what is recorded and saved. */
-static bool react(struct session *session, const struct event_line *event, const struct arguments *given,
-                  struct reply *reply, struct error *error)
-{
-    const struct source where = {event->name, 1, given->where};
-    if (event->action != EVENT_COMMANDS)
-        return true;
-    session->reacting = true;
-    const bool ok = command_exec(session, text_of(event->commands), &where, reply);
-    session->reacting = false;
-    if (!ok)
-        *error = (struct error){.code = ERROR_NONE}; /* it was reported there */
-    return ok;
 }
 
 static void reply_event(const struct held_run *held, const struct event_line *stopped, struct reply *reply)
@@ -136,21 +119,20 @@ static void reply_event(const struct held_run *held, const struct event_line *st
 }
 
 /* Says how it went; false if it did not get where it should. */
-static bool arrive(struct session *session, const struct journey *journey, const struct arguments *given,
+static bool arrive(struct session *session, const struct journey *journey, const struct passage *passage,
                    struct reply *reply, struct error *error)
 {
     struct run *run = journey->held->run;
-    const struct event_line *stopped = event_stopped_at(journey->held);
     session->data_is_latest = false;
     session_changed(session);
-    if (run->stop == STOP_CONDITION)
+    if (run->stop == STOP_CONDITION && passage->count == 0)
         journal_pending(journey->held)->met = run->steps;
     tell(session, journey);
     if (run->stop == STOP_CANCELLED)
         reply_line(reply, "%s at t = %.6g s; 'continue' goes on", session->front.watched ? "paused" : "stopped",
                    run->t);
     reply_run(session, run, reply);
-    reply_event(journey->held, stopped, reply);
+    reply_event(journey->held, passage->count > 0 ? passage->stopped[0] : NULL, reply);
     reply_growth(run, reply);
     if (run->stop == STOP_CANCELLED) {
         session->halted = session->front.watched;
@@ -169,7 +151,7 @@ static bool arrive(struct session *session, const struct journey *journey, const
         buffer_free(&why);
         return false;
     }
-    return !stopped || react(session, stopped, given, reply, error);
+    return true;
 }
 
 /*
@@ -180,17 +162,30 @@ static bool advance(struct session *session, const struct arguments *given, int6
                     struct reply *reply, struct error *error)
 {
     struct journey journey;
+    struct passage passage = {.count = 0};
+    struct error why = {0};
+    bool ok = true;
     if (!set_out(session, given, steps, &journey, error))
         return false;
     struct run *run = journey.held->run;
-    travel(session, run, &journey.target, clocked, reply);
+    const int64_t last = journey.target.steps < 0 ? -1 : run->steps + journey.target.steps;
+    if (clocked && session->typed && session->front.watched && session->front.slice)
+        reply_line(reply, "running... (pause: Ctrl-C or F5; you can keep typing commands)");
+    do {
+        journey.target.steps = last < 0 ? -1 : last - run->steps;
+        travel(session, run, &journey.target, clocked);
+    } while (events_pass(session, &journey.target, &passage, given, reply, &ok, &why));
     const bool early = run->stop == STOP_END && run->t != journey.leg.t && steps >= 0 && run->steps < journey.leg.end;
-    if (!early)
-        return arrive(session, &journey, given, reply, error);
-    journey.target.condition = NULL; /* it was not waited for */
-    const bool ok = arrive(session, &journey, given, reply, error);
-    run->stop = STOP_CANCELLED;
-    return ok;
+    if (early)
+        journey.target.condition = NULL; /* it was not waited for */
+    const bool arrived = arrive(session, &journey, &passage, reply, error);
+    if (early)
+        run->stop = STOP_CANCELLED;
+    for (int i = 0; i < passage.count && arrived && ok; i++)
+        ok = event_react(session, passage.stopped[i], given, reply, &why);
+    if (arrived && !ok)
+        *error = why;
+    return arrived && ok;
 }
 
 static struct run *new_run(struct session *session, double span, int64_t steps, bool force, struct error *error)
@@ -290,7 +285,7 @@ static void warn_other_scene(const struct session *session, const struct run *ru
 {
     const struct scene *now = &session->setup.scene;
     struct scene in_force;
-    journal_scene(session->run[session->current_run], &in_force);
+    journal_scene(session->run[session->current_run], false, &in_force);
     if (now->model != in_force.model || session->setup.events != session->run[session->current_run]->events ||
         memcmp(now->value, in_force.value, sizeof now->value) != 0 ||
         run->method != session->setup.method)
@@ -305,10 +300,17 @@ static double direction(const struct run *run)
     return run->t < run->system.t0 ? -1 : 1;
 }
 
-/* Whether something is left of what was asked for before a pause. */
+/* Whether something is left of what was asked for before a pause, or an event. */
 static bool is_paused(const struct session *session, const struct run *run)
 {
-    return run->stop == STOP_CANCELLED && journal_pending(session->run[session->current_run]);
+    const struct leg *leg = journal_pending(session->run[session->current_run]);
+    const bool at_event = run->stop == STOP_CONDITION && leg && leg->met == 0;
+    return leg && (run->stop == STOP_CANCELLED || (at_event && leg->end == INT64_MAX && run->t != leg->t));
+}
+
+static bool resume(struct session *session, const struct run *run, struct error *error)
+{
+    return run->stop == STOP_CANCELLED || journal_go_on(session->run[session->current_run], false, error);
 }
 
 HANDLER(continue)
@@ -337,8 +339,10 @@ HANDLER(continue)
     if (!allow_long(session, plan.seconds, plan.steps, is_given(given, "force"), error))
         return false;
     warn_other_scene(session, run, reply);
-    if ((told || !is_paused(session, run)) &&
-        !new_leg(session, to->count ? to->item->value.value : run->t + span, INT64_MAX, until, error))
+    const bool paused = !told && is_paused(session, run);
+    if (!paused && !new_leg(session, to->count ? to->item->value.value : run->t + span, INT64_MAX, until, error))
+        return false;
+    if (paused && !resume(session, run, error))
         return false;
     return advance(session, given, steps_given(given), true, reply, error);
 }
@@ -354,7 +358,7 @@ HANDLER(step)
             : !(run = new_run(session, (double)steps * session->setup.settings.dt, -1, true, error)))
         return false;
     if (is_paused(session, run))
-        return advance(session, given, steps, false, reply, error);
+        return resume(session, run, error) && advance(session, given, steps, false, reply, error);
     return new_leg(session, direction(run) * FAR, run->steps + steps, &none, error) &&
            advance(session, given, -1, false, reply, error);
 }
@@ -418,11 +422,12 @@ COMMAND(run, .row = {"run", "", "start a new run at t0", "", "r"}, .group = "RUN
                   OPTION("number", TYPE_INTEGER), OPTION("force", TYPE_NONE)))
 
 COMMAND(continue, .row = {"continue", "", "let the current run go on", "", NULL}, .group = "RUN",
-        .text = "A paused run goes on to where it was to end. Otherwise for DURATION (else the setting 'duration'), to "
-                "the time T, or until a\n"
-                "condition becomes true, with the parameters and the method of the run. The result is the same, bit "
-                "for bit, as if the run\n"
-                "had been longer from the start. --steps N pauses after N steps.",
+        .text = "A run that was paused, or stopped by an event, goes on to where it was to end. Otherwise for DURATION "
+                "(else the setting\n"
+                "'duration'), to the time T, or until a condition becomes true, with the parameters and the method of "
+                "the run. The result\n"
+                "is the same, bit for bit, as if the run had been longer from the start. --steps N pauses after N "
+                "steps.",
         .examples = "run; continue 5 s\nrun 3 s; continue to 10 s", .see = "run step back change",
         .flags = COMMAND_CHANGES,
         ARGUMENTS(PLACE("DURATION", TYPE_VALUE, .quantity = QUANTITY_TIME, .group = 1),

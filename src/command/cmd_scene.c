@@ -35,6 +35,8 @@ static void reply_scene(const struct session *session, struct reply *reply)
     struct buffer text = {0};
     buffer_format(&text, "%s: %s\n", scene->preset->row.name, scene->preset->row.brief);
     scene_lines(scene, "  ", &text);
+    if (scene->model->n == 0)
+        buffer_put(&text, TEXT("  nothing moves yet: var NAME = VALUE makes a variable\n"));
     buffer_char(&text, ' ');
     for (int i = 0; i < (int)scene_params(scene)->count; i++) {
         const char *name = param_at(scene, i)->row.name;
@@ -66,13 +68,53 @@ static void warn_hidden(const struct session *session, struct reply *reply)
     }
 }
 
+bool keep_own_scene(struct session *session, struct error *error)
+{
+    struct setup *setup = &session->setup;
+    const struct preset *own = typed_preset(setup->scene.model);
+    int i = 0;
+    while (own && i < setup->owns && strcmp(setup->own[i]->row.name, own->row.name) != 0)
+        i++;
+    if (i == LIMIT_OWN)
+        return error_set(error, ERROR_COMMAND, "%d scenes of your own exist already", LIMIT_OWN);
+    if (own)
+        setup->own[i] = own;
+    setup->owns += own && i == setup->owns;
+    return true;
+}
+
+/* An empty one; the handler's caller takes the set-up back if it fails. */
+static bool new_scene(struct session *session, const struct given *name, struct error *error)
+{
+    const struct text as = name->count ? name->item->text : TEXT("");
+    if (peek_name(as).len < as.len)
+        return error_at(error, as, "a name is letters, digits, _ and -, and begins with a letter");
+    if (name->count && (text_is(as, "new") || catalog_find(&preset_catalog, as)))
+        return error_at(error, as, "'%.*s' is taken", (int)as.len, as.at);
+    const struct model *model = typed_new(session->models, as, error);
+    if (!model)
+        return false;
+    struct setup *setup = &session->setup;
+    const struct scene before = setup->scene;
+    scene_init(&setup->scene, typed_preset(model));
+    if (keep_own_scene(session, error))
+        return true;
+    setup->scene = before;
+    return false;
+}
+
 HANDLER(scene)
 {
-    UNUSED(error);
-    const struct given *name = given_for(given, "NAME");
+    const struct given *name = given_for(given, "NAME|new"), *as = given_for(given, "NAME");
     if (name->count) {
         const struct model *before = session->setup.scene.model;
-        scene_init(&session->setup.scene, (const struct preset *)(const void *)name->item->row);
+        const struct preset *preset = (const struct preset *)(const void *)name->item->row;
+        if (preset && as->count)
+            return error_at(error, as->where, "a scene has one name; 'scene new NAME' begins one of your own");
+        if (preset)
+            scene_init(&session->setup.scene, preset);
+        else if (!new_scene(session, as, error))
+            return false;
         if (session->setup.scene.model != before)
             session->setup.events = NULL; /* they may speak of what is not there */
         session_changed(session);
@@ -83,6 +125,42 @@ HANDLER(scene)
 }
 
 /* ---- set, unset, let ---- */
+
+/* What stands after NAME, without the "=" of an assignment. */
+static struct parser value_parser(struct session *session, const struct arguments *given)
+{
+    struct text value = given_for(given, "VALUE")->item->text;
+    if (value.len > 0 && value.at[0] == '\'') /* of a velocity's name */
+        value = (struct text){value.at + 1, value.len - 1};
+    skip_blanks(&value);
+    if (value.len > 0 && value.at[0] == '=')
+        value = (struct text){value.at + 1, value.len - 1};
+    return (struct parser){session, given->scope, given->arena, value};
+}
+
+static bool read_value(struct parser *parser, const char *what, enum quantity quantity, struct item *item,
+                       struct error *error)
+{
+    return parse_value(parser, what, quantity, item, error) && refuse_rest(parser, item, error);
+}
+
+/* What was set; events that happen often keep silent. */
+static void reply_set(const struct session *session, struct buffer *text, struct reply *reply)
+{
+    if (!session->passing)
+        reply_text(reply, buffer_text(text));
+    buffer_free(text);
+}
+
+/* Of what moves in the current run, where it may be set; -1: none. */
+static int state_named(const struct session *session, struct text name, struct text value)
+{
+    const struct run *run = session_run(session);
+    if (!run || (!session->reacting && !session->live.changing))
+        return -1;
+    name.len += value.len > 0 && value.at == name.at + name.len && value.at[0] == '\'';
+    return model_state(run->system.model, name);
+}
 
 /* The scene as it was, where the run that goes on cannot follow. */
 static bool bind_param(struct session *session, int param, const struct scene *before, double *since,
@@ -107,8 +185,28 @@ static bool set_param(struct session *session, int param, const struct item *ite
     struct buffer text = {0};
     put_param(session, param, &text);
     buffer_since(&text, since);
-    reply_text(reply, buffer_text(&text));
-    buffer_free(&text);
+    reply_set(session, &text, reply);
+    return true;
+}
+
+/* What moves: a jump of the current run. */
+static bool set_state(struct session *session, int variable, struct parser *parser, struct reply *reply,
+                      struct error *error)
+{
+    const struct run *run = session_run(session);
+    const struct variable moving = system_variable(&run->system, variable);
+    struct item item = {0};
+    struct buffer text = {0};
+    if (!read_value(parser, moving.name, moving.quantity, &item, error))
+        return false;
+    if (!live_kick(session, variable, item.value.value, error)) {
+        error->where = item.text;
+        return false;
+    }
+    buffer_format(&text, "%s = ", moving.name);
+    buffer_measured(&text, item.value, moving.quantity, session->setup.settings.digits);
+    buffer_since(&text, run->t);
+    reply_set(session, &text, reply);
     return true;
 }
 
@@ -141,8 +239,7 @@ static bool set_derived(struct session *session, const struct derived_row *deriv
     put_param(session, target, &text);
     buffer_char(&text, ')');
     buffer_since(&text, since);
-    reply_text(reply, buffer_text(&text));
-    buffer_free(&text);
+    reply_set(session, &text, reply);
     return true;
 }
 
@@ -190,21 +287,6 @@ static bool set_let(struct session *session, struct text name, const struct item
     return true;
 }
 
-/* What stands after NAME, without the "=" of an assignment. */
-static struct parser value_parser(struct session *session, const struct arguments *given)
-{
-    struct text value = given_for(given, "VALUE")->item->text;
-    if (value.len > 0 && value.at[0] == '=')
-        value = (struct text){value.at + 1, value.len - 1};
-    return (struct parser){session, given->scope, given->arena, value};
-}
-
-static bool read_value(struct parser *parser, const char *what, enum quantity quantity, struct item *item,
-                       struct error *error)
-{
-    return parse_value(parser, what, quantity, item, error) && refuse_rest(parser, item, error);
-}
-
 HANDLER(set)
 {
     const struct text name = given_for(given, "NAME")->item->text;
@@ -212,8 +294,11 @@ HANDLER(set)
     struct parser parser = value_parser(session, given);
     struct item item = {0};
     const struct row *row;
+    const int variable = state_named(session, name, given_for(given, "VALUE")->item->text);
     bool ok;
-    if ((row = catalog_find(params, name))) {
+    if (variable >= 0) {
+        ok = set_state(session, variable, &parser, reply, error);
+    } else if ((row = catalog_find(params, name))) {
         const struct param_row *param = (const struct param_row *)(const void *)row;
         ok = read_value(&parser, row->name, param->quantity, &item, error) &&
              set_param(session, catalog_place(params, row), &item, reply, error);
@@ -327,10 +412,10 @@ COMMAND(
     scene, .row = {"scene", "", "choose a scene, or show the present one", "", NULL}, .group = "SCENE",
     .text =
         "Sets all parameters to those of the scene; method, dt and recordings stay. 'list scenes' shows what there is. "
-        "Without NAME it\nshows the present one, with the equations, forces and events that were typed. One of your own "
-        "begins with var.",
-    .examples = "scene damped\nscene", .see = "set show plan var force", .flags = COMMAND_CHANGES,
-    ARGUMENTS(PLACE("NAME", TYPE_CHOICE, .choices = &preset_catalog)))
+        "Without NAME it\nshows the present one, with the equations, forces and events that were typed. 'scene new' "
+        "begins an empty one for equations\nof your own; under a NAME it can be chosen again later.",
+    .examples = "scene damped\nscene new decay; var x = 1; x' = -x; run 1 s", .see = "set show plan var force",
+    .flags = COMMAND_CHANGES, ARGUMENTS(PLACE("NAME|new", TYPE_SCENE), PLACE("NAME", TYPE_TEXT)))
 
 COMMAND(set, .row = {"set", "", "set a parameter or a setting", "", NULL}, .group = "SCENE",
         .text = "The same as NAME = value. A value may carry a unit and an uncertainty; a bare number is in the SI "

@@ -8,7 +8,7 @@
 HANDLER(source)
 {
     char *path = arena_text(given->arena, given_for(given, "FILE")->item->text);
-    static const struct source prompt = {NULL, 0, NULL};
+    static const struct source prompt = {.name = NULL};
     if (!path)
         return error_memory(error);
     /* Whatever goes wrong inside was reported where it happened; the error stays without a code. */

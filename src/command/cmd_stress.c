@@ -168,6 +168,26 @@ static void reply_row(const struct stress *stress, const struct stress_row *row,
     reply_end(reply);
 }
 
+/* Initial values, and what else acts, of the present scene. */
+static bool this_scene(const struct session *session, struct arena *arena, struct stress_scene *of, struct error *error)
+{
+    const struct scene *scene = &session->setup.scene;
+    const size_t params = scene_params(scene)->count;
+    bool *start = arena_array(arena, params, sizeof *start), *matter = arena_array(arena, params, sizeof *matter);
+    struct system system;
+    if (!start || !matter)
+        return error_memory(error);
+    if (!scene_bind(scene, &system, error))
+        return false;
+    for (int i = 0; i < (int)params; i++) {
+        const bool begins = param_is_start(scene, i);
+        start[i] = begins && strcmp(param_at(scene, i)->row.name, "t0") != 0;
+        matter[i] = !begins && param_matters(scene, i);
+    }
+    *of = (struct stress_scene){scene, session->setup.settings.duration, start, matter};
+    return true;
+}
+
 HANDLER(stress)
 {
     const struct given *asked = given_for(given, "METHOD");
@@ -184,7 +204,11 @@ HANDLER(stress)
         if (!(row->flags & METHOD_YARDSTICK)) /* somebody else's: only when named */
             method[methods++] = row;
     }
-    const bool ok = study_stress(method, methods, session->front.cancel, &stress, error);
+    struct stress_scene of;
+    const bool present = is_given(given, "scene");
+    if (present && !this_scene(session, given->arena, &of, error))
+        return false;
+    const bool ok = study_stress(present ? &of : NULL, method, methods, session->front.cancel, &stress, error);
     struct buffer text = {0};
     if (stress.rows > 0)
         put_stress(session, &stress, method, methods, &text);
@@ -204,6 +228,10 @@ COMMAND(stress, .row = {"stress", "", "the stiff and the extreme: each method, o
             "each method\n"
             "(or those named) on each of them, with a budget of steps; methods that adapt with tol = 1e-6, the others "
             "in 1024 steps.\n"
-            "One letter each, then the reasons. The present scene is neither used nor changed.",
-        .examples = "stress euler rk4 radau5\nstress verlet backward-euler", .see = "stability compare precision",
-        ARGUMENTS(PLACE("METHOD", TYPE_CHOICE, .flags = ARG_MANY, .choices = &method_catalog)))
+            "One letter each, then the reasons. The present scene is not changed; with 'scene' the cases are made of "
+            "it, over its\n"
+            "duration: steps around each method's limit, parameters 1e6 times smaller and larger, 0 and with the other "
+            "sign, initial\n"
+            "values of 1e-310, 1e-150 and 1e150.",
+        .examples = "stress euler rk4 radau5\nscene pendulum; stress scene rk4 verlet dop853", .see = "stability compare precision",
+        ARGUMENTS(WORD("scene", TYPE_NONE), PLACE("METHOD", TYPE_CHOICE, .flags = ARG_MANY, .choices = &method_catalog)))

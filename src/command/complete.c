@@ -1,18 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Completion: what can stand at the cursor, by the description of the arguments. Nothing is executed and no expression
  * is evaluated. */
-#include "choices.h"
+#include "complete.h"
 
 #include <stdio.h>
 #include <string.h>
-
-struct completion {
-    struct session *session;
-    struct text word; /* what stands before the cursor of the word */
-    void (*offer)(void *context, const char *candidate, const char *brief);
-    void *context;
-    bool wants_file;
-};
 
 static void offer(struct completion *c, const char *candidate, const char *brief)
 {
@@ -20,12 +12,17 @@ static void offer(struct completion *c, const char *candidate, const char *brief
         c->offer(c->context, candidate, brief);
 }
 
+void complete_offer(struct completion *c, const char *candidate, const char *brief)
+{
+    offer(c, candidate, brief);
+}
+
 static void offer_name(void *context, const char *name, const char *brief)
 {
     offer(context, name, brief);
 }
 
-static void offer_catalog(struct completion *c, const struct catalog *catalog)
+void complete_catalog(struct completion *c, const struct catalog *catalog)
 {
     for (size_t i = 0; i < catalog->count; i++)
         offer(c, catalog_row(catalog, i)->name, catalog_row(catalog, i)->brief);
@@ -51,13 +48,13 @@ static void offer_units(struct completion *c, enum quantity quantity)
 static void offer_settable(struct completion *c)
 {
     const struct catalog *derivable = scene_derived(&c->session->setup.scene);
-    offer_catalog(c, scene_params(&c->session->setup.scene));
+    complete_catalog(c, scene_params(&c->session->setup.scene));
     for (size_t i = 0; i < derivable->count; i++) {
         const struct derived_row *derived = (const struct derived_row *)(const void *)catalog_row(derivable, i);
         if (derived->inverse)
             offer(c, derived->row.name, derived->row.brief);
     }
-    offer_catalog(c, &setting_catalog);
+    complete_catalog(c, &setting_catalog);
     for (int i = 0; i < c->session->setup.lets; i++)
         offer(c, c->session->setup.let[i].name, "variable");
 }
@@ -65,19 +62,7 @@ static void offer_settable(struct completion *c)
 static void offer_names(struct completion *c)
 {
     names_each(c->session, offer_name, c);
-    offer_catalog(c, &function_catalog);
-}
-
-/* In what defines a scene, its names are there whatever runs have been made. */
-static void offer_formula(struct completion *c)
-{
-    const struct model *model = c->session->setup.scene.model;
-    for (int i = 0; i < model->n; i++)
-        offer(c, model->variable[i].name, quantity_name(model->variable[i].quantity));
-    for (int i = 0; i < model_observed(model); i++)
-        offer(c, model_observed_variable(model, i).name, "observed");
-    offer_catalog(c, scene_params(&c->session->setup.scene));
-    offer_catalog(c, &function_catalog);
+    complete_catalog(c, &function_catalog);
 }
 
 static void offer_runs(struct completion *c, bool all)
@@ -124,28 +109,29 @@ static void offer_item(struct completion *c, const struct argument *argument, st
 {
     switch (argument->type) {
     case TYPE_VALUE:
-        if (digit_before(before))
-            offer_units(c, argument->quantity);
-        else
-            offer_names(c);
-        break;
     case TYPE_EXPR:
         if (digit_before(before))
-            offer_units(c, QUANTITY_OTHER);
+            offer_units(c, argument->type == TYPE_EXPR ? QUANTITY_OTHER : argument->quantity);
         else
-            offer_names(c);
+            complete_value(c, TEXT(""), QUANTITY_OTHER, offer_names);
         break;
     case TYPE_CONDITION:
     case TYPE_RANGE:
-        offer_names(c);
+        complete_value(c, TEXT(""), QUANTITY_OTHER, offer_names);
         break;
     case TYPE_CHOICE:
     case TYPE_MODEL:
-        offer_catalog(c, argument->choices);
+        complete_catalog(c, argument->choices);
+        break;
+    case TYPE_SCENE:
+        for (int i = 0; i < c->session->setup.owns; i++)
+            offer(c, c->session->setup.own[i]->row.name, "of your own");
+        complete_catalog(c, &preset_catalog);
+        offer(c, "new", "an empty scene, for equations of your own");
         break;
     case TYPE_COLUMN:
         if (argument->choices)
-            offer_catalog(c, argument->choices);
+            complete_catalog(c, argument->choices);
         offer_columns(c, argument->choices);
         break;
     case TYPE_UNIT:
@@ -162,10 +148,7 @@ static void offer_item(struct completion *c, const struct argument *argument, st
         offer_settable(c);
         break;
     case TYPE_PARAM:
-        offer_catalog(c, scene_params(&c->session->setup.scene));
-        break;
-    case TYPE_FORMULA:
-        offer_formula(c);
+        complete_catalog(c, scene_params(&c->session->setup.scene));
         break;
     case TYPE_FILE:
         c->wants_file = true;
@@ -175,6 +158,7 @@ static void offer_item(struct completion *c, const struct argument *argument, st
     case TYPE_INTEGER:
     case TYPE_TEXT:
     case TYPE_REST:
+    case TYPE_FORMULA:
         break;
     }
 }
@@ -192,15 +176,16 @@ static void offer_for_name(struct completion *c, struct text name, struct text b
     else if ((row = catalog_find(&setting_catalog, name))) {
         const struct setting *setting = (const struct setting *)(const void *)row;
         if (setting->choices) {
-            offer_catalog(c, setting->choices);
+            complete_catalog(c, setting->choices);
             return;
         }
         quantity = setting->quantity;
     }
-    if (digit_before(before))
-        offer_units(c, quantity);
-    else
-        offer_names(c);
+    struct text value = {name.at + name.len, (size_t)(before.at + before.len - name.at) - name.len};
+    skip_blanks(&value);
+    if (value.len > 0 && value.at[0] == '=')
+        value = (struct text){value.at + 1, value.len - 1};
+    complete_value(c, value, quantity, offer_names);
 }
 
 static void offer_topics(struct completion *c)
@@ -208,7 +193,7 @@ static void offer_topics(struct completion *c)
     static const struct catalog *const topics[] = {&command_catalog, &setting_catalog, &method_catalog,
                                                    &observable_catalog, &preset_catalog, &unit_catalog};
     for (size_t i = 0; i < COUNT_OF(topics); i++)
-        offer_catalog(c, topics[i]);
+        complete_catalog(c, topics[i]);
     for (const struct model *const *model = scene_models; *model; model++) {
         const struct catalog *const own[] = {(*model)->params, (*model)->derived};
         for (size_t i = 0; i < COUNT_OF(own); i++)
@@ -228,7 +213,7 @@ static struct text previous_word(struct text before)
     return (struct text){before.at + from, before.len - from};
 }
 
-static int count_words(struct text text)
+int count_words(struct text text)
 {
     int count = 0;
     for (struct text word; (text = text_trim(text)).len > 0; count++) {
@@ -245,6 +230,16 @@ static const struct argument *find_by_form(const struct command *command, enum a
         if (command->argument[i].form == form && text_is(name, command->argument[i].name))
             return &command->argument[i];
     return NULL;
+}
+
+/* Can it have an expression that goes on over blanks? */
+static bool takes_values(const struct command *command)
+{
+    for (int i = 0; i < command->arguments; i++)
+        if (command->argument[i].type >= TYPE_VALUE && command->argument[i].type <= TYPE_EXPR &&
+            command->argument[i].type != TYPE_INTEGER)
+            return true;
+    return false;
 }
 
 /* What may come next: the words, keys and options of the command, and the item of the next place. */
@@ -282,8 +277,15 @@ static void offer_arguments(struct completion *c, const struct command *command,
     }
     if (place)
         offer_item(c, place, before);
-    else if (digit_before(before) && command->arguments > 0 && command->argument[0].type == TYPE_VALUE)
-        offer_units(c, command->argument[0].quantity);
+    else if (digit_before(before) && command->arguments > 0 && takes_values(command))
+        offer_units(c, command->argument[0].type == TYPE_VALUE ? command->argument[0].quantity : QUANTITY_OTHER);
+}
+
+static bool goes_on(const struct command *command, struct text before)
+{
+    const struct text t = text_trim(before);
+    const bool compares = find_by_form(command, FORM_WORD, TEXT("until")) && t.len > 0 && strchr("<>", t.at[t.len - 1]);
+    return takes_values(command) && (compares || value_is_open(before));
 }
 
 static void complete_arguments(struct completion *c, const struct command *command, struct text before)
@@ -310,6 +312,10 @@ static void complete_arguments(struct completion *c, const struct command *comma
             return;
         }
     }
+    if (goes_on(command, before)) {
+        complete_value(c, TEXT(""), QUANTITY_OTHER, offer_names);
+        return;
+    }
     const struct argument *word = find_by_form(command, FORM_WORD, last);
     const struct argument *option =
         last.len > 2 ? find_by_form(command, FORM_OPTION, (struct text){last.at + 2, last.len - 2}) : NULL;
@@ -320,7 +326,7 @@ static void complete_arguments(struct completion *c, const struct command *comma
     else if (strcmp(name, "help") == 0)
         offer_topics(c);
     else if (strcmp(name, "show") == 0) {
-        offer_catalog(c, &show_catalog);
+        complete_catalog(c, &show_catalog);
         names_each(c->session, offer_name, c);
     } else if ((strcmp(name, "set") == 0 || strcmp(name, "let") == 0 || strcmp(name, "change") == 0) &&
                count_words(before) > 0)
@@ -329,15 +335,33 @@ static void complete_arguments(struct completion *c, const struct command *comma
         offer_arguments(c, command, before);
 }
 
-/* Words of formulas end at operators, too. */
-static bool is_formula(struct text statement)
+/* The command of a statement that defines a scene or an event, and what stands behind its name; NULL: another one. */
+static const struct command *formula_command(struct text statement, struct text *rest)
 {
     skip_blanks(&statement);
     const struct text name = peek_name(statement);
-    const struct command *command = (const struct command *)(const void *)catalog_find(&command_catalog, name);
-    const bool marked = name.len > 0 && name.len < statement.len && statement.at[name.len] == '\'';
-    return marked || (command && command->arguments > 0 &&
-                      command->argument[command->arguments - 1].type == TYPE_FORMULA);
+    const struct command *command = command_at(catalog_find(&command_catalog, name));
+    *rest = (struct text){statement.at + name.len, statement.len - name.len};
+    if (name.len > 0 && rest->len > 0 && rest->at[0] == '\'')
+        return command_at(catalog_find(&command_catalog, TEXT("equation")));
+    const bool formula =
+        command && command->arguments > 0 && command->argument[command->arguments - 1].type == TYPE_FORMULA;
+    return formula && rest->len > 0 && strchr(" \t", rest->at[0]) ? command : NULL;
+}
+
+/* Where the commands of an unfinished event begin; NULL: it is another string. */
+static const char *event_string(struct text statement)
+{
+    skip_blanks(&statement);
+    if (!text_is(peek_name(statement), "event"))
+        return NULL;
+    for (size_t i = 0; i + 3 < statement.len; i++)
+        if (strncmp(statement.at + i, " do ", 4) == 0) {
+            struct text rest = {statement.at + i + 4, statement.len - i - 4};
+            skip_blanks(&rest);
+            return rest.len > 0 && strchr("'\"", rest.at[0]) ? rest.at + 1 : NULL;
+        }
+    return NULL;
 }
 
 bool command_complete(struct session *session, struct text line, size_t cursor, size_t *start,
@@ -347,36 +371,40 @@ bool command_complete(struct session *session, struct text line, size_t cursor, 
     struct error ignored;
     while (rest.len > 0) {
         statement = rest;
-        if (!next_statement(&rest, &statement, &ignored))
-            return true; /* inside a string */
+        if (!next_statement(&rest, &statement, &ignored)) {
+            const char *inside = event_string(statement), *end = line.at + cursor;
+            if (!inside || inside > end)
+                return true; /* inside a string */
+            const struct text commands = {inside, (size_t)(end - inside)};
+            const bool names = command_complete(session, commands, commands.len, start, offer_to, context);
+            *start += (size_t)(inside - line.at);
+            return names;
+        }
         if (rest.len == 0 && rest.at > line.at && rest.at[-1] == ';')
             statement = rest;
         else if (rest.len == 0)
             statement.len = (size_t)(rest.at - statement.at); /* with the blanks at its end */
     }
-    const bool formula = is_formula(statement);
     size_t word = statement.len;
-    while (word > 0 && !strchr(formula ? " \t=,;:+-*/^()<>" : " \t=,;:", statement.at[word - 1]))
+    while (word > 0 && !strchr(" \t=,;:", statement.at[word - 1]))
         word--;
-    *start = (size_t)(statement.at + word - line.at);
     struct completion c = {session, {statement.at + word, statement.len - word}, offer_to, context, false};
-    struct text before = {statement.at, word};
+    struct text before = {statement.at, word}, behind;
+    const struct command *formula = formula_command(before, &behind);
     skip_blanks(&before);
-    if (before.len == 0) {
-        offer_catalog(&c, &command_catalog);
-        offer_settable(&c);
-        return true;
-    }
     const struct text name = peek_name(before);
     struct text after = {before.at + name.len, before.len - name.len};
     skip_blanks(&after);
-    const struct command *command = (const struct command *)(const void *)catalog_find(&command_catalog, name);
-    if (formula && after.len > 0 &&
-        (after.at[0] == '\'' || !command || command->arguments == 1 || count_words(after) > 0))
-        offer_formula(&c);
+    const struct command *command = command_at(catalog_find(&command_catalog, name));
+    if (before.len == 0) {
+        complete_catalog(&c, &command_catalog);
+        offer_settable(&c);
+    } else if (formula)
+        complete_formula(&c, formula, behind);
     else if (after.len > 0 && after.at[0] == '=')
         offer_for_name(&c, name, before);
     else if (command)
         complete_arguments(&c, command, (struct text){before.at + name.len, before.len - name.len});
+    *start = (size_t)(c.word.at - line.at);
     return !c.wants_file;
 }

@@ -135,18 +135,47 @@ bool events_compile(const struct events *events, const struct expr_scope *scope,
     return true;
 }
 
-const struct event_line *event_stopped_at(const struct held_run *held)
+int events_stopped_at(const struct held_run *held, const struct event_line *stopped[LIMIT_EVENTS])
 {
     const struct run *run = held->run;
-    const size_t count = run_happenings(run);
-    if (run->stop != STOP_CONDITION || !held->events || count == 0)
-        return NULL;
-    for (size_t i = count; i > 0 && run_happening(run, i - 1)->step == run->steps; i--) {
-        const struct event_line *line = &held->events->line[run_happening(run, i - 1)->event];
-        if (line->action != EVENT_RECORD)
-            return line;
+    size_t i = run_happenings(run);
+    int count = 0;
+    if (run->stop != STOP_CONDITION || !held->events)
+        return 0;
+    while (i > 0 && run_happening(run, i - 1)->step == run->steps)
+        i--;
+    for (; i < run_happenings(run); i++) {
+        const struct event_line *line = &held->events->line[run_happening(run, i)->event];
+        if (line->action != EVENT_RECORD && run_happening(run, i)->t == run->t && count < LIMIT_EVENTS)
+            stopped[count++] = line;
     }
-    return NULL;
+    return count;
+}
+
+/* An equation there is not the law, but a jump of what moves. */
+bool event_executes(const struct command *command)
+{
+    return (command->flags & COMMAND_ANYTIME) || strcmp(command->row.name, "equation") == 0;
+}
+
+bool refuse_in_event(const struct command *command, struct text where, struct error *error)
+{
+    error_at(error, where, "an event cannot execute %s", command->row.name);
+    return error_hint(error, "it sets, prints and notes; 'continue' as the last word lets the run go on");
+}
+
+struct text event_commands(struct text commands, bool *passes)
+{
+    struct text rest = commands, statement;
+    struct error ignored;
+    *passes = false;
+    while (rest.len > 0 && next_statement(&rest, &statement, &ignored)) {
+        *passes = text_is(text_trim(statement), "continue");
+        if (*passes && text_trim(rest).len == 0)
+            return (struct text){commands.at, (size_t)(statement.at - commands.at)};
+    }
+    *passes = false;
+    return commands;
 }
 
 /* ---- what has happened ---- */

@@ -14,7 +14,7 @@ struct event_line {
     char name[LIMIT_NAME + 1];
     enum event_action action;
     const char *when;     /* EXPR [rising|falling], as typed */
-    const char *commands; /* EVENT_COMMANDS: executed where the run has stopped */
+    const char *commands; /* EVENT_COMMANDS: executed where the run has stopped; may end in `continue` */
 };
 
 /* In the order in which they were typed. */
@@ -32,14 +32,43 @@ const struct events *events_with(struct session *session, const struct event_lin
 bool events_without(struct session *session, struct text name, const struct events **events, struct error *error);
 void events_destroy(struct events *events); /* and all older ones */
 
+/* What may stand in its commands. */
+bool event_executes(const struct command *command);
+bool refuse_in_event(const struct command *command, struct text where, struct error *error); /* false, always */
+
 /* "event top when x*y - beta*z falling do record"; as_stop: without what would be executed. */
 void event_describe(const struct event_line *line, bool as_stop, struct buffer *text);
 void events_save(const struct events *events, bool as_stop, struct buffer *text);
 /* For a run: the list in the arena, *count of them. */
 bool events_compile(const struct events *events, const struct expr_scope *scope, struct arena *arena,
                     const struct event **event, int *count, struct error *error);
-/* The event the run has just stopped at; NULL: none. */
-const struct event_line *event_stopped_at(const struct held_run *held);
+/* The events the run has just stopped at, in order: how many. */
+int events_stopped_at(const struct held_run *held, const struct event_line *stopped[LIMIT_EVENTS]);
+/* What is to be executed; *passes: a `continue` at its end, which is not part of it, lets the run go on. */
+struct text event_commands(struct text commands, bool *passes);
+
+/* ---- what they do (passage.c) ---- */
+
+/* Events at which a run stops only for what they change. */
+struct passage {
+    const struct event_line *stopped[LIMIT_EVENTS]; /* where it is now */
+    int count;
+    int passed;  /* in the present command */
+    size_t seen; /* happenings of the run */
+    struct {
+        bool known;
+        double last, longest; /* [s] when it was, and the longest time between two */
+        int close;            /* how often in a row it has come at once */
+    } event[LIMIT_EVENTS];
+};
+
+/* The commands of an event, without `continue`. */
+bool event_react(struct session *session, const struct event_line *event, const struct arguments *given,
+                 struct reply *reply, struct error *error);
+/* The commands of events that pass, where the current run is at some. False: it is where it stops, *ok unless because of
+ * an error. */
+bool events_pass(struct session *session, const struct run_target *target, struct passage *passage,
+                 const struct arguments *given, struct reply *reply, bool *ok, struct error *error);
 
 /* Lines and records of all that happened in the current run. */
 void reply_happenings(const struct session *session, struct reply *reply);

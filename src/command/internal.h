@@ -23,6 +23,7 @@ enum argument_type {
     TYPE_CONDITION, /* y < 1 cm */
     TYPE_EXPR,      /* an expression of any quantity, or a string */
     TYPE_CHOICE,    /* a row of `choices` */
+    TYPE_SCENE,     /* a struct preset: a built-in scene, or one of the user's own; or `new`, then row is NULL */
     TYPE_COLUMN,    /* a row of `choices`, if there are any (then index is its place); a state variable or an observable */
     TYPE_UNIT,      /* the name of a unit */
     TYPE_RUN,       /* number or name of a run; -1 for `all` where ARG_ALL allows it */
@@ -207,6 +208,8 @@ const struct observable *model_observable(const struct model *model, struct text
 bool model_offers(const struct model *model, const struct observable *observable); /* as far as the model decides it */
 /* Says where the name belongs, if it is to another model; false: it does not. */
 bool hint_other_model(const struct session *session, struct text name, struct error *error);
+/* A scene of the user's own, by its name; NULL: there is none. */
+const struct preset *own_scene(const struct setup *setup, struct text name);
 bool unknown_parameter(const struct session *session, struct text name, struct error *error); /* false, always */
 
 /* ---- names in expressions (names.c) ---- */
@@ -316,12 +319,17 @@ void live_refresh(struct session *session);
  * [s]: since when, NAN: there is no such run. The run is unchanged on error.
  */
 bool live_bind(struct session *session, int param, double *from, struct error *error);
+/* Gives a variable of the current run's state, which there is, another value. */
+bool live_kick(struct session *session, int variable, double value, struct error *error);
 /* " from t = 3.2 s on", nothing where `from` is NAN. */
 void buffer_since(struct buffer *text, double from);
 
 extern const struct catalog cursor_action_catalog, axis_catalog, fit_kind_catalog;
 
 bool command_set(HANDLER_PARAMETERS);
+
+/* Where the present scene is all typed: `scene` finds it by its name as it is now. */
+bool keep_own_scene(struct session *session, struct error *error);
 
 /* ---- cursors (cursor.c) ---- */
 

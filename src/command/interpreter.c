@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Lines to statements, statements to handlers: atomic, undoable, recorded. */
+#include "events.h"
 #include "history.h"
 #include "reply.h"
 #include "story.h"
@@ -132,10 +133,8 @@ static bool exec_statement(struct session *session, struct text statement, const
                   running->number);
         return error_hint(error, "'pause' or Ctrl-C pauses it");
     }
-    if (session->reacting && !(arguments->command->flags & COMMAND_ANYTIME)) {
-        error_set(error, ERROR_COMMAND, "an event cannot execute %s", arguments->command->row.name);
-        return error_hint(error, "its commands stand where a run has stopped: what would disturb it comes later");
-    }
+    if (session->reacting && !event_executes(arguments->command))
+        return refuse_in_event(arguments->command, arguments->word, error);
     /* Only a condition looks into a run that is about to start. */
     const bool starts = strcmp(arguments->command->row.name, "run") == 0;
     names.expects_run = starts;
@@ -155,7 +154,7 @@ static bool exec_statement(struct session *session, struct text statement, const
     }
     if (!ok)
         return false;
-    session->commands++;
+    session->commands += !session->reacting;
     const bool told_by_source = session->reacting || (where && where->parent);
     if (told_by_source && !running)
         buffer_free(&session->live.record);
@@ -234,7 +233,7 @@ bool command_exec(struct session *session, struct text line, const struct source
     session->typed = session->front.interactive && !(where && where->name);
     if (session->nesting++ == 0)
         session->halted = false;
-    if (!(where && where->parent))
+    if (!session->reacting && !(where && where->parent))
         history_add(session, line);
     const bool ok = exec_line(session, line, where, inside ? &own : reply);
     reply->failed |= own.failed;

@@ -53,6 +53,14 @@ struct leg *journal_pending(const struct held_run *held)
     return NULL;
 }
 
+bool journal_go_on(struct held_run *held, bool by_event, struct error *error)
+{
+    const struct leg *leg = journal_pending(held);
+    const struct leg again = {.kind = LEG_GO, .from = held->run->steps, .from_t = held->run->t,
+                              .t = leg->t, .end = leg->end, .by_event = by_event};
+    return journal_add(held, again, text_of(leg->condition), error);
+}
+
 bool journal_back(struct held_run *held, int64_t before, double before_t, int64_t rows, struct error *error)
 {
     const struct run *run = held->run;
@@ -60,21 +68,31 @@ bool journal_back(struct held_run *held, int64_t before, double before_t, int64_
         return journal_add(
             held, (struct leg){.kind = LEG_BACK, .from = before, .from_t = before_t, .rows = rows, .end = run->steps},
             TEXT(""), error);
-    while (held->legs > 0 && held->leg[held->legs - 1].from > run->steps)
-        free(held->leg[--held->legs].condition);
+    for (const struct leg *last; held->legs > 0; free(held->leg[--held->legs].condition)) {
+        last = &held->leg[held->legs - 1];
+        if (last->from + (last->kind == LEG_KICK) <= run->steps)
+            break;
+    }
     struct leg *leg = journal_pending(held);
     if (leg && leg->met > run->steps)
         leg->met = 0;
     return true;
 }
 
-void journal_scene(const struct held_run *held, struct scene *scene)
+void journal_scene(const struct held_run *held, bool by_events, struct scene *scene)
 {
     struct error ignored;
     *scene = held->run->scene;
     for (int i = 0; i < held->legs; i++)
-        if (held->leg[i].kind == LEG_SET)
+        if (held->leg[i].kind == LEG_SET && (by_events || !held->leg[i].by_event))
             scene_set(scene, held->leg[i].param, held->leg[i].value, &ignored); /* was accepted then */
+}
+
+bool journal_changed(const struct held_run *held, int first)
+{
+    while (first < held->legs && held->leg[first].by_event)
+        first++;
+    return first < held->legs;
 }
 
 /* ---- doing it again ---- */
@@ -96,7 +114,7 @@ static void go(struct session *session, const struct held_run *so_far, const str
     if (leg->condition && condition_compile(text_of(leg->condition), &scope, &arena, &condition, &used, &ignored))
         target.condition = &condition;
     events_compile(so_far->events, &watching, &arena, &target.event, &target.events, &ignored);
-    if (target.steps > 0)
+    if (target.steps >= 0) /* 0: may be where a time is reached to the last bit */
         run_advance(run, &target, 0, NULL);
     arena_reset(&arena);
 }
@@ -116,10 +134,12 @@ static void replay(struct session *session, struct held_run *held, const struct 
             going = &leg[i];
         } else if (leg[i].kind == LEG_BACK) {
             run_back(run, leg[i].rows);
+        } else if (leg[i].kind == LEG_KICK) {
+            run_kick(run, leg[i].param, leg[i].value.value, &ignored);
         } else {
             struct scene scene;
             so_far.legs = i + 1;
-            journal_scene(&so_far, &scene);
+            journal_scene(&so_far, true, &scene);
             run_rebind(run, &scene, &ignored);
         }
     }
@@ -157,6 +177,9 @@ bool journal_restore(struct session *session, struct held_run *held, const struc
     int64_t way = common_way(held, leg, legs);
     way = steps < way ? steps : way;
     if (run->steps != steps || run->t != t || way < steps) {
+        /* What these remember of earlier steps comes back only by doing them again. */
+        if (run->method->flags & (METHOD_MULTISTEP | METHOD_YARDSTICK))
+            way = 0;
         size_t rows = trace_count(run->trace), back = 0;
         while (back + 1 < rows && trace_step(run->trace, rows - 1 - back) > way)
             back++;
@@ -237,16 +260,16 @@ static bool put_go(struct composer *c, const struct leg *leg, int64_t from, int6
     return true;
 }
 
-static void put_set(const struct run *run, const struct leg *leg, struct buffer *text)
+void journal_put_change(const struct run *run, const struct leg *leg, struct buffer *text)
 {
-    const struct param_row *param = param_at(&run->scene, leg->param);
-    buffer_format(text, "change %s ", param->row.name);
-    buffer_exact(text, leg->value, param->quantity);
-    buffer_char(text, '\n');
+    const struct param_row *param = leg->kind == LEG_SET ? param_at(&run->scene, leg->param) : NULL;
+    const struct variable *variable = &run->system.model->variable[param ? 0 : leg->param];
+    buffer_format(text, "%s ", param ? param->row.name : variable->name);
+    buffer_exact(text, leg->value, param ? param->quantity : variable->quantity);
 }
 
 bool journal_write(const struct session *session, const struct held_run *held, int first, int64_t since, int number,
-                   struct buffer *text)
+                   bool by_events, struct buffer *text)
 {
     const struct run *run = held->run;
     const size_t before = text->len;
@@ -255,8 +278,12 @@ bool journal_write(const struct session *session, const struct held_run *held, i
     int64_t at = since < 0 ? 0 : since;
     for (int i = 0; i <= held->legs; i++) {
         const struct leg *next = i < held->legs ? &held->leg[i] : NULL;
+        if (next && next->by_event && !by_events)
+            continue;
         const int64_t to = next ? next->from : run->steps;
-        if (i >= first && going && to > at) {
+        /* No step, but the time: it was the one asked for but for rounding. */
+        const bool ends = !next && going && going->from == at && going->from_t != run->t;
+        if (i >= first && going && (to > at || ends)) {
             if (!put_go(&c, going, at, to, next ? next->from_t : run->t)) {
                 text->len = before;
                 return false;
@@ -268,11 +295,14 @@ bool journal_write(const struct session *session, const struct held_run *held, i
         if (!next || next->kind == LEG_GO || i < first)
             continue;
         put_start(&c);
-        if (next->kind == LEG_SET)
-            put_set(run, next, text);
-        else
-            buffer_format(text, "back %lld\n", (long long)next->rows);
-        at = next->kind == LEG_BACK ? next->end : at;
+        if (next->kind == LEG_BACK) {
+            buffer_format(text, "back %lld", (long long)next->rows);
+        } else {
+            buffer_put(text, TEXT("change "));
+            journal_put_change(run, next, text);
+        }
+        buffer_char(text, '\n');
+        at = next->kind == LEG_BACK ? next->end : next->kind == LEG_KICK ? next->from + 1 : at;
     }
     put_start(&c);
     return true;

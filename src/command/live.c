@@ -3,6 +3,7 @@
 #include "journal.h"
 
 #include <math.h>
+#include <string.h>
 
 #define SLICE_NS 10000000   /* computing between two looks at the terminal */
 #define WAIT_NS 100000000   /* the longest wait for the clock: a frame */
@@ -121,18 +122,27 @@ void live_refresh(struct session *session)
                                                 : LIVE_IDLE;
     live->mark_count = 0;
     for (int i = 0; held && i < held->legs; i++)
-        if (held->leg[i].kind == LEG_SET && live->mark_count < (int)COUNT_OF(live->marks))
+        if (held->leg[i].kind == LEG_SET && !held->leg[i].by_event && live->mark_count < (int)COUNT_OF(live->marks))
             live->marks[live->mark_count++] = held->leg[i].from_t;
 }
 
 /* ---- parameters on the way ---- */
+
+/* One scene, perhaps with other lines. */
+static bool same_scene(const struct model *a, const struct model *b)
+{
+    const struct model *base = typed_base(a);
+    return a == b || (base ? base == typed_base(b) : !typed_base(b) && strcmp(a->row.name, b->row.name) == 0);
+}
 
 bool live_bind(struct session *session, int param, double *from, struct error *error)
 {
     struct run *run = session_run(session);
     const struct live *live = &session->live;
     const struct scene *now = &session->setup.scene;
-    const bool is_start = param_is_start(now, param), is_other = run && run->system.model != now->model;
+    const char *name = param_at(now, param)->row.name;
+    const bool is_start = param_is_start(now, param), is_other = run && !same_scene(run->system.model, now->model);
+    const int place = run ? scene_param(&run->scene, name) : -1; /* lines typed since may have moved it */
     *from = NAN;
     if (live->changing && !run)
         return error_set(error, ERROR_COMMAND, "there is no run to change");
@@ -142,31 +152,47 @@ bool live_bind(struct session *session, int param, double *from, struct error *e
         return error_hint(error, "type: scene %s", run->scene.preset->row.name);
     }
     if (live->changing && is_start)
-        return error_set(error, ERROR_COMMAND, "%s is where a run starts: it cannot change on the way",
-                         param_at(now, param)->row.name);
-    const bool going =
-        run && (live->state == LIVE_RUNNING || (session->typed && run->stop == STOP_CANCELLED) || live->changing);
-    if (!going || is_start || is_other)
+        return error_set(error, ERROR_COMMAND, "%s is where a run starts: it cannot change on the way", name);
+    if (live->changing && place < 0)
+        return error_set(error, ERROR_COMMAND, "run %d has no %s: that came later", run->number, name);
+    const bool going = run && (live->state == LIVE_RUNNING || (session->typed && run->stop == STOP_CANCELLED) ||
+                               live->changing || session->reacting);
+    if (!going || is_start || is_other || place < 0)
         return true;
     struct held_run *held = session->run[session->current_run];
     const struct measured value = {now->value[param], now->uncertainty[param]};
     struct scene scene;
-    const struct leg leg = {.kind = LEG_SET, .from = run->steps, .from_t = run->t, .param = param, .value = value};
-    journal_scene(held, &scene);
-    if (!scene_set(&scene, param, value, error) || !journal_add(held, leg, TEXT(""), error))
+    const struct leg leg = {.kind = LEG_SET, .from = run->steps, .from_t = run->t, .param = place, .value = value,
+                            .by_event = session->reacting};
+    journal_scene(held, true, &scene);
+    if (!scene_set(&scene, place, value, error) || !journal_add(held, leg, TEXT(""), error))
         return false;
     if (!run_rebind(run, &scene, error)) {
         held->legs--;
         return false;
     }
     const enum live_state state = live->state;
-    if (state != LIVE_RUNNING && !live->changing)
-        journal_write(session, held, held->legs - 1, run->steps, 0,
+    if (state != LIVE_RUNNING && !live->changing && !session->reacting)
+        journal_write(session, held, held->legs - 1, run->steps, 0, false,
                       &session->live.record); /* in a file `set` alone would not do it */
     live_refresh(session);
     session->live.state = state;
     *from = run->t;
     return true;
+}
+
+bool live_kick(struct session *session, int variable, double value, struct error *error)
+{
+    struct run *run = session_run(session);
+    struct held_run *held = session->run[session->current_run];
+    const struct leg leg = {.kind = LEG_KICK, .from = run->steps, .from_t = run->t, .param = variable,
+                            .value = {value, 0}, .by_event = session->reacting};
+    if (!journal_add(held, leg, TEXT(""), error))
+        return false;
+    if (run_kick(run, variable, value, error))
+        return true;
+    held->legs--;
+    return false;
 }
 
 void buffer_since(struct buffer *text, double from)

@@ -57,7 +57,7 @@ static const struct scene *scene_of(const struct names *names)
     if (!force)
         return &names->session->setup.scene;
     if (force->legs != force->held->legs) {
-        journal_scene(force->held, &force->scene);
+        journal_scene(force->held, true, &force->scene);
         force->legs = force->held->legs;
     }
     return &force->scene;

@@ -138,9 +138,7 @@ const struct observable *model_observable(const struct model *model, struct text
 
 bool model_offers(const struct model *model, const struct observable *observable)
 {
-    const unsigned never = (model->order == 2 ? 0u : (unsigned)NEED_MECHANICS) |
-                           (model->typed ? (unsigned)NEED_EXACT : 0u);
-    return !(observable->needs & never) && model_observable(model, text_of(observable->row.name));
+    return (model->order == 2 || !(observable->needs & NEED_MECHANICS)) && model_observable(model, text_of(observable->row.name));
 }
 
 static void put_params(const struct scene *scene, struct buffer *text)
@@ -170,7 +168,8 @@ bool unknown_parameter(const struct session *session, struct text name, struct e
     }
     if (model_variable(scene->model, name) >= 0) {
         error_at(error, name, "'%.*s' is what moves, not a parameter", shown, name.at);
-        return error_hint(error, "'show scene' lists the parameters, also those of the start");
+        return error_hint(error, "'show scene' lists the parameters, also those of the start; 'change %.*s VALUE' makes "
+                          "the current run jump", shown, name.at);
     }
     for (size_t c = 0; c < COUNT_OF(catalogs); c++)
         for (size_t i = 0; i < catalogs[c]->count; i++)

@@ -138,10 +138,29 @@ static void put_text(struct buffer *out, const struct error *error, const struct
         }
 }
 
+/* The line of the file that the error is in: its number, what stands there, the column. */
+static size_t place_of(const struct error *error, const struct source **where, struct source *own, struct text *line)
+{
+    size_t column = column_of(*line, error->where);
+    if (column == 0 || !*where || (*where)->pieces == 0)
+        return column;
+    const struct source_piece *piece = (*where)->piece, *end = piece + (*where)->pieces;
+    const size_t at = (size_t)(error->where.at - line->at);
+    while (piece + 1 < end && piece[1].at <= at)
+        piece++;
+    const size_t to = piece + 1 < end ? piece[1].at : line->len;
+    *own = **where;
+    own->line = piece->line;
+    *where = own;
+    *line = (struct text){line->at + piece->at, to - piece->at};
+    return column_of(*line, error->where) + (size_t)piece->indent;
+}
+
 void reply_error(struct reply *reply, const struct error *error, const struct source *where, struct text line)
 {
     struct buffer out = {0};
-    const size_t column = column_of(line, error->where);
+    struct source own;
+    const size_t column = place_of(error, &where, &own, &line);
     if (reply->format == FORMAT_JSON)
         put_json(&out, error, where, column);
     else

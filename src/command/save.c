@@ -12,10 +12,10 @@
 static void save_scene(const struct scene *scene, bool always, struct buffer *text)
 {
     const struct row *first = catalog_row(&preset_catalog, 0);
-    const bool own = !typed_base(scene->model);
-    /* What is all typed begins on a built-in scene, whatever was there. */
-    if (always || own || &scene->preset->row != first)
-        buffer_format(text, "scene %s\n", own ? first->name : scene->preset->row.name);
+    if (!typed_base(scene->model))
+        buffer_format(text, "scene new %s\n", scene->preset->row.name);
+    else if (always || &scene->preset->row != first)
+        buffer_format(text, "scene %s\n", scene->preset->row.name);
     scene_script(scene, "\n", text);
     for (size_t i = 0; i < scene_params(scene)->count; i++) {
         const struct param_row *param = param_at(scene, (int)i);
@@ -206,7 +206,7 @@ static bool save_run(const struct session *session, const struct held_run *held,
     const char *why = NULL;
     if (run->seconds >= SECONDS_MOST)
         why = "it took too long to compute";
-    else if (!journal_write(session, held, 0, -1, run->number, text))
+    else if (!journal_write(session, held, 0, -1, run->number, true, text))
         why = "it stopped at a condition on a variable or a result";
     if (why) {
         text->len = before;
@@ -232,6 +232,13 @@ void session_autosave(const struct session *session, struct buffer *text)
         kept |= there;
         current |= there && i == session->current_run;
     }
+    for (int i = 0; i < session->setup.owns; i++) {
+        buffer_format(text, "scene new %s\n", session->setup.own[i]->row.name);
+        struct scene scene;
+        scene_init(&scene, session->setup.own[i]);
+        scene_script(&scene, "\n", text);
+    }
+    kept |= session->setup.owns > 0;
     save_scene(&session->setup.scene, kept, text);
     buffer_put(text, kept ? TEXT("event off\n") : TEXT(""));
     events_save(session->setup.events, false, text);

@@ -8,13 +8,16 @@
 
 void script_begin(struct script *script, struct session *session, const char *name, const struct source *parent)
 {
-    *script = (struct script){.where = {name, 0, parent}, .commands = session->commands, .ok = true};
+    *script = (struct script){.where = {.name = name, .parent = parent}, .commands = session->commands, .ok = true};
 }
 
-static void execute(struct script *script, struct session *session, struct text line, int number, struct reply *reply)
+static void execute(struct script *script, struct session *session, struct text line, struct reply *reply)
 {
     struct source where = script->where;
-    where.line = number;
+    where.line = script->piece[0].line;
+    where.piece = script->piece;
+    where.pieces = script->pieces;
+    script->pieces = 0;
     if (command_exec(session, line, &where, reply) && !session->halted)
         return;
     script->ok = false;
@@ -28,21 +31,23 @@ bool script_feed(struct script *script, struct session *session, struct text lin
     script->where.line++;
     if (script->where.line == 1 && text_starts(line, TEXT("\xEF\xBB\xBF")))
         line = (struct text){line.at + 3, line.len - 3};
+    const struct text whole = line;
     line = text_trim(line);
     const bool comment = line.len > 0 && line.at[0] == '#';
     const bool joins = line.len > 0 && line.at[line.len - 1] == '\\' && !comment;
     struct buffer *pending = &script->pending;
+    if (script->pieces < (int)COUNT_OF(script->piece))
+        script->piece[script->pieces++] =
+            (struct source_piece){pending->len, script->where.line, (int)(line.at - whole.at)};
     if (!joins && pending->len == 0) {
-        execute(script, session, line, script->where.line, reply);
+        execute(script, session, line, reply);
     } else {
-        if (pending->len == 0)
-            script->pending_line = script->where.line;
         /* An endless joined line grows to just above the limit, where it is refused. */
         if (pending->len <= LIMIT_LINE)
             buffer_put(pending, (struct text){line.at, joins ? line.len - 1 : line.len});
         buffer_char(pending, ' ');
         if (!joins) {
-            execute(script, session, text_trim(buffer_text(pending)), script->pending_line, reply);
+            execute(script, session, text_trim(buffer_text(pending)), reply);
             buffer_clear(pending);
         }
     }
@@ -61,7 +66,7 @@ static void put_runs_kept(const struct session *session, struct buffer *text)
 bool script_end(struct script *script, struct session *session, struct reply *reply)
 {
     if (script->pending.len > 0 && !script->stopped && !session->quit)
-        execute(script, session, text_trim(buffer_text(&script->pending)), script->pending_line, reply);
+        execute(script, session, text_trim(buffer_text(&script->pending)), reply);
     buffer_free(&script->pending);
     const struct source *parent = script->where.parent;
     const bool outermost = !parent || !parent->name;

@@ -19,15 +19,20 @@ static bool is_inside(struct text part, struct text whole)
     return part.len > 0 && part.at >= whole.at && part.at + part.len <= whole.at + whole.len;
 }
 
+static bool is_choice(const struct argument *argument)
+{
+    return argument->type == TYPE_CHOICE || argument->type == TYPE_SCENE;
+}
+
 /* The choice that begins first at `from` or after it; NULL: none. */
 static const struct item *next_choice(const struct arguments *arguments, struct text statement, const char *from)
 {
     const struct item *next = NULL;
     for (int i = 0; i < arguments->command->arguments; i++) {
         const struct given *given = &arguments->given[i];
-        for (int k = 0; k < given->count && arguments->command->argument[i].type == TYPE_CHOICE; k++) {
+        for (int k = 0; k < given->count && is_choice(&arguments->command->argument[i]); k++) {
             const struct item *item = &given->item[k];
-            if (is_inside(item->text, statement) && item->text.at >= from && (!next || item->text.at < next->text.at))
+            if (item->row && is_inside(item->text, statement) && item->text.at >= from && (!next || item->text.at < next->text.at))
                 next = item;
         }
     }

@@ -56,21 +56,25 @@ void keys_add_scene(struct keys *keys, const struct scene *scene)
     }
 }
 
-/* "gamma 0.1 1/s at t = 3.2 s; k 16 N/m at t = 4 s" */
+/* "gamma 0.1 1/s at t = 3.2 s; k 16 N/m at t = 4 s; 12 by events" */
 static void add_changes(struct keys *keys, const char *name, const struct held_run *held)
 {
     struct buffer value = {0};
+    int by_events = 0;
     for (int i = 0; i < held->legs; i++) {
         const struct leg *leg = &held->leg[i];
-        if (leg->kind != LEG_SET)
+        const bool changes = leg->kind == LEG_SET || leg->kind == LEG_KICK;
+        by_events += changes && leg->by_event;
+        if (!changes || leg->by_event)
             continue;
-        const struct param_row *param = param_at(&held->run->scene, leg->param);
-        buffer_format(&value, "%s%s ", value.len ? "; " : "", param->row.name);
-        buffer_exact(&value, leg->value, param->quantity);
+        buffer_put(&value, value.len ? TEXT("; ") : TEXT(""));
+        journal_put_change(held->run, leg, &value);
         buffer_put(&value, TEXT(" at t = "));
         buffer_real(&value, leg->from_t);
         buffer_put(&value, TEXT(" s"));
     }
+    if (by_events > 0)
+        buffer_format(&value, "%s%d by events", value.len ? "; " : "", by_events);
     if (value.len > 0 || value.failed)
         keys_add(keys, name, &value);
 }

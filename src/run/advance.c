@@ -49,7 +49,7 @@ static enum stop leg_begin(struct run *run, const struct run_target *target, str
         leg->limit = end < leg->limit ? end : leg->limit;
     }
     leg->armed = target->condition && !holds(leg);
-    events_begin(leg);
+    events_begin(run, leg);
     return STOP_NONE;
 }
 

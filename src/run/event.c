@@ -161,10 +161,40 @@ static signed char sign_of(double value)
 
 /* ---- in the course of a run ---- */
 
-void events_begin(struct leg *leg)
+void events_begin(const struct run *run, struct leg *leg)
 {
-    for (int i = 0; i < leg->target->events; i++)
+    for (int i = 0; i < leg->target->events; i++) {
         leg->sign[i] = sign_of(event_value(&leg->target->event[i]));
+        leg->departs[i] = leg->sign[i] == 0;
+    }
+    for (size_t i = run_happenings(run); i > 0 && run_happening(run, i - 1)->t == run->t; i--)
+        leg->departs[run_happening(run, i - 1)->event] = true;
+}
+
+/*
+ * Where a leg begins at an event, the value there is rounding; its sign is the one a moment later, from where it grows
+ * steadily. A ball that has just been thrown up may be back long before the end of the step. *theta, *value: that
+ * moment; those of the beginning if the value does not grow.
+ */
+static void depart(const struct interval *interval, struct leg *leg, int event, double *theta, double *value)
+{
+    double last = *value, least = 4 * fabs(*value), a = 0;
+    int grows = 0;
+    leg->departs[event] = false;
+    for (double b = 0x1p-40; b < 0.5; b *= 2) {
+        const double f = value_at(interval, b);
+        const bool steady = fabs(f) > least && sign_of(f) == sign_of(last) && fabs(f) > 1.5 * fabs(last);
+        grows = steady ? grows + 1 : 0;
+        if (grows == 1)
+            a = b;
+        if (grows == 3) {
+            *theta = a;
+            *value = value_at(interval, a);
+            leg->sign[event] = sign_of(*value);
+            return;
+        }
+        last = f;
+    }
 }
 
 static void insert(struct crossings *crossings, const struct crossing *crossing, double h)
@@ -205,7 +235,10 @@ void events_find(struct run *run, struct leg *leg, double t, double h, struct cr
     crossings->count = 0;
     for (int i = 0; i < leg->target->events; i++) {
         interval.event = &leg->target->event[i];
-        double value = look_at(&interval, leg, i, 0, value_at(&interval, 0), 0.5, crossings);
+        double begin = 0, value = value_at(&interval, 0);
+        if (leg->departs[i])
+            depart(&interval, leg, i, &begin, &value);
+        value = look_at(&interval, leg, i, begin, value, 0.5, crossings);
         look_at(&interval, leg, i, 0.5, value, 1, crossings);
     }
 }
@@ -214,6 +247,8 @@ static bool keep(struct run *run, const struct crossing *crossing)
 {
     struct happenings *all = &run->private_state->happenings;
     const size_t n = (size_t)run->system.n;
+    if (all->count == LIMIT_HAPPENINGS)
+        return false;
     if (all->count == all->room) {
         const size_t room = all->room ? 2 * all->room : 16;
         struct happening *at = realloc(all->at, room * sizeof *at);
@@ -231,13 +266,13 @@ static bool keep(struct run *run, const struct crossing *crossing)
 
 bool events_keep(struct run *run, const struct leg *leg, const struct crossings *crossings, double h, bool *stops)
 {
-    for (int i = 0; i < crossings->count && !*stops; i++) {
+    for (int i = 0; i < crossings->count; i++) {
         const struct crossing *crossing = &crossings->found[i];
         if ((crossing->t - run->t) * h > 0)
             break;
         if (!keep(run, crossing))
             return false;
-        if (!leg->target->event[crossing->event].stop)
+        if (!leg->target->event[crossing->event].stop || *stops)
             continue;
         copy_state(run->y, crossing->y, run->system.n);
         run->t = crossing->t;

@@ -110,6 +110,11 @@ void run_explain(const struct run *run, struct buffer *text)
             buffer_format(text, " or an implicit method");
         break;
     case STOP_FULL:
+        if (run_happenings(run) == LIMIT_HAPPENINGS) {
+            buffer_format(text, ": %d events were noticed, more are not kept; watch for something rarer",
+                          LIMIT_HAPPENINGS);
+            break;
+        }
         buffer_format(text, ": the trace holds %zu rows in %.4g MB and has no room for more; try 'set record auto'",
                       trace_count(run->trace), (double)trace_bytes(run->trace) / 1e6);
         break;

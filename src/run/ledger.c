@@ -52,6 +52,23 @@ static void add_interval(struct balance *balance, const struct system *system, d
     sum_add(&balance->drag, h * drag);
 }
 
+/* [J] brought by kicks in steps after - upto. */
+static double kicks_between(const struct run_private *p, int64_t after, int64_t upto)
+{
+    size_t low = 0, high = p->kicks;
+    double energy = 0;
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+        if (p->kick[middle].step <= after)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    for (; low < p->kicks && p->kick[low].step <= upto; low++)
+        energy += p->kick[low].energy;
+    return energy;
+}
+
 void balance_extend(struct balance *balance, const struct run *run, size_t i, int64_t step, double t, const double *y)
 {
     double before[LIMIT_VARIABLES], factor = run->private_state->factor;
@@ -61,6 +78,7 @@ void balance_extend(struct balance *balance, const struct run *run, size_t i, in
     const struct epoch *from = run_epoch(run, trace_step(run->trace, i)), *to = run_epoch(run, step);
     if (from != to) /* changing a parameter changes the energy of a state: that is work too */
         sum_add(&balance->work, system_energy(&to->system, before) - system_energy(&from->system, before));
+    sum_add(&balance->work, kicks_between(run->private_state, trace_step(run->trace, i), step));
     double t0 = trace_time(run->trace, i);
     if (!to->system.conservative && t != t0)
         add_interval(balance, &to->system, t0, before, t, y);

@@ -113,6 +113,12 @@ struct balance {
     struct sum drag; /* drag alone */
 };
 
+/* The state was changed from outside in that step. */
+struct kick {
+    int64_t step;
+    double energy; /* [J] that it brought */
+};
+
 /* What events noticed, in the order of time. */
 struct happenings {
     struct happening *at;
@@ -136,6 +142,8 @@ struct run_private {
     struct balance settled; /* up to rows that do not change while the trace keeps its generation */
     unsigned generation;
     struct happenings happenings;
+    struct kick *kick;
+    size_t kicks, kick_room;
 };
 
 /* The state is no longer what the compensated sums know about. */
@@ -155,6 +163,7 @@ struct leg {
     int64_t limit; /* step index to stop at */
     bool armed;    /* the condition was false since it was last true */
     signed char sign[LIMIT_EVENTS]; /* of each event's value where it was last not 0 */
+    bool departs[LIMIT_EVENTS];     /* the leg begins where the value is 0 but for rounding */
 };
 
 /* ---- event.c ---- */
@@ -172,7 +181,7 @@ struct crossings {
     int count;
 };
 
-void events_begin(struct leg *leg); /* signs at the run's present state */
+void events_begin(const struct run *run, struct leg *leg); /* signs at the run's present state */
 /* What happened in the step just taken from p->before at t over h. */
 void events_find(struct run *run, struct leg *leg, double t, double h, struct crossings *crossings);
 /* Keeps those up to the present time; ends at one that stops the run, and puts the run there. False: no memory. */

@@ -154,6 +154,7 @@ void run_destroy(struct run *run)
         free(run->private_state->epoch);
         free(run->private_state->happenings.at);
         free(run->private_state->happenings.state);
+        free(run->private_state->kick);
         free(run->private_state);
     }
     free(run);
@@ -175,6 +176,8 @@ bool run_back(struct run *run, int64_t rows)
     size_t last = trace_count(trace) - 1;
     bool enough = rows <= 0 || (uint64_t)rows <= last;
     size_t row = rows <= 0 ? last : enough ? last - (size_t)rows : 0;
+    for (size_t i = p->kicks; i > 0 && row > 0 && rows > 0; i--)
+        row -= p->kick[i - 1].step == trace_step(trace, row) + 1;
     if (row == last && rows <= 0)
         return true;
     /* Of an adaptive run the size of the step that led here is the next proposal; the controller's memory is not
@@ -187,6 +190,8 @@ bool run_back(struct run *run, int64_t rows)
     run->controller = (struct controller){.tol = run->settings.tol, .h = h};
     run->stop = STOP_NONE;
     happenings_truncate(run);
+    while (p->kicks > 0 && p->kick[p->kicks - 1].step > run->steps)
+        p->kicks--;
     while (p->epochs > 1 && p->epoch[p->epochs - 1].first > run->steps)
         p->epochs--;
     use_system(run, &p->epoch[p->epochs - 1].system);
@@ -229,5 +234,53 @@ bool run_rebind(struct run *run, const struct scene *scene, struct error *error)
     run->plan.growth = plan.growth;
     run->plan.limit = plan.limit;
     use_system(run, &system);
+    return true;
+}
+
+static bool reserve_kick(struct run_private *p)
+{
+    if (p->kicks < p->kick_room)
+        return true;
+    const size_t room = p->kick_room ? 2 * p->kick_room : 16;
+    struct kick *kick = realloc(p->kick, room * sizeof *kick);
+    if (!kick)
+        return false;
+    p->kick = kick;
+    p->kick_room = room;
+    return true;
+}
+
+bool run_kick(struct run *run, int i, double value, struct error *error)
+{
+    struct run_private *p = run->private_state;
+    const struct system *system = &run->system;
+    const double was = run->y[i], before = system->order == 2 ? system_energy(system, run->y) : 0;
+    if (run->method->flags & METHOD_YARDSTICK)
+        return error_set(error, ERROR_COMMAND, "%s keeps what it knows to itself: its state cannot be changed on the way",
+                         run->method->row.name);
+    if (!(fabs(value) <= p->bound[i]))
+        return error_set(error, ERROR_COMMAND, "%s cannot become %g", system_variable(system, i).name, value);
+    if (!reserve_kick(p) || !trace_reserve_grids(run->trace, 1))
+        return error_memory(error);
+    run->y[i] = value;
+    if (!trace_record(run->trace, run->steps + 1, run->t, run->y)) {
+        run->y[i] = was;
+        return error_set(error, ERROR_COMMAND, "the trace has no room for more rows");
+    }
+    run->steps++;
+    if (!run->plan.adaptive)
+        trace_regrid(run->trace, (struct grid){run->steps, run->t, trace_grid(run->trace)->h});
+    trace_present(run->trace, run->steps, run->t, run->y);
+    p->kick[p->kicks++] =
+        (struct kick){run->steps, system->order == 2 ? system_energy(system, run->y) - before : 0};
+    /* Another motion: what the step control has learnt of the old one is no guide. */
+    run->controller = (struct controller){.tol = run->settings.tol,
+                                          .h = copysign(run->settings.dt, run->controller.h)};
+    p->factor = 1;
+    p->settled = (struct balance){0};
+    p->step.warm = false;
+    forget_rounding(p, system->n);
+    run->plan.ledger = true;
+    run->plan.exact_known = false;
     return true;
 }

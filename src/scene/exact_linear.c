@@ -162,8 +162,8 @@ static void dependence(const struct matrix *x, unsigned *on)
  * What one ulp does. In the time scale it moves the state by eps |t| y'. A rate passes through 0 where another of the
  * same motion is largest, so the largest of all that the variable depends on stands for it, in units of the natural
  * sizes. In a coefficient it moves the rate by eps |A| |y|, more than y' where fast motion has come to rest, and the
- * state by the integral of exp(A t) times that. What has decayed is the difference of 1 and -E: rounding of long double
- * stays.
+ * state by the integral of exp(A t) times that; where motion grows it was small while exp(A t) had far to go, so that |t|
+ * bounds what takes its place. What has decayed is the difference of 1 and -E: rounding of long double stays.
  */
 static void find_floor(const struct system *system, const struct matrix *x, const real *d,
                        const struct matrix *integral, const double *start, real t, const real *y, double *floor)
@@ -186,7 +186,7 @@ static void find_floor(const struct system *system, const struct matrix *x, cons
         for (int j = 0; j < n; j++) {
             most = on[i] >> j & 1 ? fmaxl(most, rate[j]) : most;
             begun = on[i] >> j & 1 ? fmaxl(begun, d[i] * fabsl((real)start[j]) / d[j]) : begun;
-            moved += d[i] * fabsl(integral->at[i][j]) / d[j] * parts[j];
+            moved += d[i] * fminl(fabsl(integral->at[i][j]), fabsl(t)) / d[j] * parts[j];
         }
         floor[i] = (double)((real)DBL_EPSILON * (fabsl(y[i]) + fabsl(t) * most * (real)system->scale[i] + moved) +
                             16 * LDBL_EPSILON * begun);

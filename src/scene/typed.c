@@ -2,6 +2,7 @@
 /* Typed models and their lines: each line makes a new model, which nothing changes any more. */
 #include "typed.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -93,6 +94,7 @@ static struct typed *begin(const struct model *from, bool empty, struct error *e
     const int lines = empty ? 0 : typed_lines(from);
     if (typed) {
         typed->base = empty ? NULL : typed_base(from);
+        snprintf(typed->name, sizeof typed->name, "%s", empty || !from->typed ? "typed" : from->typed->name);
         typed->parts = typed_parts_create();
         typed->line = arena_array(&typed->arena, (size_t)lines + 1, sizeof *typed->line);
     }
@@ -130,6 +132,18 @@ static const struct model *finish(struct typed_models *models, struct typed *typ
         error->where = (struct text){NULL, 0};
     destroy(typed);
     return NULL;
+}
+
+const struct model *typed_new(struct typed_models *models, struct text name, struct error *error)
+{
+    if (name.len > LIMIT_SYMBOL) {
+        error_at(error, name, "a name of more than %d letters", LIMIT_SYMBOL);
+        return NULL;
+    }
+    struct typed *typed = begin(NULL, true, error);
+    if (typed && name.len > 0)
+        snprintf(typed->name, sizeof typed->name, "%.*s", (int)name.len, name.at);
+    return typed ? finish(models, typed, NULL, NULL, error) : NULL;
 }
 
 static void drop(struct typed *typed, int i)

@@ -23,6 +23,7 @@ struct typed {
     struct arena arena;
     struct model model;
     struct preset preset;      /* settings under the name of the model */
+    char name[LIMIT_SYMBOL + 1];
     const struct model *base;  /* NULL: all is typed */
     struct typed_line *line;   /* in the order of typing */
     int lines;

@@ -19,6 +19,8 @@ static bool read_expr(struct compile *c, struct text text, const struct expr **e
     if (rest.len == 0)
         return true;
     error_at(c->error, rest, "the expression ends before '%.*s'", (int)rest.len, rest.at);
+    if (unit_match(rest))
+        return error_hint(c->error, "units stand with values: param NAME = 0.2 N/m, then NAME here");
     return !strchr(")=,;'", rest.at[0]) ? error_hint(c->error, "a product is written with *: 2*x") : false;
 }
 
@@ -290,7 +292,7 @@ static bool make_model(struct compile *c)
         *model = *typed->base;
         model->exact = NULL;
     } else {
-        model->row = (struct row){"typed", "", "equations typed by the user", "", NULL};
+        model->row = (struct row){typed->name, "", "equations typed by the user", "", NULL};
         model->derived = &no_derived;
         model->begin = typed_begin;
         if (!lay_out(c))

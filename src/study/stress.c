@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* stress: every method on every stiff and extreme case, one verdict each. */
-#include "verify.h"
+#include "stress.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,6 +9,7 @@
 #define COST_MOST 1000000 /* evaluations, Jacobians and solves of one case */
 #define STEPS_MOST 100000
 #define REFERENCE_MOST 4000000
+#define SCENE_MOST 400000 /* the same where many cases are made of one scene */
 #define REFERENCE_TOL 1e-10
 #define TOL 1e-6
 #define SPAN 10.0   /* [s] */
@@ -25,6 +26,7 @@ static const struct row verdicts[] = {
     [STRESS_DAMPED] = {"damped away", "d", "what should swing is gone", "", NULL},
     [STRESS_REFUSED] = {"refused", "r", "not computed, with the reason", "", NULL},
     [STRESS_DIVERGED] = {"diverged", "X", "grew beyond the motion, or out of the range of numbers", "", NULL},
+    [STRESS_UNKNOWN] = {"unknown", "u", "arrived, but no two references do: its error is not known", "", NULL},
     [STRESS_UNEXPLAINED] = {"unexplained", "?", "none of these: a fault of the program", "", NULL},
 };
 
@@ -111,6 +113,7 @@ static void collect(struct stress *stress)
 
 struct bench {
     const struct stress_case *what;
+    double *limit; /* [methods] of STRESS_STEP; NAN: not yet known */
     struct system system;
     double span, tol, dt;
     struct reference reference;
@@ -121,9 +124,11 @@ struct bench {
 
 static bool set_scene(const struct stress_case *what, struct system *system, struct error *error)
 {
-    const struct preset *preset =
-        (const struct preset *)(const void *)catalog_find(&preset_catalog, text_of(what->preset));
+    const struct row *row = what->of ? NULL : catalog_find(&preset_catalog, text_of(what->preset));
+    const struct preset *preset = (const struct preset *)(const void *)row;
     struct scene scene;
+    if (what->of)
+        return stress_scene_set(what, &scene, error) && scene_bind(&scene, system, error);
     if (!preset)
         return error_set(error, ERROR_COMMAND, "there is no scene '%s'", what->preset);
     scene_init(&scene, preset);
@@ -158,7 +163,7 @@ static void find_reference(struct bench *bench)
         struct solver solver;
         if (!method || !solver_init(&solver, system, method, &settings, bench->span))
             continue;
-        solver.most = REFERENCE_MOST;
+        solver.most = bench->what->of ? SCENE_MOST : REFERENCE_MOST;
         const enum stop stop = solver_run(&solver, bench->grid, bench->cancel);
         solver_free(&solver);
         if (stop != STOP_END)
@@ -224,7 +229,7 @@ static void judge_end(const struct bench *bench, struct stress_row *row)
     double size = 0;
     bool gone = false;
     if (!reference->y) {
-        row->verdict = STRESS_UNEXPLAINED;
+        row->verdict = STRESS_UNKNOWN;
         snprintf(row->reason, sizeof row->reason, "there is nothing to measure against");
         return;
     }
@@ -293,10 +298,18 @@ static void refuse(struct stress_row *row, const char *why)
 }
 
 /* False: no memory. */
-static bool run_case(const struct bench *bench, struct stress_row *row)
+static bool run_case(const struct bench *bench, int method, struct stress_row *row)
 {
     const bool adaptive = row->method->flags & METHOD_ADAPTIVE && !bench->what->fixed;
-    struct run_settings settings = {.dt = bench->dt, .tol = adaptive ? bench->tol : 0};
+    double *limit = &bench->limit[method];
+    if (bench->what->change == STRESS_STEP && isnan(*limit) && !bench->refused[0])
+        *limit = bench->reference.y
+                     ? stress_limit(&bench->system, bench->reference.y, STUDY_TIMES, STUDY_TIMES / 32, row->method)
+                     : stress_limit(&bench->system, bench->system.start, 1, 1, row->method);
+    const double dt = bench->what->change != STRESS_STEP ? bench->dt
+                      : isfinite(*limit)                 ? bench->what->value * *limit
+                                                         : bench->what->value * bench->span / STEPS;
+    struct run_settings settings = {.dt = dt, .tol = adaptive ? bench->tol : 0};
     struct error error = {0};
     struct plan plan;
     struct solver solver;
@@ -334,23 +347,30 @@ static bool run_case(const struct bench *bench, struct stress_row *row)
 
 /* ---- all of them ---- */
 
-bool study_stress(const struct method *const *methods, int count, const struct cancel *cancel, struct stress *stress,
-                  struct error *error)
+bool study_stress(const struct stress_scene *scene, const struct method *const *methods, int count,
+                  const struct cancel *cancel, struct stress *stress, struct error *error)
 {
     const int64_t begin = clock_ns();
-    *stress = (struct stress){0};
-    collect(stress);
+    memset(stress, 0, sizeof *stress);
+    if (!scene)
+        collect(stress);
+    else if (!stress_scene_cases(stress, scene))
+        return stress->count == STRESS_MOST
+                   ? error_set(error, ERROR_COMMAND, "the scene has too many parameters: more than %d cases", STRESS_MOST)
+                   : error_memory(error);
+    double *limit = malloc(((size_t)count + 1) * sizeof *limit);
     stress->row = calloc((size_t)(stress->count * count) + 1, sizeof *stress->row);
-    if (!stress->row)
-        return error_memory(error);
-    bool ok = true;
+    bool ok = stress->row && limit;
+    for (int m = 0; m < count && ok; m++)
+        limit[m] = NAN;
     for (int c = 0; c < stress->count && ok && !cancelled(cancel); c++) {
         struct bench bench;
         ok = bench_init(&bench, &stress->cases[c], cancel);
+        bench.limit = limit;
         for (int m = 0; m < count && ok && !cancelled(cancel); m++) {
             struct stress_row row = {.place = c, .method = methods[m]};
             const int64_t start = clock_ns();
-            ok = run_case(&bench, &row);
+            ok = run_case(&bench, m, &row);
             row.seconds = (double)(clock_ns() - start) * 1e-9;
             if (!ok || cancelled(cancel))
                 break;
@@ -359,6 +379,7 @@ bool study_stress(const struct method *const *methods, int count, const struct c
         }
         bench_free(&bench);
     }
+    free(limit);
     stress->seconds = (double)(clock_ns() - begin) * 1e-9;
     if (!ok)
         return error_memory(error);
@@ -369,6 +390,7 @@ bool study_stress(const struct method *const *methods, int count, const struct c
 void stress_free(struct stress *stress)
 {
     free(stress->row);
+    arena_reset(&stress->text);
     stress->row = NULL;
     stress->rows = 0;
 }

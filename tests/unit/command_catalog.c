@@ -95,7 +95,7 @@ static void every_command_is_suggested_and_completed(void **state)
     bench_open(&b, false);
     for (size_t i = 0; i < command_catalog.count; i++) {
         const char *name = command_at(i)->row.name;
-        const struct source script = {"s.hk", 7, NULL};
+        const struct source script = {.name = "s.hk", .line = 7};
         char line[64], wanted[64];
         struct found found = {.count = 0};
         size_t start;

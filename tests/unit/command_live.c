@@ -279,6 +279,49 @@ static void cancel_pauses(void **state)
     bench_close(&w.bench);
 }
 
+/* A scene of one's own, with an event that makes it jump: what is changed while it goes on and while it is paused, lines
+ * that are typed between, all of it comes back from what is saved. */
+static void a_typed_scene_changes_on_the_way(void **state)
+{
+    (void)state;
+    struct watcher w;
+    struct buffer saved = {0};
+    watcher_open(&w);
+    type_ok(&w.bench, "scene new ball; var y = 1; param g = 9.81; param r = 0.9; y'' = -g; dt = 1e-4; speed 2");
+    type_ok(&w.bench, "event bounce when y falling do \"y' = -r*y'; continue\"");
+    from_step(&w, 100, "g = 5");
+    from_step(&w, 200, "change y 0.9");
+    from_step(&w, 300, "change vy -3*r");
+    from_step(&w, 2000, "r = 0.8");
+    from_step(&w, 9000, NULL);
+    type_ok(&w.bench, "run 5 s");
+    assert_false(w.failed);
+    assert_int_equal(w.bench.session->live.state, LIVE_PAUSED);
+    assert_int_equal(w.bench.session->live.mark_count, 2);
+    type_ok(&w.bench, "param c = 0; g = 6; speed max");
+    assert_says(&w.bench.out, "g = 6 from t = ");
+    type_ok(&w.bench, "c = 1");
+    assert_null(strstr(said(&w.bench.out), "from t"));
+    type(&w.bench, "change c 2");
+    assert_says(&w.bench.err, "run 1 has no c: that came later");
+    type_ok(&w.bench, "continue");
+    const struct run *run = w.bench.session->run[0]->run;
+    assert_true(run->t == 5 && run_happenings(run) > 1);
+    session_autosave(w.bench.session, &saved);
+    write_file("live.hk", saved.data, saved.len);
+    struct bench b;
+    bench_open(&b, false);
+    type_ok(&b, "source live.hk");
+    const struct run *again = b.session->run[0]->run;
+    assert_true(again->steps == run->steps && again->t == run->t && again->y[0] == run->y[0] && again->y[1] == run->y[1]);
+    bench_close(&b);
+    type_ok(&w.bench, "scene pendulum");
+    type(&w.bench, "change g 3");
+    assert_says(&w.bench.err, "run 1 is one of ball, the scene is now pendulum");
+    bench_close(&w.bench);
+    buffer_free(&saved);
+}
+
 /* The rest of a line, of a file and of the file that sourced it waits for the run, and is left out if that is paused.
  */
 static void pause_ends_line_and_file(void **state)
@@ -388,6 +431,7 @@ int main(void)
         cmocka_unit_test(cancel_pauses),
         cmocka_unit_test(pause_ends_line_and_file),
         cmocka_unit_test(parameter_changes_on_the_way),
+        cmocka_unit_test(a_typed_scene_changes_on_the_way),
         cmocka_unit_test(replies_stay_apart),
     };
     return cmocka_run_group_tests(tests, enter_folder, leave_folder);

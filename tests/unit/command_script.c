@@ -51,6 +51,28 @@ static void a_script_stops_at_its_first_error(void **state)
     bench_close(&b);
 }
 
+/* Where it stands in the file: behind what indents it, on the line that continues another. */
+static void an_error_has_its_place_in_the_file(void **state)
+{
+    static const struct {
+        const char *script, *said;
+    } cases[] = {
+        {"scene new\nvar x = 1\n\t x' = -x*\\\n   2*\\\n    zz\n", "s.hk:5:5: error: unknown name 'zz'\n    zz\n    ^~\n"},
+        {"  \tset gama 3", "s.hk:1:8: error: unknown parameter 'gama'\n    set gama 3\n        ^~~~\n"},
+        {"let p = 3; \\\n let q = 2 + cc", "s.hk:2:14: error: unknown name 'cc'\n    let q = 2 + cc\n                ^~\n"},
+        {"let \xC5\xBC = 3", "s.hk:1:5: error: '\xC5\xBC' is not a name\n    let \xC5\xBC = 3\n        ^\n"},
+        {"var x = 1\n  x' =  \\\n x + sin(x\n", "s.hk:3:6: error: missing ')'"},
+    };
+    (void)state;
+    struct bench b;
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        bench_open(&b, false);
+        assert_false(run_script(&b, "s.hk", cases[i].script, strlen(cases[i].script)));
+        assert_says(&b.err, cases[i].said);
+        bench_close(&b);
+    }
+}
+
 /* One line that was typed needs no word about where it stopped. */
 static void a_typed_line_just_fails(void **state)
 {
@@ -288,6 +310,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(dialects_of_text_files),
         cmocka_unit_test(a_script_stops_at_its_first_error),
+        cmocka_unit_test(an_error_has_its_place_in_the_file),
         cmocka_unit_test(a_typed_line_just_fails),
         cmocka_unit_test(keep_going_goes_on),
         cmocka_unit_test(the_status_says_what_failed),

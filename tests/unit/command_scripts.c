@@ -122,7 +122,7 @@ static void run_lines(struct scenario *s, struct text content)
 {
     struct text rest = content, line;
     while (rest.len > 0 && text_split(&rest, '\n', &line)) {
-        const struct source where = {s->file, ++s->number, NULL};
+        const struct source where = {.name = s->file, .line = ++s->number};
         line = text_trim(line);
         if (line.len == 0 || starts_mark(line))
             continue;

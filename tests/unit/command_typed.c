@@ -92,6 +92,58 @@ static void autosaves_bring_back_runs(void **state)
     buffer_free(&saved);
 }
 
+/* Balls that bounce, cells that fire: with what events do to them, runs come back bit for bit from what is saved, what is
+ * recorded, and what is undone. */
+static void jumps_are_done_again(void **state)
+{
+    static const char *const scenes[] = {
+        "var y = 1; y'' = -9.81; event bounce when y falling do \"y' = -0.8*y'; continue\"",
+        "var u = 0; param I = 1.5; u' = I - u; event fire when u > 1 do 'u = 0; I = 1.01*I; continue'",
+        ("var y = 1; var x = 0; x'' = 0; y'' = -1; event wall when abs(x) > 0.3 do 'vx = -vx; continue'; var x' = 1; "
+         "event floor when y < 0 do 'vy = -vy; y = 0; continue'; event count when x do 'print t; continue'"),
+        "var y = 1; y'' = -9.81; event bounce when y falling do 'print t'"};
+    static const char *const methods[] = {"rk4 dt=10ms", "dop853 tol=1e-9", "heun dt=7ms", "abm4 dt=10ms"};
+    (void)state;
+    for (size_t i = 0; i < COUNT_OF(scenes) * COUNT_OF(methods); i++) {
+        struct bench b, other, told;
+        struct buffer saved = {0};
+        char method[40];
+        start(&b, scenes[i % COUNT_OF(scenes)]);
+        snprintf(method, sizeof method, "method %s", methods[i / COUNT_OF(scenes)]);
+        remove("told.hk");
+        type_ok(&b, "save scene.hk --force");
+        type_ok(&b, "record told.hk");
+        type_ok(&b, method);
+        type_ok(&b, "run 2 s; continue 1 s; step 3; run 1.5 s --steps 7; continue");
+        const struct run *run = session_run(b.session);
+        const int64_t steps = run->steps;
+        const double y = run->y[0], t = run->t;
+        type_ok(&b, "record off");
+        session_autosave(b.session, &saved);
+        write_file("jumps.hk", saved.data, saved.len);
+        bench_open(&other, false);
+        type_ok(&other, "source jumps.hk");
+        bench_open(&told, false);
+        type_ok(&told, "source scene.hk; source told.hk");
+        for (int r = 0; r < b.session->runs; r++) {
+            b.session->current_run = other.session->current_run = told.session->current_run = r;
+            assert_same_state(b.session, other.session, scenes[i % COUNT_OF(scenes)]);
+            assert_same_state(b.session, told.session, scenes[i % COUNT_OF(scenes)]);
+        }
+        type_ok(&b, "undo 2");
+        assert_int_equal(b.session->runs, 1);
+        type_ok(&b, "undo 2; redo 4");
+        run = session_run(b.session);
+        if (run->steps != steps || run->y[0] != y || run->t != t)
+            fail_msg("%s, %s: undone, done again: step %lld of %lld at %.17g, y[0] = %.17g, not %.17g", methods[i / COUNT_OF(scenes)],
+                     scenes[i % COUNT_OF(scenes)], (long long)run->steps, (long long)steps, run->t, run->y[0], y);
+        bench_close(&b);
+        bench_close(&other);
+        bench_close(&told);
+        buffer_free(&saved);
+    }
+}
+
 static void assert_scene_is(struct bench *b, const char *wanted)
 {
     struct buffer saved = {0};
@@ -184,6 +236,71 @@ static void names_are_completed(void **state)
     assert_offers(&b, "run until angl", " angle ", 10);
     type_ok(&b, "method rk4; run 1 s");
     assert_offers(&b, "export f.csv spr", " spread ", 13);
+    bench_close(&b);
+}
+
+/* An operand where one can stand, a unit after a number, nothing where nothing fits. */
+static void expressions_are_completed(void **state)
+{
+    static const struct {
+        const char *line, *with, *without;
+        size_t start;
+    } cases[] = {
+        {"print 2*na", " natural ", " angle ", 8},
+        {"print 2 * na", " natural ", " angle ", 10},
+        {"print hypot(1, na", " natural ", " angle ", 15},
+        {"print (", " angle ", " m ", 7},
+        {"print sqrt(ang", " angle ", " sqrt ", 11},
+        {"print 3 ", " kg ", " angle ", 8},
+        {"print vangle-an", " angle ", " vangle ", 13},
+        {"print 2*phase-er", " phase-error ", " energy ", 8},
+        {"stiffness = 2*", " angle ", " kg ", 14},
+        {"stiffness = natural ", "", " angle ", 20},
+        {"let z = natural/sti", " stiffness ", " angle ", 16},
+        {"run until angle < sti", " stiffness ", " angle ", 18},
+        {"run until angle*", " stiffness ", " s ", 16},
+        {"run 2*", " natural ", " s ", 6},
+        {"force -stiffness*angle^", " stiffness ", " kg ", 23},
+        {"force ", " off ", " rising ", 6},
+        {"force -stiffness*angle ", "", " angle ", 23},
+        {"angle'' = (", " vangle ", " off ", 11},
+        {"angle''=-angle-sti", " stiffness ", " angle ", 15},
+        {"angle'' = angle ", "", " angle ", 16},
+        {"param stiffness = 2 ", " N/m ", " angle ", 20},
+        {"param ", " stiffness ", " spread ", 6},
+        {"var ", " angle ", " stiffness ", 4},
+        {"observe ", " spread ", " angle ", 8},
+        {"observe spread ", " off ", " angle ", 15},
+        {"observe more = ", " spread ", " off ", 15},
+        {"event ", " top ", " when ", 6},
+        {"event top ", " when ", " do ", 10},
+        {"event x when ", " angle ", " do ", 13},
+        {"event x when angle ", " falling ", " stop ", 19},
+        {"event x when angle - ", " spread ", " do ", 21},
+        {"event x when angle falling ", " do ", " rising ", 27},
+        {"event x when angle do ", " record ", " do ", 22},
+        {"event x when angle do stop ", "", " stop ", 27},
+        {"event x when angle do 'pri", " print ", " run ", 23},
+        {"event x when angle do 'print a; stif", " stiffness ", " angle ", 32},
+        {"scene ", " new ", " angle ", 6},
+        {"scene new ", "", " damped ", 10},
+        {"scene p", " pendulum ", " damped ", 6},
+    };
+    (void)state;
+    struct bench b;
+    start(&b, "var angle = 1; param stiffness = 2; param natural = 1; angle'' = -stiffness*angle");
+    type_ok(&b, "observe spread = angle^2; force -angle; event top when vangle do record");
+    type_ok(&b, "method rk4; run 1 s");
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        struct buffer offered = {0};
+        size_t begin = 0;
+        command_complete(b.session, text_of(cases[i].line), strlen(cases[i].line), &begin, collect, &offered);
+        buffer_put(&offered, TEXT(""));
+        if (!strstr(offered.data, cases[i].with) || strstr(offered.data, cases[i].without) ||
+            begin != cases[i].start || (!cases[i].with[0] && offered.len > 0))
+            fail_msg("'%s': start %zu:%s", cases[i].line, begin, offered.data);
+        buffer_free(&offered);
+    }
     bench_close(&b);
 }
 
@@ -309,7 +426,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(adaptive_curves_are_smooth),
         cmocka_unit_test(saved_lines_recreate_the_scene),   cmocka_unit_test(autosaves_bring_back_runs),
-        cmocka_unit_test(undo_takes_lines_back),            cmocka_unit_test(names_are_completed),
+        cmocka_unit_test(undo_takes_lines_back), cmocka_unit_test(jumps_are_done_again),            cmocka_unit_test(names_are_completed),
+        cmocka_unit_test(expressions_are_completed),
         cmocka_unit_test(hostile_lines_are_refused_quickly), cmocka_unit_test(errors_have_their_caret),
         cmocka_unit_test(recorded_sessions_are_the_same),
     };

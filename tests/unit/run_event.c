@@ -17,7 +17,7 @@ struct fixture {
     struct run *run;
     struct arena arena;
     struct expr_scope scope;
-    struct event event[4];
+    struct event event[LIMIT_EVENTS];
     int events;
     struct error error;
 };
@@ -183,6 +183,139 @@ static void test_back(void **state)
     assert_int_equal(run_happenings(f->run), 3);
 }
 
+/* Of those at the same time each is kept, in the order of definition, also beside one that stops. */
+static void test_same_time(void **state)
+{
+    struct fixture *f = *state;
+    start(f, "rk4", 0.3, 0);
+    add(f, "x falling", true);
+    add(f, "-x rising", false);
+    add(f, "2*x", true);
+    go(f, 100, -1);
+    assert_int_equal(run_happenings(f->run), 3);
+    for (size_t i = 0; i < 3; i++)
+        assert_true(run_happening(f->run, i)->event == (int)i && time_of(f, i) == f->run->t);
+    go(f, 3, -1);
+    assert_int_equal(run_happenings(f->run), 3); /* not again */
+}
+
+/* Neither at the very start, nor where 0 is only touched, nor where the value is not a number; at a jump once. */
+static void test_odd_values(void **state)
+{
+    static const struct {
+        const char *event;
+        int times;
+    } row[] = {{"x - 1", 0},      {"t", 0},          {"x^2 + 1e-12", 0}, {"x' + 1 - abs(x' + 1)", 0}, {"0", 0},
+               {"sqrt(-1-x^2)", 0}, {"sign(x)", 3},  {"step(x)-0.5", 3}, {"floor(t) - 2.5", 1},       {"1/x", 3},
+               {"(x-0.5)^3", 3},  {"t - 10", 1},     {"t > 3", 1}};
+    struct fixture *f = *state;
+    for (size_t i = 0; i < COUNT_OF(row); i++) {
+        start(f, "rk4", 0.1, 0);
+        add(f, row[i].event, false);
+        go(f, 10, -1);
+        if (run_happenings(f->run) != (size_t)row[i].times)
+            fail_msg("%s: %zu times", row[i].event, run_happenings(f->run));
+    }
+}
+
+/* x = (t - 1)^2 touches 0 at a step: to the bit it is a crossing and one back, or none. */
+static void test_graze(void **state)
+{
+    struct fixture *f = *state;
+    const char *const lines[] = {"var z = 1", "var z' = -2", "z'' = 2", NULL};
+    scene_init(&f->scene, NULL);
+    assert_true(type_scene(f->models, &f->scene, lines));
+    start(f, "rk4", 0.125, 0);
+    add(f, "z", false);
+    go(f, 2, -1);
+    assert_true(run_happenings(f->run) == 0 || run_happenings(f->run) == 2);
+    for (size_t i = 0; i < run_happenings(f->run); i++)
+        assert_true(fabs(time_of(f, i) - 1) < 1e-7);
+}
+
+/* Records have a limit, at which the run says so and stays as it is. */
+static void test_many(void **state)
+{
+    struct fixture *f = *state;
+    start(f, "euler", 0.1, 0);
+    for (int i = 0; i < LIMIT_EVENTS; i++)
+        add(f, "sin(20*pi*(t + 0.01))", false);
+    go(f, 1e6, -1);
+    struct buffer why = {0};
+    run_explain(f->run, &why);
+    buffer_put(&why, TEXT(""));
+    assert_int_equal(f->run->stop, STOP_FULL);
+    assert_int_equal(run_happenings(f->run) / LIMIT_EVENTS, LIMIT_HAPPENINGS / LIMIT_EVENTS);
+    assert_non_null(strstr(why.data, "1000000 events were noticed, more are not kept"));
+    assert_true(fabs(f->run->t - 0.1 * (double)f->run->steps) < 1e-6);
+    buffer_free(&why);
+}
+
+/* ---- jumps ---- */
+
+static void bounce(struct fixture *f, double factor, int64_t most)
+{
+    for (go(f, 100, -1); f->run->stop == STOP_CONDITION && most-- > 0; go(f, 100, -1))
+        if (!run_kick(f->run, 1, -factor * f->run->y[1], &f->error))
+            fail_msg("%s", f->error.text);
+}
+
+/* A ball from 1 m: bounces at t1 (1 + 2 r + 2 r^2 + …), whatever the steps; energy changes by what they take. */
+static void test_bounces(void **state)
+{
+    static const struct {
+        const char *method;
+        double dt, tol;
+    } row[] = {{"rk4", 0.01, 0}, {"rk4", 0.7, 0}, {"verlet", 0.05, 0}, {"dop853", 0.01, 1e-9}, {"dopri5", 2, 1e-9},
+               {"radau5", 0.01, 1e-9}, {"abm4", 0.01, 0}, {"bdf2", 0.001, 0}, {"odex", 0.01, 1e-9}};
+    struct fixture *f = *state;
+    const char *const lines[] = {"var y = 1", "y'' = -2", "potential 2*y", NULL};
+    scene_init(&f->scene, NULL);
+    assert_true(type_scene(f->models, &f->scene, lines));
+    for (size_t k = 0; k < COUNT_OF(row); k++) {
+        start(f, row[k].method, row[k].dt, row[k].tol);
+        add(f, "y falling", true);
+        bounce(f, 0.5, 14);
+        const double tolerance = strcmp(row[k].method, "bdf2") == 0 ? 1e-2 : 1e-9;
+        double wanted = 1, flight = 1;
+        assert_int_equal(run_happenings(f->run), 15);
+        for (size_t i = 0; i < 15; i++, flight /= 2, wanted += 2 * flight)
+            if (!(fabs(time_of(f, i) - wanted) < tolerance))
+                fail_msg("%s: bounce %zu at %.17g, not %.17g", row[k].method, i, time_of(f, i), wanted);
+        struct ledger ledger;
+        run_ledger(f->run, &ledger);
+        assert_true(fabs(ledger.initial - 2) < 1e-15 && ledger.final < 1e-3 && ledger.error_max < tolerance);
+        assert_true(fabs(ledger.work - (ledger.final - 2)) < 2 * tolerance);
+    }
+}
+
+/* Going back does not stop between the two rows of a jump. */
+static void test_kick(void **state)
+{
+    struct fixture *f = *state;
+    start(f, "rk4", 0.1, 0);
+    go(f, 1, -1);
+    const double x = f->run->y[0], v = f->run->y[1];
+    assert_false(run_kick(f->run, 0, NAN, &f->error));
+    assert_false(run_kick(f->run, 0, 1e300, &f->error));
+    assert_true(f->run->steps == 10 && f->run->y[0] == x);
+    assert_true(run_kick(f->run, 0, 2, &f->error) && run_kick(f->run, 1, 0, &f->error));
+    const size_t rows = trace_count(f->run->trace);
+    assert_true(f->run->steps == 12 && rows == 13 && f->run->t == 1.0 && !f->run->plan.exact_known);
+    assert_true(trace_state(f->run->trace, rows - 3)[0] == x && trace_state(f->run->trace, rows - 3)[1] == v);
+    for (size_t i = 1; i <= 3; i++)
+        assert_true(trace_time(f->run->trace, rows - i) == 1.0);
+    go(f, 2, -1);
+    assert_true(fabs(f->run->y[0] - 2 * cos(1)) < 1e-5);
+    run_back(f->run, 10);
+    assert_true(f->run->steps == 12 && f->run->y[0] == 2);
+    run_back(f->run, 1);
+    assert_int_equal(f->run->steps, 9);
+    struct ledger ledger;
+    run_ledger(f->run, &ledger);
+    assert_true(fabs(ledger.work - (ledger.final - ledger.initial)) < 1e-6); /* the jump is gone */
+}
+
 static void test_observed(void **state)
 {
     struct fixture *f = *state;
@@ -228,6 +361,12 @@ int main(void)
         TEST_CASE(test_stop),
         TEST_CASE(test_order_in_a_step),
         TEST_CASE(test_back),
+        TEST_CASE(test_same_time),
+        TEST_CASE(test_odd_values),
+        TEST_CASE(test_graze),
+        TEST_CASE(test_many),
+        TEST_CASE(test_bounces),
+        TEST_CASE(test_kick),
         TEST_CASE(test_observed),
         TEST_CASE(test_text),
     };
