@@ -122,10 +122,13 @@ enum { ALL_SHAPES(SHAPE_PLACE) SHAPE_COUNT };
 
 static inline bool has_terms(const struct system *system, const struct model *model, const char *const *name)
 {
+    const int n = system->terms;
+    if (system->model != model || n > SHAPE_TERMS || name[n] || (n > 0 && !name[n - 1]))
+        return false;
     int i = 0;
-    while (i < system->terms && name[i] && strcmp(system->term[i].row->row.name, name[i]) == 0)
+    while (i < n && strcmp(system->term[i].row->row.name, name[i]) == 0)
         i++;
-    return system->model == model && i == system->terms && !name[i];
+    return i == n;
 }
 
 /* Which of these lists are the terms of this oscillator, -1: none. */

@@ -85,6 +85,7 @@ static bool bind_end(const struct sweep_request *request, const struct sweep *sw
     struct scene scene;
     struct run_settings settings;
     struct error ignored = {0};
+    sweep_common(request, &scene, &settings);
     return sweep_point(request, sweep, number - sweep->first, &scene, &settings, &ignored) &&
            scene_bind(&scene, system, &ignored);
 }
