@@ -355,7 +355,7 @@ static void finish_lanes(struct sweep_worker *worker)
     for (int lane = 0; lane < worker->used; lane++) {
         const int64_t i = worker->point[lane];
         struct watch *watch = &worker->watch[lane];
-        int64_t evals = lanes_evals(worker->lanes);
+        int64_t evals = lanes_evals(worker->lanes, lane);
         double y[2], was[2];
         lanes_state(worker->lanes, lane, y);
         memcpy(was, y, sizeof y);
