@@ -68,6 +68,7 @@ struct lane_march {
     int64_t first, count;
     bool chain; /* the commonest: four stages, each from the one before; a drift, then a kick */
     struct shares shares[STAGES_MAX]; /* of the stages from the second on; [0]: of the step */
+    double weight[WEIGHTS_MAX];       /* of drifts and kicks, times h */
     const double *cosine; /* [count][places]; NULL: each lane has its own */
     int places;
     double *row;
@@ -303,6 +304,8 @@ static void march_prepare(const struct lanes *lanes, struct lane_march *march)
     const struct splitting *splitting = lanes->method->splitting;
     march->places = places(lanes->method);
     march->chain = tableau ? tableau->stages == 4 && !tableau->fsal : splitting->count == 2 && !splitting->kick_first;
+    for (int i = 0; splitting && i < splitting->count; i++)
+        march->weight[i] = splitting_weight(splitting, i) * lanes->h;
     if (!tableau)
         return;
     shares_take(&march->shares[0], tableau->b, tableau->stages, lanes->h);

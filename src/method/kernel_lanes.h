@@ -179,6 +179,7 @@ FAST void WITH(rk)(bool chain, int parts, int from, WITH(force) *force, struct W
     const int stages = chain ? 4 : lanes->method->tableau->stages;
     const bool fsal = !chain && lanes->method->tableau->fsal;
     const double *const c = lanes->method->tableau->c;
+    double *const row = march->row;
     vector y[2][PARTS], z[2][PARTS], k[STAGES_MAX][2][PARTS];
     struct WITH(known) known[PARTS];
     WITH(take)(known, parts, from, lanes);
@@ -228,8 +229,8 @@ FAST void WITH(rk)(bool chain, int parts, int from, WITH(force) *force, struct W
         for (int j = 0; j < 2; j++)
             UNROLL for (int q = 0; q < parts; q++)
                 y[j][q] = z[j][q];
-        for (int j = 0; j < 2 && march->row; j++)
-            WITH(end)(parts, from, y[j], march->row + (2 * i + j) * LANES);
+        for (int j = 0; j < 2 && row; j++)
+            WITH(end)(parts, from, y[j], row + (2 * i + j) * LANES);
     }
     for (int i = 0; i < 2; i++) {
         WITH(end)(parts, from, y[i], lanes->y[i]);
@@ -281,9 +282,9 @@ FAST void WITH(split)(bool euler, enum drag variant, int parts, int from, WITH(f
     split_choose(&way, lanes->method, variant);
     if (euler)
         way.around = way.continues = false;
-    const struct splitting *splitting = way.splitting;
-    const int count = euler ? 2 : splitting->count;
-    const bool kick_first = !euler && splitting->kick_first;
+    const int count = euler ? 2 : way.splitting->count;
+    const bool kick_first = !euler && way.splitting->kick_first;
+    const double weights[2] = {march->weight[0], march->weight[1]}; /* in registers */
     vector z[2][PARTS], pull[PARTS];
     struct WITH(known) known[PARTS];
     WITH(take)(known, parts, from, lanes);
@@ -296,7 +297,7 @@ FAST void WITH(split)(bool euler, enum drag variant, int parts, int from, WITH(f
             WITH(flow)(parts, from, lanes, z[1]);
         for (int place = 0; place < count; place++)
         {
-            const double w = splitting_weight(splitting, place) * h;
+            const double w = euler ? weights[place] : march->weight[place];
             if ((place % 2 == 0) == kick_first) {
                 if (!(place == 0 && way.continues && (lanes->step > 0 || i > 0))) {
                     WITH(look)(known, parts, from, &drive, lanes, march, i, place, t);
@@ -320,7 +321,8 @@ FAST void WITH(split)(bool euler, enum drag variant, int parts, int from, WITH(f
     }
     for (int i = 0; i < 2; i++)
         WITH(end)(parts, from, z[i], lanes->y[i]);
-    WITH(end)(parts, from, pull, lanes->kept[0]);
+    if (way.continues)
+        WITH(end)(parts, from, pull, lanes->kept[0]);
 }
 
 /* ---- the kernels ---- */
