@@ -85,7 +85,7 @@ static bool change(void *context, enum front_change change, struct error *error)
     return error_set(error, ERROR_COMMAND, "the panes are shown already");
 }
 
-/* Of a study, in the line of what a key could not do. A run is seen itself. */
+/* Of a study, where it is said what a key could not do. A run is seen itself. */
 static void show_progress(void *context, const struct run *run, double fraction)
 {
     struct panes *panes = context;
@@ -102,7 +102,7 @@ static void show_progress(void *context, const struct run *run, double fraction)
         progress_text(run, fraction, &panes->notice);
     }
     const bool busy = signals_busy(false); /* Ctrl-Z waits until it is drawn */
-    panes_show(panes, true, INT_MAX);
+    panes_show(panes, false, INT_MAX);
     signals_busy(busy);
 }
 
