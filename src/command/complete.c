@@ -295,7 +295,7 @@ static void complete_sweep(struct completion *c, const struct command *command, 
     const struct text name = from > 0 ? previous_word((struct text){before.at, from - 1}) : TEXT("");
     if (item && text_is(name, "measure")) {
         offer_catalog(c, &sweep_measure_catalog);
-        offer_columns(c);
+        offer_columns(c, NULL);
         return;
     }
     if (item || digit_before(before)) {

@@ -80,7 +80,9 @@ typedef void lane_kernel(struct lanes *lanes, const struct lane_march *march);
 
 #define TERMS_OF_spring(T) T(0, spring)
 #define TERMS_OF_damped(T) T(0, spring) T(1, damping)
-#define LANE_SHAPES(S) S(spring) S(damped) SHAPES(S)
+#define LANE_OSCILLATORS(S) S(spring) S(damped) SHAPES(S)
+#define LANE_MODELS(S) S(pendulum) S(driven_pendulum)
+#define LANE_SHAPES(S) LANE_OSCILLATORS(S) LANE_MODELS(S)
 
 #define LANE_PLACE(shape) LANE_##shape,
 enum { LANE_SHAPES(LANE_PLACE) LANE_SHAPE_COUNT };
@@ -228,9 +230,8 @@ void lanes_destroy(struct lanes *lanes)
 
 static int lane_shape_of(const struct system *system)
 {
-#define LANE_NAMES(shape) {TERMS_OF_##shape(TERM_NAME)},
-    static const char *const names[LANE_SHAPE_COUNT][SHAPE_TERMS + 1] = {LANE_SHAPES(LANE_NAMES)};
-    return shape_among(system, names, LANE_SHAPE_COUNT);
+    static const struct shape_row rows[] = {LANE_OSCILLATORS(OSCILLATOR_ROW) LANE_MODELS(MODEL_ROW)};
+    return shape_among(system, rows, LANE_SHAPE_COUNT);
 }
 
 int lanes_kind(const struct method *method, const struct system *system, enum drag drag, double h)
@@ -255,6 +256,8 @@ void lanes_begin(struct lanes *lanes, const struct method *method, enum drag dra
     lanes->divides = lanes->turns = false;
     memset(lanes->more, 0, sizeof lanes->more);
     memset(lanes->kept, 0, sizeof lanes->kept);
+    memset(lanes->omega, 0, sizeof lanes->omega);
+    memset(lanes->phase, 0, sizeof lanes->phase);
 }
 
 void lanes_set(struct lanes *lanes, int lane, const struct system *system)
@@ -263,8 +266,11 @@ void lanes_set(struct lanes *lanes, int lane, const struct system *system)
     for (int i = 0; i < system->terms; i++)
         for (int j = 0; j < LANE_COEFFICIENTS; j++)
             lanes->c[i][j][lane] = system->term[i].c[j];
-    lanes->omega[lane] = system->oscillator.omega;
-    lanes->phase[lane] = system->oscillator.phase;
+    for (int i = 0; i < system->terms; i++)
+        if (system->term[i].row->flags & TERM_TIME) { /* the drive: c0 cos(c1 t + c2) */
+            lanes->omega[lane] = system->term[i].c[1];
+            lanes->phase[lane] = system->term[i].c[2];
+        }
     lanes->y[0][lane] = system->start[0];
     lanes->y[1][lane] = system->start[1];
     lanes->system[lane] = system;

@@ -53,6 +53,22 @@ FAST vector WITH(magnitude)(vector x)
 #undef cos
 #pragma GCC diagnostic pop
 
+/* The library's sine of each: several at once wait for each other less than one after the other. */
+FAST vector WITH(sine)(vector x)
+{
+    double each[WIDE];
+    memcpy(each, &x, sizeof each);
+    for (int i = 0; i < WIDE; i++)
+        each[i] = sin(each[i]);
+    memcpy(&x, each, sizeof each);
+    return x;
+}
+
+TERM_ADD(weight) /* of the pendulum, as in model_forces.h */
+{
+    a[0] -= c[0] * WITH(sine)(y[0]);
+}
+
 /* What one part of the lanes knows of the forces. */
 struct WITH(known) {
     vector c[SHAPE_TERMS][LANE_COEFFICIENTS];
