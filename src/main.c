@@ -123,7 +123,7 @@ static int run(const struct options *options)
 {
     const enum front_kind kind = choose_front(options);
     struct streams streams = {0};
-    struct front front = {.cancel = &interrupt};
+    struct front front = {.cancel = &interrupt, .progress = isatty(STDERR_FILENO) ? progress_print : NULL};
     front_probe(&front, options, STDOUT_FILENO);
     screenshot_offer(&front);
     struct session *session = session_create(&front);

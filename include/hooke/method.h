@@ -184,12 +184,13 @@ int lanes_kind(const struct method *method, const struct system *system, enum dr
 struct lanes *lanes_create(void); /* NULL: no memory */
 void lanes_destroy(struct lanes *lanes);
 void lanes_begin(struct lanes *lanes, const struct method *method, enum drag drag, int kind, double t0, double h);
-/* Before the first step: this lane starts as the system says. Every lane has to be set, by a copy if need be. */
+/* Before the first step: this lane starts as the system says, which must stay there. Every lane has to be set, by a copy
+ * if need be. */
 void lanes_set(struct lanes *lanes, int lane, const struct system *system);
 /* The next steps of all of them, nothing checked. row [count][2][LANES]: the states after them; NULL: not wanted. */
 void lanes_march(struct lanes *lanes, int64_t count, double *row);
 void lanes_state(const struct lanes *lanes, int lane, double *y);
-int64_t lanes_evals(const struct lanes *lanes); /* of each trajectory, so far */
+int64_t lanes_evals(const struct lanes *lanes, int lane); /* so far */
 
 /* ---- step-size control ----
  *

@@ -277,8 +277,10 @@ extern const struct catalog term_catalog; /* those of the oscillator */
 
 struct bound_term {
     const struct term_row *row;
-    double c[TERM_VALUES]; /* TERM_COEFFICIENTS, but of typed terms */
+    double c[TERM_VALUES]; /* set: TERM_COEFFICIENTS, all of a typed term */
 };
+
+bool bound_term_equal(const struct bound_term *a, const struct bound_term *b); /* the same row and coefficients */
 
 struct system {
     const struct model *model;

@@ -288,10 +288,46 @@ static bool goes_on(const struct command *command, struct text before)
     return takes_values(command) && (compares || value_is_open(before));
 }
 
+/* NAME=FROM:TO with the unit behind a number, and what is measured. */
+static void complete_sweep(struct completion *c, const struct command *command, struct text before)
+{
+    const struct scene *scene = &c->session->setup.scene;
+    const struct catalog *names[] = {scene_params(scene), scene_derived(scene)};
+    size_t from = before.len;
+    while (from > 0 && before.at[from - 1] != '=')
+        from--;
+    const bool item = from > 0 && strchr("=,:", before.at[before.len - 1]);
+    const struct text name = from > 0 ? previous_word((struct text){before.at, from - 1}) : TEXT("");
+    if (item && text_is(name, "measure")) {
+        offer_catalog(c, &sweep_measure_catalog);
+        offer_columns(c, NULL);
+        return;
+    }
+    if (item || digit_before(before)) {
+        if (from > 0)
+            offer_for_name(c, name, before);
+        if (item)
+            return;
+    }
+    for (size_t i = 0; i < COUNT_OF(names); i++)
+        for (size_t j = 0; j < names[i]->count; j++) {
+            const struct row *row = catalog_row(names[i], j);
+            if (i == 0 || ((const struct derived_row *)(const void *)row)->inverse)
+                offer_suffixed(c, "", row->name, "=", row->brief);
+        }
+    offer_suffixed(c, "", "dt", "=", "");
+    offer_suffixed(c, "", "tol", "=", "");
+    offer_arguments(c, command, before);
+}
+
 static void complete_arguments(struct completion *c, const struct command *command, struct text before)
 {
     const struct text last = previous_word(before);
     const char *name = command->row.name;
+    if (strcmp(name, "sweep") == 0) {
+        complete_sweep(c, command, before);
+        return;
+    }
     /* NAME=item, also after commas: the word being completed begins behind the last = or comma. */
     if (before.len > 0 && (before.at[before.len - 1] == '=' || before.at[before.len - 1] == ',')) {
         const struct argument *key = find_by_form(command, FORM_KEY, peek_name(last));

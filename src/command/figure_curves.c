@@ -161,8 +161,7 @@ bool run_never_changed(const struct run *run)
         start.mass != run->system.mass || (run->plan.ledger && start.conservative))
         return false;
     for (int i = 0; i < start.terms; i++)
-        if (start.term[i].row != run->system.term[i].row ||
-            memcmp(start.term[i].c, run->system.term[i].c, sizeof start.term[i].c) != 0)
+        if (!bound_term_equal(&start.term[i], &run->system.term[i]))
             return false;
     return true;
 }

@@ -67,7 +67,7 @@ static enum effect effect_of(const struct scene *scene, int place)
     if (!scene_bind(scene, &a, &ignored) || !scene_bind(&other, &b, &ignored) || a.terms != b.terms || a.mass != b.mass)
         return EFFECT_FORCE;
     for (int i = 0; i < a.terms; i++)
-        if (a.term[i].row != b.term[i].row || memcmp(a.term[i].c, b.term[i].c, sizeof a.term[i].c) != 0)
+        if (!bound_term_equal(&a.term[i], &b.term[i]))
             return EFFECT_FORCE;
     const bool moved = a.t0 != b.t0 || memcmp(a.start, b.start, (size_t)a.n * sizeof *a.start) != 0;
     return moved ? EFFECT_START : EFFECT_NONE;

@@ -122,34 +122,36 @@ enum { ALL_SHAPES(SHAPE_PLACE) SHAPE_COUNT };
 
 static inline bool has_terms(const struct system *system, const struct model *model, const char *const *name)
 {
+    const int n = system->terms;
+    if (system->model != model || n > SHAPE_TERMS || name[n] || (n > 0 && !name[n - 1]))
+        return false;
     int i = 0;
-    while (i < system->terms && name[i] && strcmp(system->term[i].row->row.name, name[i]) == 0)
+    while (i < n && strcmp(system->term[i].row->row.name, name[i]) == 0)
         i++;
-    return system->model == model && i == system->terms && !name[i];
+    return i == n;
 }
 
-/* Which of these lists are the terms of this oscillator, -1: none. */
-static inline int shape_among(const struct system *system, const char *const (*names)[SHAPE_TERMS + 1], int count)
-{
-    for (int shape = 0; shape < count; shape++)
-        if (has_terms(system, &oscillator_model, names[shape]))
-            return shape;
-    return -1;
-}
+struct shape_row {
+    const struct model *model;
+    const char *term[SHAPE_TERMS + 1];
+};
 
-/* The system's shape, -1: it has none of these. */
-static inline int shape_of(const struct system *system)
-{
 #define OSCILLATOR_ROW(shape) {&oscillator_model, {TERMS_OF_##shape(TERM_NAME)}},
 #define MODEL_ROW(shape) {&model_of_##shape, {TERMS_OF_##shape(TERM_NAME)}},
-    static const struct {
-        const struct model *model;
-        const char *term[SHAPE_TERMS + 1];
-    } rows[SHAPE_COUNT] = {SHAPES(OSCILLATOR_ROW) MODEL_SHAPES(MODEL_ROW)};
-    for (int shape = 0; shape < SHAPE_COUNT; shape++)
+
+/* Which of these rows is the system's, -1: none. */
+static inline int shape_among(const struct system *system, const struct shape_row *rows, int count)
+{
+    for (int shape = 0; shape < count; shape++)
         if (has_terms(system, rows[shape].model, rows[shape].term))
             return shape;
     return -1;
+}
+
+static inline int shape_of(const struct system *system)
+{
+    static const struct shape_row rows[] = {SHAPES(OSCILLATOR_ROW) MODEL_SHAPES(MODEL_ROW)};
+    return shape_among(system, rows, SHAPE_COUNT);
 }
 
 #endif

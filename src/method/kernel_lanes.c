@@ -11,7 +11,7 @@
 
 #include <stdlib.h>
 
-enum { LANE_COEFFICIENTS = 2 };
+enum { LANE_COEFFICIENTS = 2, WORK_MOST = 64 };
 
 typedef double scalar;
 
@@ -34,6 +34,11 @@ struct lanes {
     /* The drag's flow over h/2; with a divisor other than 1? */
     double keep[LANES], least[LANES], pull[LANES];
     bool divides;
+    /* Turning points: lanes are stepped across one at a time. */
+    bool turns;
+    const struct system *system[LANES];
+    step_function *scalar;
+    int64_t more[LANES]; /* evaluations that these took */
     struct {
         double lost[LANES], pull[LANES];
     } frozen[WEIGHTS_MAX]; /* exact linear drag in each kick */
@@ -48,8 +53,22 @@ struct lanes {
     } table;
 };
 
+/* The weights of a stage that are not 0, times h. */
+struct shares {
+    int count, stage[STAGES_MAX];
+    double share[STAGES_MAX];
+};
+
+/* A step of some lanes: the states before and after it, its first and its last slope. */
+struct lane_step {
+    double before[2][LANES], after[2][LANES], first[2][LANES], last[2][LANES];
+};
+
 struct lane_march {
     int64_t first, count;
+    bool chain; /* the commonest: four stages, each from the one before; a drift, then a kick */
+    struct shares shares[STAGES_MAX]; /* of the stages from the second on; [0]: of the step */
+    double weight[WEIGHTS_MAX];       /* of drifts and kicks, times h */
     const double *cosine; /* [count][places]; NULL: each lane has its own */
     int places;
     double *row;
@@ -61,7 +80,9 @@ typedef void lane_kernel(struct lanes *lanes, const struct lane_march *march);
 
 #define TERMS_OF_spring(T) T(0, spring)
 #define TERMS_OF_damped(T) T(0, spring) T(1, damping)
-#define LANE_SHAPES(S) S(spring) S(damped) SHAPES(S)
+#define LANE_OSCILLATORS(S) S(spring) S(damped) SHAPES(S)
+#define LANE_MODELS(S) S(pendulum) S(driven_pendulum)
+#define LANE_SHAPES(S) LANE_OSCILLATORS(S) LANE_MODELS(S)
 
 #define LANE_PLACE(shape) LANE_##shape,
 enum { LANE_SHAPES(LANE_PLACE) LANE_SHAPE_COUNT };
@@ -69,10 +90,39 @@ enum { LANE_SHAPES(LANE_PLACE) LANE_SHAPE_COUNT };
 #define LANE_FLAG(i, name) | (name##_flags)
 #define LANE_FLAGS(shape) (0 TERMS_OF_##shape(LANE_FLAG))
 
-static void lanes_cosine(const struct lanes *lanes, double t, double *cosine)
+static void lanes_cosine(const struct lanes *lanes, double t, int first, int count, double *cosine)
 {
-    for (int lane = 0; lane < LANES; lane++)
-        cosine[lane] = cos(lanes->omega[lane] * t + lanes->phase[lane]);
+    for (int i = 0; i < count; i++)
+        cosine[i] = cos(lanes->omega[first + i] * t + lanes->phase[first + i]);
+}
+
+/* A step of `count` lanes from `first` on is taken again by those that turned in it. */
+static __attribute__((noinline)) void lanes_turn(struct lanes *lanes, int first, int count, int64_t number,
+                                                 struct lane_step *of)
+{
+    const struct tableau *tableau = lanes->method->tableau;
+    const int last = 2 * (tableau->stages - 1);
+    for (int i = 0; i < count; i++) {
+        if (!(of->before[1][i] < 0 && of->after[1][i] > 0) && !(of->before[1][i] > 0 && of->after[1][i] < 0))
+            continue;
+        double y[2] = {of->before[0][i], of->before[1][i]}, work[WORK_MOST];
+        struct step step = {.system = lanes->system[first + i],
+                            .drag = lanes->drag,
+                            .t = lanes->t0 + (double)number * lanes->h,
+                            .h = lanes->h,
+                            .y = y,
+                            .work = work,
+                            .warm = tableau->fsal,
+                            .kernel = lanes->scalar};
+        work[last] = of->first[0][i];
+        work[last + 1] = of->first[1][i];
+        const bool ok = method_turning_step(lanes->method, &step) == STEP_OK;
+        for (int j = 0; j < 2; j++) {
+            of->after[j][i] = ok ? y[j] : NAN;
+            of->last[j][i] = work[last + j];
+        }
+        lanes->more[first + i] += step.cost.evals - (tableau->stages - tableau->fsal);
+    }
 }
 
 /* ---- the widths ---- */
@@ -180,16 +230,16 @@ void lanes_destroy(struct lanes *lanes)
 
 static int lane_shape_of(const struct system *system)
 {
-#define LANE_NAMES(shape) {TERMS_OF_##shape(TERM_NAME)},
-    static const char *const names[LANE_SHAPE_COUNT][SHAPE_TERMS + 1] = {LANE_SHAPES(LANE_NAMES)};
-    return shape_among(system, names, LANE_SHAPE_COUNT);
+    static const struct shape_row rows[] = {LANE_OSCILLATORS(OSCILLATOR_ROW) LANE_MODELS(MODEL_ROW)};
+    return shape_among(system, rows, LANE_SHAPE_COUNT);
 }
 
 int lanes_kind(const struct method *method, const struct system *system, enum drag drag, double h)
 {
     const int shape = lane_shape_of(system);
+    const bool goes = method->tableau && method_work_size(method, N) <= WORK_MOST;
     const bool splits = method->splitting && (!system->velocity || drag == DRAG_EXPLICIT || drag == DRAG_EXACT);
-    if (shape < 0 || !(h > 0) || method_turns(method, system) || !(method->tableau || splits) ||
+    if (shape < 0 || !(h > 0) || !(goes || splits) ||
         system->oscillator.quadratic < 0)
         return -1;
     return shape;
@@ -203,8 +253,11 @@ void lanes_begin(struct lanes *lanes, const struct method *method, enum drag dra
     lanes->t0 = t0;
     lanes->h = h;
     lanes->step = 0;
-    lanes->divides = false;
+    lanes->divides = lanes->turns = false;
+    memset(lanes->more, 0, sizeof lanes->more);
     memset(lanes->kept, 0, sizeof lanes->kept);
+    memset(lanes->omega, 0, sizeof lanes->omega);
+    memset(lanes->phase, 0, sizeof lanes->phase);
 }
 
 void lanes_set(struct lanes *lanes, int lane, const struct system *system)
@@ -213,10 +266,18 @@ void lanes_set(struct lanes *lanes, int lane, const struct system *system)
     for (int i = 0; i < system->terms; i++)
         for (int j = 0; j < LANE_COEFFICIENTS; j++)
             lanes->c[i][j][lane] = system->term[i].c[j];
-    lanes->omega[lane] = system->oscillator.omega;
-    lanes->phase[lane] = system->oscillator.phase;
+    for (int i = 0; i < system->terms; i++)
+        if (system->term[i].row->flags & TERM_TIME) { /* the drive: c0 cos(c1 t + c2) */
+            lanes->omega[lane] = system->term[i].c[1];
+            lanes->phase[lane] = system->term[i].c[2];
+        }
     lanes->y[0][lane] = system->start[0];
     lanes->y[1][lane] = system->start[1];
+    lanes->system[lane] = system;
+    if (lane == 0 && method_turns(method, system)) {
+        lanes->turns = true;
+        lanes->scalar = method_step_kernel(method, system);
+    }
     if (!method->splitting || !system->velocity || lanes->drag != DRAG_EXACT)
         return;
     struct split_way way;
@@ -233,12 +294,45 @@ void lanes_set(struct lanes *lanes, int lane, const struct system *system)
     }
 }
 
+static void shares_take(struct shares *shares, const double *w, int count, double h)
+{
+    shares->count = 0;
+    for (int j = 0; j < count; j++)
+        if (w[j] != 0) {
+            shares->stage[shares->count] = j;
+            shares->share[shares->count++] = h * w[j];
+        }
+}
+
+static void march_prepare(const struct lanes *lanes, struct lane_march *march)
+{
+    const struct tableau *tableau = lanes->method->tableau;
+    const struct splitting *splitting = lanes->method->splitting;
+    march->places = places(lanes->method);
+    march->chain = tableau ? tableau->stages == 4 && !tableau->fsal : splitting->count == 2 && !splitting->kick_first;
+    for (int i = 0; splitting && i < splitting->count; i++)
+        march->weight[i] = splitting_weight(splitting, i) * lanes->h;
+    if (!tableau)
+        return;
+    shares_take(&march->shares[0], tableau->b, tableau->stages, lanes->h);
+    march->chain = march->chain && march->shares[0].count == 4;
+    for (int s = 1; s < tableau->stages; s++) {
+        shares_take(&march->shares[s], tableau_row(tableau, s), s, lanes->h);
+        march->chain = march->chain && march->shares[s].count == 1 && march->shares[s].stage[0] == s - 1;
+    }
+}
+
 void lanes_march(struct lanes *lanes, int64_t count, double *row)
 {
     lane_kernel *const kernel = kernel_of(lanes);
     const bool alike = driven_alike(lanes);
+    struct lane_march march;
+    march_prepare(lanes, &march);
     while (count > 0) {
-        struct lane_march march = {.first = lanes->step, .count = count, .places = places(lanes->method), .row = row};
+        march.first = lanes->step;
+        march.count = count;
+        march.cosine = NULL;
+        march.row = row;
         if (alike && lanes->omega[0] != 0)
             table_steps(lanes, &march);
         kernel(lanes, &march);
@@ -254,11 +348,12 @@ void lanes_state(const struct lanes *lanes, int lane, double *y)
     y[1] = lanes->y[1][lane];
 }
 
-int64_t lanes_evals(const struct lanes *lanes)
+int64_t lanes_evals(const struct lanes *lanes, int lane)
 {
     const struct tableau *tableau = lanes->method->tableau;
     if (tableau)
-        return lanes->step * (tableau->stages - tableau->fsal) + (tableau->fsal && lanes->step > 0);
+        return lanes->step * (tableau->stages - tableau->fsal) + (tableau->fsal && lanes->step > 0) +
+               lanes->more[lane];
     struct split_way way;
     split_choose(&way, lanes->method, lanes->drag);
     return lanes->step * (way.kicks - way.continues) + (way.continues && lanes->step > 0);

@@ -53,6 +53,22 @@ FAST vector WITH(magnitude)(vector x)
 #undef cos
 #pragma GCC diagnostic pop
 
+/* The library's sine of each: several at once wait for each other less than one after the other. */
+FAST vector WITH(sine)(vector x)
+{
+    double each[WIDE];
+    memcpy(each, &x, sizeof each);
+    for (int i = 0; i < WIDE; i++)
+        each[i] = sin(each[i]);
+    memcpy(&x, each, sizeof each);
+    return x;
+}
+
+TERM_ADD(weight) /* of the pendulum, as in model_forces.h */
+{
+    a[0] -= c[0] * WITH(sine)(y[0]);
+}
+
 /* What one part of the lanes knows of the forces. */
 struct WITH(known) {
     vector c[SHAPE_TERMS][LANE_COEFFICIENTS];
@@ -87,50 +103,70 @@ FAST vector WITH(load)(const double *from, int part)
     return x;
 }
 
-FAST void WITH(take)(struct WITH(known) *known, const struct lanes *lanes)
+/* Those of the vectors from `from` on. */
+FAST void WITH(take)(struct WITH(known) *known, int parts, int from, const struct lanes *lanes)
 {
     for (int i = 0; i < SHAPE_TERMS; i++)
         for (int j = 0; j < LANE_COEFFICIENTS; j++)
-            UNROLL for (int q = 0; q < PARTS; q++)
-                known[q].c[i][j] = WITH(load)(lanes->c[i][j], q);
+            UNROLL for (int q = 0; q < parts; q++)
+                known[q].c[i][j] = WITH(load)(lanes->c[i][j], from + q);
+    UNROLL for (int q = 0; q < parts; q++)
+        known[q].cosine = (vector){0};
 }
 
-/* The drive at the place-th time of step i: prepared for all lanes alike, or the cosine of each. */
-FAST void WITH(look)(struct WITH(known) *known, bool timed, const struct lanes *lanes, const struct lane_march *march,
-                     int64_t i, int place, double t)
+FAST void WITH(begin)(int parts, int from, const double *numbers, vector *x)
 {
-    if (!timed)
-        return;
+    UNROLL for (int q = 0; q < parts; q++)
+        x[q] = WITH(load)(numbers, from + q);
+}
+
+FAST void WITH(end)(int parts, int from, const vector *x, double *numbers)
+{
+    UNROLL for (int q = 0; q < parts; q++)
+        memcpy(numbers + (from + q) * WIDE, &x[q], sizeof x[q]);
+}
+
+/* How the drive is known: not at all (there is none), prepared for all lanes alike, or as the cosine of each at `at`. */
+struct WITH(drive) {
+    bool timed, alike;
+    double at;
+};
+
+/* The drive at the place-th time of step i. */
+FAST void WITH(look)(struct WITH(known) *known, int parts, int from, struct WITH(drive) *drive,
+                     const struct lanes *lanes, const struct lane_march *march, int64_t i, int place, double t)
+{
     double own[LANES] __attribute__((aligned(64)));
-    if (!march->cosine)
-        lanes_cosine(lanes, t, own);
-    UNROLL for (int q = 0; q < PARTS; q++)
+    if (!drive->timed || (!drive->alike && t == drive->at))
+        return;
+    if (!drive->alike)
+        lanes_cosine(lanes, t, from * WIDE, parts * WIDE, own);
+    drive->at = t;
+    UNROLL for (int q = 0; q < parts; q++)
         known[q].cosine =
-            march->cosine ? march->cosine[i * march->places + place] - (vector){0} : WITH(load)(own, q);
+            drive->alike ? march->cosine[i * march->places + place] - (vector){0} : WITH(load)(own, q);
 }
 
 /* ---- explicit Runge-Kutta ---- */
 
 /* z = y + sum_j (h w_j) k_j */
-FAST void WITH(combine)(double h, const double *w, int count, vector k[][2][PARTS], int component,
-                        const vector *y, vector *z)
+FAST void WITH(combine)(int parts, const struct shares *shares, int count, int only, vector (*k)[2][PARTS],
+                        int component, const vector *y, vector *z)
 {
     vector sum[PARTS];
-    UNROLL for (int q = 0; q < PARTS; q++)
+    UNROLL for (int q = 0; q < parts; q++)
         sum[q] = -(vector){0};
-    for (int j = 0; j < count; j++)
-        if (w[j] != 0) {
-            const double share = h * w[j];
-            UNROLL for (int q = 0; q < PARTS; q++)
-                sum[q] += share * k[j][component][q];
-        }
-    UNROLL for (int q = 0; q < PARTS; q++)
+    UNROLL for (int j = 0; j < count; j++)
+        UNROLL for (int q = 0; q < parts; q++)
+            sum[q] += shares->share[j] * k[only < 0 ? shares->stage[j] : only + j][component][q];
+    UNROLL for (int q = 0; q < parts; q++)
         z[q] = y[q] + sum[q];
 }
 
-FAST void WITH(slope)(WITH(force) *force, const struct WITH(known) *known, vector z[2][PARTS], vector k[2][PARTS])
+FAST void WITH(slope)(int parts, WITH(force) *force, const struct WITH(known) *known, vector z[2][PARTS],
+                      vector k[2][PARTS])
 {
-    UNROLL for (int q = 0; q < PARTS; q++)
+    UNROLL for (int q = 0; q < parts; q++)
     {
         const vector y[2] = {z[0][q], z[1][q]};
         k[0][q] = y[1];
@@ -138,67 +174,106 @@ FAST void WITH(slope)(WITH(force) *force, const struct WITH(known) *known, vecto
     }
 }
 
-FAST void WITH(rk)(const struct tableau *tableau, int stages, bool fsal, WITH(force) *force, bool timed,
+/* Has any lane's number changed its sign? */
+FAST bool WITH(turned)(int parts, const vector *before, const vector *after)
+{
+    WITH(bits) turned = {0};
+    uint64_t bits[WIDE], any = 0;
+    UNROLL for (int q = 0; q < parts; q++)
+        turned |= (WITH(bits))before[q] ^ (WITH(bits))after[q];
+    memcpy(bits, &turned, sizeof bits);
+    for (int i = 0; i < WIDE; i++)
+        any |= bits[i];
+    return any >> 63;
+}
+
+/* `parts` vectors from `from` on. chain: four stages, each from the one before. */
+FAST void WITH(rk)(bool chain, int parts, int from, WITH(force) *force, struct WITH(drive) drive, bool turns,
                    struct lanes *lanes, const struct lane_march *march)
 {
     const double h = lanes->h;
+    const int stages = chain ? 4 : lanes->method->tableau->stages;
+    const bool fsal = !chain && lanes->method->tableau->fsal;
+    const double *const c = lanes->method->tableau->c;
+    double *const row = march->row;
     vector y[2][PARTS], z[2][PARTS], k[STAGES_MAX][2][PARTS];
     struct WITH(known) known[PARTS];
-    WITH(take)(known, lanes);
-    memcpy(y, lanes->y, sizeof y);
+    WITH(take)(known, parts, from, lanes);
+    for (int i = 0; i < 2; i++)
+        WITH(begin)(parts, from, lanes->y[i], y[i]);
     if (fsal && lanes->step > 0) {
-        memcpy(k[stages - 1], lanes->kept, sizeof k[0]);
+        for (int i = 0; i < 2; i++)
+            WITH(begin)(parts, from, lanes->kept[i], k[stages - 1][i]);
     } else if (fsal) {
-        WITH(look)(known, timed, lanes, march, 0, 0, lanes->t0 + (double)march->first * h);
-        WITH(slope)(force, known, y, k[stages - 1]);
+        WITH(look)(known, parts, from, &drive, lanes, march, 0, 0, lanes->t0 + (double)march->first * h);
+        WITH(slope)(parts, force, known, y, k[stages - 1]);
     }
     for (int64_t i = 0; i < march->count; i++) {
         const double t = lanes->t0 + (double)(march->first + i) * h;
         if (fsal) {
-            memcpy(k[0], k[stages - 1], sizeof k[0]);
+            for (int j = 0; j < 2; j++)
+                UNROLL for (int q = 0; q < parts; q++)
+                    k[0][j][q] = k[stages - 1][j][q];
         } else {
-            WITH(look)(known, timed, lanes, march, i, 0, t);
-            WITH(slope)(force, known, y, k[0]);
+            WITH(look)(known, parts, from, &drive, lanes, march, i, 0, t);
+            WITH(slope)(parts, force, known, y, k[0]);
         }
         for (int s = 1; s < stages; s++)
         {
-            WITH(combine)(h, tableau_row(tableau, s), s, k, 0, y[0], z[0]);
-            WITH(combine)(h, tableau_row(tableau, s), s, k, 1, y[1], z[1]);
-            WITH(look)(known, timed, lanes, march, i, s, t + tableau->c[s] * h);
-            WITH(slope)(force, known, z, k[s]);
+            const struct shares *shares = &march->shares[s];
+            for (int j = 0; j < 2; j++)
+                WITH(combine)(parts, shares, chain ? 1 : shares->count, chain ? s - 1 : -1, k, j, y[j], z[j]);
+            WITH(look)(known, parts, from, &drive, lanes, march, i, s, t + c[s] * h);
+            WITH(slope)(parts, force, known, z, k[s]);
         }
-        if (fsal) {
-            memcpy(y, z, sizeof y);
-        } else {
-            WITH(combine)(h, tableau->b, stages, k, 0, y[0], y[0]);
-            WITH(combine)(h, tableau->b, stages, k, 1, y[1], y[1]);
+        for (int j = 0; j < 2 && !fsal; j++)
+            WITH(combine)(parts, &march->shares[0], chain ? 4 : march->shares[0].count, chain ? 0 : -1, k, j, y[j], z[j]);
+        if (turns && WITH(turned)(parts, y[1], z[1])) {
+            struct lane_step step;
+            for (int j = 0; j < 2; j++) {
+                WITH(end)(parts, 0, y[j], step.before[j]);
+                WITH(end)(parts, 0, z[j], step.after[j]);
+                WITH(end)(parts, 0, k[0][j], step.first[j]);
+                WITH(end)(parts, 0, k[stages - 1][j], step.last[j]);
+            }
+            lanes_turn(lanes, from * WIDE, parts * WIDE, march->first + i, &step);
+            for (int j = 0; j < 2; j++) {
+                WITH(begin)(parts, 0, step.after[j], z[j]);
+                WITH(begin)(parts, 0, step.last[j], k[stages - 1][j]);
+            }
         }
-        if (march->row)
-            memcpy(march->row + i * 2 * LANES, y, sizeof y);
+        for (int j = 0; j < 2; j++)
+            UNROLL for (int q = 0; q < parts; q++)
+                y[j][q] = z[j][q];
+        for (int j = 0; j < 2 && row; j++)
+            WITH(end)(parts, from, y[j], row + (2 * i + j) * LANES);
     }
-    memcpy(lanes->y, y, sizeof y);
-    if (fsal)
-        memcpy(lanes->kept, k[stages - 1], sizeof k[0]);
+    for (int i = 0; i < 2; i++) {
+        WITH(end)(parts, from, y[i], lanes->y[i]);
+        if (fsal)
+            WITH(end)(parts, from, k[stages - 1][i], lanes->kept[i]);
+    }
 }
 
 /* ---- splittings ---- */
 
 /* drag_flow_apply(), where it has no pole */
-FAST void WITH(flow)(const struct lanes *lanes, vector *v)
+FAST void WITH(flow)(int parts, int from, const struct lanes *lanes, vector *v)
 {
-    UNROLL for (int q = 0; q < PARTS; q++)
+    UNROLL for (int q = 0; q < parts; q++)
     {
-        const vector pull = WITH(load)(lanes->pull, q) * WITH(magnitude)(v[q]);
-        v[q] = v[q] * WITH(load)(lanes->keep, q);
+        const vector pull = WITH(load)(lanes->pull, from + q) * WITH(magnitude)(v[q]);
+        v[q] = v[q] * WITH(load)(lanes->keep, from + q);
         if (lanes->divides)
-            v[q] = v[q] / (WITH(load)(lanes->least, q) + pull);
+            v[q] = v[q] / (WITH(load)(lanes->least, from + q) + pull);
     }
 }
 
-FAST void WITH(kick)(const struct split_way *way, WITH(force) *drag, const struct WITH(known) *known,
-                     const struct lanes *lanes, int place, double w, const vector *pull, vector z[2][PARTS])
+FAST void WITH(kick)(const struct split_way *way, int parts, int from, WITH(force) *drag,
+                     const struct WITH(known) *known, const struct lanes *lanes, int place, double w,
+                     const vector *pull, vector z[2][PARTS])
 {
-    UNROLL for (int q = 0; q < PARTS; q++)
+    UNROLL for (int q = 0; q < parts; q++)
     {
         if (way->drag == DRAG_EXPLICIT) {
             const vector y[2] = {z[0][q], z[1][q]};
@@ -206,81 +281,102 @@ FAST void WITH(kick)(const struct split_way *way, WITH(force) *drag, const struc
             drag(&known[q], y, &a);
             z[1][q] += w * (pull[q] + a);
         } else if (way->drag == DRAG_EXACT && !way->around) {
-            z[1][q] += pull[q] * WITH(load)(lanes->frozen[place].pull, q) -
-                       z[1][q] * WITH(load)(lanes->frozen[place].lost, q);
+            z[1][q] += pull[q] * WITH(load)(lanes->frozen[place].pull, from + q) -
+                       z[1][q] * WITH(load)(lanes->frozen[place].lost, from + q);
         } else {
             z[1][q] += w * pull[q];
         }
     }
 }
 
-FAST void WITH(split)(const struct method *method, int count, bool kick_first, enum drag variant, WITH(force) *force,
-                      WITH(force) *drag, bool timed, struct lanes *lanes, const struct lane_march *march)
+/* euler: a drift, then a kick. */
+FAST void WITH(split)(bool euler, enum drag variant, int parts, int from, WITH(force) *force, WITH(force) *drag,
+                      struct WITH(drive) drive, struct lanes *lanes, const struct lane_march *march)
 {
     const double h = lanes->h;
     struct split_way way;
-    split_choose(&way, method, variant);
-    const struct splitting *splitting = way.splitting;
+    split_choose(&way, lanes->method, variant);
+    if (euler)
+        way.around = way.continues = false;
+    const int count = euler ? 2 : way.splitting->count;
+    const bool kick_first = !euler && way.splitting->kick_first;
+    const double weights[2] = {march->weight[0], march->weight[1]}; /* in registers */
     vector z[2][PARTS], pull[PARTS];
     struct WITH(known) known[PARTS];
-    WITH(take)(known, lanes);
-    memcpy(z, lanes->y, sizeof z);
-    memcpy(pull, lanes->kept, sizeof pull);
+    WITH(take)(known, parts, from, lanes);
+    for (int i = 0; i < 2; i++)
+        WITH(begin)(parts, from, lanes->y[i], z[i]);
+    WITH(begin)(parts, from, lanes->kept[0], pull);
     for (int64_t i = 0; i < march->count; i++) {
         double t = lanes->t0 + (double)(march->first + i) * h;
         if (way.around)
-            WITH(flow)(lanes, z[1]);
+            WITH(flow)(parts, from, lanes, z[1]);
         for (int place = 0; place < count; place++)
         {
-            const double w = splitting_weight(splitting, place) * h;
+            const double w = euler ? weights[place] : march->weight[place];
             if ((place % 2 == 0) == kick_first) {
                 if (!(place == 0 && way.continues && (lanes->step > 0 || i > 0))) {
-                    WITH(look)(known, timed, lanes, march, i, place, t);
-                    UNROLL for (int q = 0; q < PARTS; q++)
+                    WITH(look)(known, parts, from, &drive, lanes, march, i, place, t);
+                    UNROLL for (int q = 0; q < parts; q++)
                     {
                         const vector y[2] = {z[0][q], z[1][q]};
                         force(&known[q], y, &pull[q]);
                     }
                 }
-                WITH(kick)(&way, drag, known, lanes, place, w, pull, z);
+                WITH(kick)(&way, parts, from, drag, known, lanes, place, w, pull, z);
             } else {
-                UNROLL for (int q = 0; q < PARTS; q++) z[0][q] += w * z[1][q];
+                UNROLL for (int q = 0; q < parts; q++)
+                    z[0][q] += w * z[1][q];
                 t += w;
             }
         }
         if (way.around)
-            WITH(flow)(lanes, z[1]);
-        if (march->row)
-            memcpy(march->row + i * 2 * LANES, z, sizeof z);
+            WITH(flow)(parts, from, lanes, z[1]);
+        for (int j = 0; j < 2 && march->row; j++)
+            WITH(end)(parts, from, z[j], march->row + (2 * i + j) * LANES);
     }
-    memcpy(lanes->y, z, sizeof z);
-    memcpy(lanes->kept, pull, sizeof pull);
+    for (int i = 0; i < 2; i++)
+        WITH(end)(parts, from, z[i], lanes->y[i]);
+    if (way.continues)
+        WITH(end)(parts, from, pull, lanes->kept[0]);
 }
 
 /* ---- the kernels ---- */
 
-/* The shortest splittings, where the compiler knows how they go; all others. */
-#define LANE_SPLIT(shape, count, kick_first)                                                                           \
-    WITH(split)(lanes->method, count, kick_first, LANE_FLAGS(shape) & TERM_VELOCITY ? lanes->drag : DRAG_DEFAULT,      \
-                WITH(shape##_force), WITH(shape##_drag), LANE_FLAGS(shape) & TERM_TIME, lanes, march)
-#define LANE_RK(shape, stages, fsal)                                                                                   \
-    WITH(rk)(tableau, stages, fsal, WITH(shape##_both), LANE_FLAGS(shape) & TERM_TIME, lanes, march)
+/* The commonest methods where the compiler knows how they go; all others. */
+#define RK_PARTS 4
+#define EULER_PARTS 8
+#define LANE_DRIVE(shape, same) ((struct WITH(drive)){(LANE_FLAGS(shape) & TERM_TIME) != 0, same, NAN})
+#define LANE_RK(shape, chain, parts, same)                                                                             \
+    for (int from = 0; from < PARTS; from += parts)                                                                    \
+    WITH(rk)(chain, parts, from, WITH(shape##_both), LANE_DRIVE(shape, same),                                          \
+             LANE_FLAGS(shape) & TERM_KINK && lanes->turns, lanes, march)
+#define LANE_SPLIT(shape, euler, variant, parts, same)                                                                 \
+    for (int from = 0; from < PARTS; from += parts)                                                                    \
+    WITH(split)(euler, LANE_FLAGS(shape) & TERM_VELOCITY ? variant : DRAG_DEFAULT, parts, from, WITH(shape##_force),   \
+                WITH(shape##_drag), LANE_DRIVE(shape, same), lanes, march)
 #define LANE_KERNELS(shape)                                                                                            \
     TARGET static void WITH(shape##_rk)(struct lanes * lanes, const struct lane_march *march)                          \
     {                                                                                                                  \
-        const struct tableau *tableau = lanes->method->tableau;                                                        \
-        if (tableau->stages == 4 && !tableau->fsal)                                                                    \
-            LANE_RK(shape, 4, false);                                                                                  \
+        const bool drives = LANE_FLAGS(shape) & TERM_TIME;                                                             \
+        if (march->chain && (march->cosine || !drives))                                                                \
+            LANE_RK(shape, true, RK_PARTS, true);                                                                      \
+        else if (march->cosine || !drives)                                                                             \
+            LANE_RK(shape, false, PARTS, true);                                                                        \
         else                                                                                                           \
-            LANE_RK(shape, tableau->stages, tableau->fsal);                                                            \
+            LANE_RK(shape, false, PARTS, false);                                                                       \
     }                                                                                                                  \
     TARGET static void WITH(shape##_split)(struct lanes * lanes, const struct lane_march *march)                       \
     {                                                                                                                  \
-        const struct splitting *splitting = lanes->method->splitting;                                                  \
-        if (splitting->count == 2 && !splitting->kick_first)                                                           \
-            LANE_SPLIT(shape, 2, false);                                                                               \
+        const bool alike = march->cosine || !(LANE_FLAGS(shape) & TERM_TIME);                                          \
+        if (march->chain && alike && lanes->drag == DRAG_EXACT)                                                        \
+            LANE_SPLIT(shape, true, DRAG_EXACT, EULER_PARTS, true);                                                    \
+        else if (march->chain && alike && lanes->drag == DRAG_EXPLICIT)                                                \
+            LANE_SPLIT(shape, true, DRAG_EXPLICIT, EULER_PARTS, true);                                                 \
+        else if (alike)                                                                                                \
+            LANE_SPLIT(shape, false, lanes->drag, PARTS, true);                                                        \
         else                                                                                                           \
-            LANE_SPLIT(shape, splitting->count, splitting->kick_first);                                                \
+            LANE_SPLIT(shape, false, lanes->drag, PARTS, false);                                                       \
     }
 LANE_SHAPES(LANE_KERNELS)
 
@@ -299,6 +395,9 @@ static lane_kernel *const WITH(kernels)[LANE_SHAPE_COUNT][2] = {LANE_SHAPES(LANE
 #undef LANE_IF_DRAG
 #undef LANE_FORCE
 #undef LANE_FORCES
+#undef RK_PARTS
+#undef EULER_PARTS
+#undef LANE_DRIVE
 #undef LANE_SPLIT
 #undef LANE_RK
 #undef LANE_KERNELS

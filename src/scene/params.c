@@ -72,13 +72,13 @@ void scene_unset(struct scene *scene, int param)
 
 static bool in_range(const struct param_row *row, double value, struct error *error)
 {
+    if (isfinite(value) && (row->least_excluded ? value > row->least : value >= row->least))
+        return true;
     char got[REAL_TEXT_SIZE], least[REAL_TEXT_SIZE];
     const char *unit = row->row.unit;
     real_format(value, got);
     if (!isfinite(value))
         return error_set(error, ERROR_COMMAND, "%s must be a finite number (got %s)", row->row.name, got);
-    if (row->least_excluded ? value > row->least : value >= row->least)
-        return true;
     real_format(row->least, least);
     return error_set(error, ERROR_COMMAND, "%s must be %s %s (got %s%s%s)", row->row.name,
                      row->least_excluded ? ">" : ">=", least, got, *unit ? " " : "", unit);

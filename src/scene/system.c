@@ -146,17 +146,29 @@ static bool overflows(const struct system *system, const struct bound_term *term
     return false;
 }
 
+static int coefficients(const struct term_row *row)
+{
+    return row->bind ? TERM_COEFFICIENTS : TERM_VALUES;
+}
+
+bool bound_term_equal(const struct bound_term *a, const struct bound_term *b)
+{
+    return a->row == b->row && memcmp(a->c, b->c, (size_t)coefficients(a->row) * sizeof *a->c) == 0;
+}
+
 /* Coefficients, and the forces at the start and at full swing, must be finite. */
 static bool check_term(const struct system *system, const struct bound_term *term, struct error *error)
 {
     bool fine = true;
-    for (int i = 0; i < TERM_VALUES; i++)
+    for (int i = 0; i < coefficients(term->row); i++)
         fine = fine && isfinite(term->c[i]);
     if (!fine)
         return error_set(error, ERROR_COMMAND, "a coefficient of the %s term overflows", term->row->row.name);
     const double *states[] = {system->start, system->scale}; /* typed terms may have a pole at the latter */
     for (size_t i = 0; i < (system->model->typed ? 1 : COUNT_OF(states)); i++) {
-        double a[LIMIT_VARIABLES] = {0};
+        double a[LIMIT_VARIABLES];
+        for (int row = 0; row < term_rows(system); row++)
+            a[row] = 0;
         term->row->add(term->c, system->t0, states[i], a);
         for (int row = 0; row < term_rows(system); row++)
             if (!isfinite(a[row]))
@@ -174,7 +186,8 @@ static void bind_rows(const double *param, struct system *system)
         const struct term_row *row = (const struct term_row *)(const void *)catalog_row(terms, i);
         if (!row->bind) /* a typed one */
             continue;
-        *term = (struct bound_term){.row = row};
+        term->row = row;
+        memset(term->c, 0, TERM_COEFFICIENTS * sizeof *term->c);
         system->terms += row->bind(param, term->c, &system->oscillator);
     }
 }
@@ -195,15 +208,30 @@ static void sum_up(struct system *system)
         system->oscillator.drag_whole = false;
 }
 
+/* A system without terms. Not all of its ten kilobytes: a sweep binds millions. */
+static void begin(const struct model *model, struct system *system)
+{
+    system->model = model;
+    system->n = model->n;
+    system->order = model->order;
+    system->terms = 0;
+    system->typed.row = NULL;
+    system->mass = system->t0 = 0;
+    memset(system->start, 0, (size_t)model->n * sizeof *system->start);
+    memset(system->scale, 0, (size_t)model->n * sizeof *system->scale);
+    system->oscillator = (struct oscillator){
+        .whole = typed_base(model) == &oscillator_model,
+        .drag_whole = model->order == 2,
+    };
+}
+
 bool scene_bind(const struct scene *scene, struct system *system, struct error *error)
 {
     const struct model *model = scene->model;
     const double *param = scene->value;
     if (model->coherent && !model->coherent(param, error))
         return false;
-    *system = (struct system){.model = model, .n = model->n, .order = model->order};
-    system->oscillator.whole = typed_base(model) == &oscillator_model;
-    system->oscillator.drag_whole = system->order == 2;
+    begin(model, system);
     bind_rows(param, system);
     sum_up(system);
     if (typed_base(model)) /* sizes are those without what was typed, unless that is an oscillator, too */

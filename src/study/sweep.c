@@ -85,6 +85,7 @@ static bool bind_end(const struct sweep_request *request, const struct sweep *sw
     struct scene scene;
     struct run_settings settings;
     struct error ignored = {0};
+    sweep_common(request, &scene, &settings);
     return sweep_point(request, sweep, number - sweep->first, &scene, &settings, &ignored) &&
            scene_bind(&scene, system, &ignored);
 }
@@ -254,8 +255,10 @@ static struct sweep_job job_of(const struct sweep_request *request, struct sweep
     return job;
 }
 
-#define NS_POINT 5000.0 /* what each point takes besides its steps */
-#define LANES_GAIN 20.0
+/* Besides its steps a point takes so long [ns]: as a run of its own, in lanes. */
+#define NS_ALONE 4000.0
+#define NS_IN_LANES 200.0
+#define LANES_GAIN 50.0
 
 void study_sweep_predict(const struct sweep_request *request, double *steps, double *seconds)
 {
@@ -263,9 +266,10 @@ void study_sweep_predict(const struct sweep_request *request, double *steps, dou
     struct plan plan;
     place_shard(request, &sweep);
     const struct sweep_job job = job_of(request, &sweep, &plan);
-    const double each = job.in_lanes && lanes_go(request, &sweep) ? plan.seconds / LANES_GAIN : plan.seconds;
+    const bool lanes = job.in_lanes && lanes_go(request, &sweep);
+    const double each = lanes ? plan.seconds / LANES_GAIN + NS_IN_LANES * 1e-9 : plan.seconds + NS_ALONE * 1e-9;
     *steps = plan.steps * (double)sweep.count;
-    *seconds = (each + NS_POINT * 1e-9) * (double)sweep.count / thread_count(request, sweep.count);
+    *seconds = each * (double)sweep.count / thread_count(request, sweep.count);
 }
 
 bool study_sweep(const struct sweep_request *request, struct sweep *sweep, struct error *error)

@@ -47,6 +47,8 @@ struct sweep_job {
 
 struct sweep_worker {
     struct sweep_job *job;
+    struct scene scene; /* of the present point */
+    struct run_settings settings;
     struct lanes *lanes; /* NULL: none are used */
     double *row;
     struct system *system; /* [LANES] */
@@ -65,7 +67,9 @@ struct sweep_worker {
 bool sweep_worker_init(struct sweep_worker *worker, struct sweep_job *job);
 void sweep_worker_free(struct sweep_worker *worker);
 void sweep_task(struct sweep_worker *worker, int64_t line, int64_t block);
-/* The scene and the settings of a point; false: refused, with the reason. */
+/* What all points have in common. */
+void sweep_common(const struct sweep_request *request, struct scene *scene, struct run_settings *settings);
+/* Makes that, or another point's, the scene and the settings of this point; false: refused, with the reason. */
 bool sweep_point(const struct sweep_request *request, const struct sweep *sweep, int64_t i, struct scene *scene,
                  struct run_settings *settings, struct error *error);
 

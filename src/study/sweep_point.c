@@ -11,9 +11,18 @@ enum { ROWS = 64 }; /* steps between looks at what the lanes do */
 #define SUSPICIOUS 1e100 /* diverging: that goes alone, where it is stopped at the right step */
 #define WORK_MOST 64
 
+void sweep_common(const struct sweep_request *request, struct scene *scene, struct run_settings *settings)
+{
+    *scene = *request->scene;
+    *settings = request->settings;
+    if (settings->kernel == KERNEL_PROPAGATOR) /* whose last bits are others than those of lanes */
+        settings->kernel = KERNEL_SPECIALISED;
+}
+
 bool sweep_worker_init(struct sweep_worker *worker, struct sweep_job *job)
 {
     *worker = (struct sweep_worker){.job = job, .refused = -1};
+    sweep_common(job->request, &worker->scene, &worker->settings);
     worker->system = malloc((job->in_lanes ? LANES : 1) * sizeof *worker->system);
     if (job->in_lanes) {
         worker->lanes = lanes_create();
@@ -55,10 +64,7 @@ static bool set_axis(const struct sweep_axis *axis, double value, struct scene *
 bool sweep_point(const struct sweep_request *request, const struct sweep *sweep, int64_t i, struct scene *scene,
                  struct run_settings *settings, struct error *error)
 {
-    *scene = *request->scene;
-    *settings = request->settings;
-    if (settings->kernel == KERNEL_PROPAGATOR) /* whose last bits are others than those of lanes */
-        settings->kernel = KERNEL_SPECIALISED;
+    memcpy(scene->value, request->scene->value, scene_params(scene)->count * sizeof *scene->value);
     for (int a = 0; a < request->axes; a++)
         if (!set_axis(&request->axis[a], sweep_axis_value(&request->axis[a], (int)sweep_number(sweep, a, i)), scene,
                       settings, error))
@@ -175,14 +181,13 @@ static void go_alone(struct sweep_worker *worker, int64_t i)
 {
     struct sweep_job *job = worker->job;
     const struct sweep_request *request = job->request;
-    struct scene scene;
-    struct run_settings settings;
     struct error error = {0};
     struct run *run = NULL;
-    if (sweep_point(request, job->sweep, i, &scene, &settings, &error)) {
+    if (sweep_point(request, job->sweep, i, &worker->scene, &worker->settings, &error)) {
+        struct run_settings settings = worker->settings;
         settings.record =
             needs_trace(job) ? (struct recording_rule){RECORD_AUTO, 1} : (struct recording_rule){RECORD_EVERY, INT64_MAX};
-        run = run_create(&scene, request->method, &settings, request->duration, &error);
+        run = run_create(&worker->scene, request->method, &settings, request->duration, &error);
     }
     if (!run) {
         refuse(worker, i, &error);
@@ -350,7 +355,7 @@ static void finish_lanes(struct sweep_worker *worker)
     for (int lane = 0; lane < worker->used; lane++) {
         const int64_t i = worker->point[lane];
         struct watch *watch = &worker->watch[lane];
-        int64_t evals = lanes_evals(worker->lanes);
+        int64_t evals = lanes_evals(worker->lanes, lane);
         double y[2], was[2];
         lanes_state(worker->lanes, lane, y);
         memcpy(was, y, sizeof y);
@@ -396,18 +401,17 @@ static void gather(struct sweep_worker *worker, int64_t i)
 {
     struct sweep_job *job = worker->job;
     const struct sweep_request *request = job->request;
-    struct scene scene;
-    struct run_settings settings;
+    const double h = request->settings.dt;
     struct error error = {0};
     struct system *system = &worker->system[worker->used];
     enum drag drag = request->settings.drag;
-    if (!sweep_point(request, job->sweep, i, &scene, &settings, &error) || !scene_bind(&scene, system, &error) ||
-        !method_applies(request->method, system, &drag, &error) ||
-        !method_fits(request->method, system, drag, settings.dt, &error)) {
+    if (!sweep_point(request, job->sweep, i, &worker->scene, &worker->settings, &error) ||
+        !scene_bind(&worker->scene, system, &error) || !method_applies(request->method, system, &drag, &error) ||
+        !method_fits(request->method, system, drag, h, &error)) {
         refuse(worker, i, &error);
         return;
     }
-    const int kind = lanes_kind(request->method, system, drag, settings.dt);
+    const int kind = lanes_kind(request->method, system, drag, h);
     if (kind < 0) {
         go_alone(worker, i);
         return;

@@ -25,7 +25,7 @@ static void find_changes(const struct system side[2], struct direction *d)
     for (int s = 0; s < 2; s++) {
         for (int i = 0; i < side[s].terms; i++) {
             const struct bound_term *term = &side[s].term[i], *other = term_of(&side[1 - s], term->row);
-            if (other && (s == 1 || memcmp(term->c, other->c, sizeof term->c) == 0))
+            if (other && (s == 1 || bound_term_equal(term, other)))
                 continue;
             struct term_change *change = &d->change[d->changes++];
             *change = (struct term_change){.row = term->row};

@@ -64,44 +64,6 @@ static int get_key(FILE *stream)
     return EOF;
 }
 
-/* ---- what a long run shows -------------------------------------------------------------------------------- */
-
-static struct progress {
-    int64_t begun, shown; /* [ns] */
-    bool visible;
-} progress;
-
-/* Four times a second at most, from one second on, with the time left; erased at the end. */
-static void show_progress(void *context, const struct run *run, double fraction)
-{
-    (void)context;
-    int64_t now = clock_ns();
-    if (fraction > 1) {
-        if (progress.visible) {
-            fputs("\r\033[K", stderr);
-        }
-        progress = (struct progress){0};
-        return;
-    }
-    if (progress.begun == 0) {
-        progress.begun = progress.shown = now;
-    }
-    if (now - progress.begun < 1000000000 || now - progress.shown < 250000000) {
-        return;
-    }
-    progress.shown = now;
-    progress.visible = true;
-    double spent = (double)(now - progress.begun) * 1e-9;
-    fputs("\r", stderr);
-    if (run) {
-        fprintf(stderr, "%s: t = %.6g s, %lld steps", run->method->row.name, run->t, (long long)run->steps);
-    }
-    if (fraction > 0) {
-        fprintf(stderr, "%s%.0f %%, %.0f s left", run ? ", " : "", 100 * fraction, spent * (1 - fraction) / fraction);
-    }
-    fputs(" (Ctrl-C stops)\033[K", stderr);
-}
-
 static bool confirm(void *context, const char *question)
 {
     (void)context;
@@ -189,7 +151,7 @@ static void set_front(struct program *program)
     struct front *front = &program->session->front;
     front->interactive = true;
     front->confirm = confirm;
-    front->progress = show_progress;
+    front->progress = progress_print;
     front->clear = clear_screen;
     front->change = change;
     screenshot_offer(front);

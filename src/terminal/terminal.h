@@ -120,6 +120,13 @@ bool screenshot_file(const struct session *session, const struct prompt_line *pr
 /* The callbacks of front ends without a screen. */
 void screenshot_offer(struct front *front);
 
+/* ---- progress.c: of what takes long ---- */
+
+bool progress_due(double fraction, bool *over);
+void progress_text(const struct run *run, double fraction, struct buffer *text);
+/* front.progress, on standard error */
+void progress_print(void *context, const struct run *run, double fraction);
+
 /* ---- readline, common to both prompts (line.c) ------------------------------------------------------------ */
 
 /* Settings and completion; once, before anything else of readline. */

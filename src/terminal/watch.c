@@ -85,6 +85,27 @@ static bool change(void *context, enum front_change change, struct error *error)
     return error_set(error, ERROR_COMMAND, "the panes are shown already");
 }
 
+/* Of a study, where it is said what a key could not do. A run is seen itself. */
+static void show_progress(void *context, const struct run *run, double fraction)
+{
+    struct panes *panes = context;
+    bool over;
+    if (run) {
+        return;
+    }
+    const bool due = progress_due(fraction, &over);
+    if (!due && !over) {
+        return;
+    }
+    buffer_clear(&panes->notice);
+    if (due) {
+        progress_text(run, fraction, &panes->notice);
+    }
+    const bool busy = signals_busy(false); /* Ctrl-Z waits until it is drawn */
+    panes_show(panes, false, INT_MAX);
+    signals_busy(busy);
+}
+
 void watch_offer(struct panes *panes, struct front *front)
 {
     *front = (struct front){.interactive = true,
@@ -93,6 +114,7 @@ void watch_offer(struct panes *panes, struct front *front)
                             .context = panes,
                             .confirm = confirm,
                             .clear = clear,
+                            .progress = show_progress,
                             .watched = true,
                             .slice = slice,
                             .screenshot = shot_file,

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <sys/resource.h>
 
 #define STEPS 2000
 #define H 0.01
@@ -111,11 +112,11 @@ static double by_hand(void *self)
     return ns;
 }
 
-/* ---- a whole sweep: 100 x 300 points of 1000 steps ---- */
+/* ---- whole sweeps of the driven oscillator ---- */
 
 struct sweep_case {
     const char *method;
-    int threads;
+    int threads, steps, points[2];
 };
 
 static double whole_sweep(void *self)
@@ -125,8 +126,9 @@ static double whole_sweep(void *self)
     struct sweep_request request = {.scene = &scene,
                                     .method = bench_method(one->method),
                                     .settings = {.dt = H, .kernel = KERNEL_SPECIALISED},
-                                    .duration = 1000 * H,
-                                    .axis = {{.from = 4, .to = 14, .count = 100}, {.from = 0.1, .to = 1, .count = 300}},
+                                    .duration = one->steps * H,
+                                    .axis = {{.from = 0.1, .to = 1, .count = one->points[0]},
+                                             {.from = 0.01, .to = 1, .count = one->points[1]}},
                                     .axes = 2,
                                     .measure = {{.kind = SWEEP_AMPLITUDE}},
                                     .measures = 1,
@@ -135,12 +137,38 @@ static double whole_sweep(void *self)
                                     .threads = one->threads};
     struct sweep sweep;
     struct error error;
-    if (!sweep_axis_find(&scene, TEXT("omega"), &request.axis[0]) ||
+    if (!sweep_axis_find(&scene, TEXT("F0"), &request.axis[0]) ||
         !sweep_axis_find(&scene, TEXT("gamma"), &request.axis[1]) || !study_sweep(&request, &sweep, &error))
         bench_die("sweep", error.text);
     const double ns = sweep.seconds * 1e9 / sweep.steps;
     sweep_free(&sweep);
     return ns;
+}
+
+/* Largest memory of the process so far. */
+static double megabytes(void)
+{
+    struct rusage usage;
+    getrusage(RUSAGE_SELF, &usage);
+    return (double)usage.ru_maxrss / 1024;
+}
+
+static void threads_row(const char *method)
+{
+    struct sweep_case alone = {method, 1, 1000, {100, 300}}, two = {method, 2, 1000, {100, 300}};
+    struct arm arm[] = {ARM(whole_sweep, &two), ARM(whole_sweep, &alone)};
+    char what[64];
+    snprintf(what, sizeof what, "%s, two threads", method);
+    contest(arm, 2);
+    table_row(what, &arm[0], "one thread", &arm[1], 1 / 1.8);
+}
+
+static void large_row(const char *method)
+{
+    struct sweep_case large = {method, 0, 100, {1000, 1000}};
+    const double before = megabytes(), ns = whole_sweep(&large);
+    table_note("%s, 1000 x 1000 points of 100 steps: %.2f s on all processors, %.2f us a point, %.0f MB more than before",
+               method, ns * 1e8 * 1e-9, ns * 0.1, megabytes() - before);
 }
 
 static void lane_rows(const char *method, const char *preset, struct hand_case *hand, double goal)
@@ -172,13 +200,17 @@ void bench_sweep(void)
     struct hand_case euler = {hand_euler}, rk4 = {hand_rk4};
     table_begin("Many trajectories side by side", "ns a trajectory-step");
     lane_rows("symplectic-euler", "spring", &euler, 8);
-    lane_rows("rk4", "spring", &rk4, 0.9);
-    lane_rows("rk4", "driven", NULL, NAN);
-    lane_rows("rk4", "duffing", NULL, NAN);
+    lane_rows("symplectic-euler", "driven", NULL, NAN);
+    lane_rows("rk4", "spring", &rk4, NAN);
+    lane_rows("rk4", "driven", NULL, 0.9);
+    lane_rows("rk4", "duffing", NULL, 0.9);
+    lane_rows("rk4", "drag", NULL, 0.9);
+    lane_rows("midpoint", "drag", NULL, NAN);
     lane_rows("verlet", "drag", NULL, NAN);
-    struct sweep_case alone = {"rk4", 1}, two = {"rk4", 2};
-    struct arm arm[] = {ARM(whole_sweep, &two), ARM(whole_sweep, &alone)};
+    table_note("rk4 steps to each turning point of quadratic drag, 2.8 in 100 steps here");
     table_begin("A sweep of the driven oscillator: 100 x 300 points, 1000 steps each, amplitude", "ns a trajectory-step");
-    contest(arm, 2);
-    table_row("rk4, two threads", &arm[0], "one thread", &arm[1], 1 / 1.8);
+    threads_row("rk4");
+    threads_row("symplectic-euler");
+    large_row("rk4");
+    large_row("symplectic-euler");
 }

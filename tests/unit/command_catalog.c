@@ -194,6 +194,13 @@ static void completion_follows_the_type(void **state)
         {"print sq", " sqrt ", " y ", 6, false},
         {"scene ", " damped ", " euler ", 6, false},
         {"echo 'a; ", "", " run ", 0, false},
+        {"sweep ga", " gamma= ", " run ", 6, false},
+        {"sweep k=1:2 me", " measure= ", " gamma= ", 12, false},
+        {"sweep k=1:2 measure=y,", " amplitude ", " gamma= ", 22, false},
+        {"sweep k=1:2 measure=", " energy ", " gamma= ", 20, false},
+        {"sweep y0=1 ", " cm ", " N/m ", 11, false},
+        {"sweep y0=1 cm:5 ", " mm ", " kg ", 16, false},
+        {"sweep T0=1:2 ", " dt= ", " omega_d= ", 13, false},
     };
     struct bench b;
     bench_open(&b, true);

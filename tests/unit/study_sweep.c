@@ -68,7 +68,8 @@ static void test_lanes_equal_runs(void **state)
     } cases[] = {{"spring", "k", 2, 40},          {"damped", "gamma", 0, 3},     {"drag", "C", 0, 4},
                  {"driven", "omega", 6, 12},      {"driven", "gamma", 0.1, 1},   {"duffing", "y0", 0.1, 3},
                  {"duffing-driven", "F0", 0, 1},  {"vanderpol", "mu", -0.5, 3},  {"pendulum", "theta0", 0.1, 3},
-                 {"spring", "y0", -0.1, 0.1},     {"spring", "v0", -0.5, 0.5},   {"overdamped", "m", 0.1, 3}};
+                 {"spring", "y0", -0.1, 0.1},     {"spring", "v0", -0.5, 0.5},   {"overdamped", "m", 0.1, 3},
+                 {"pendulum-driven", "F0", 0.3, 2}, {"pendulum-driven", "omega", 0.3, 2}};
     int64_t side_by_side = 0;
     for (size_t c = 0; c < COUNT_OF(cases); c++)
         for (size_t m = 0; m < method_catalog.count; m++)

@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What a long run or study shows while it goes on: how far it is and the time left. */
+#include "terminal.h"
+
+#include <stdio.h>
+
+static struct progress {
+    int64_t begun, shown; /* [ns] */
+    bool visible;
+} progress;
+
+/* Four times a second at most, from one second on. *over: it has ended, and something is to be erased. */
+bool progress_due(double fraction, bool *over)
+{
+    const int64_t now = clock_ns();
+    *over = fraction > 1 && progress.visible;
+    if (fraction > 1) {
+        progress = (struct progress){0};
+        return false;
+    }
+    if (progress.begun == 0) {
+        progress.begun = progress.shown = now;
+    }
+    if (now - progress.begun < 1000000000 || now - progress.shown < 250000000) {
+        return false;
+    }
+    progress.shown = now;
+    return progress.visible = true;
+}
+
+void progress_text(const struct run *run, double fraction, struct buffer *text)
+{
+    const double spent = (double)(clock_ns() - progress.begun) * 1e-9;
+    if (run) {
+        buffer_format(text, "%s: t = %.6g s, %lld steps", run->method->row.name, run->t, (long long)run->steps);
+    }
+    if (fraction > 0) {
+        buffer_format(text, "%s%.0f %%, %.0f s left", run ? ", " : "", 100 * fraction,
+                      spent * (1 - fraction) / fraction);
+    }
+    buffer_put(text, TEXT(" (Ctrl-C stops)"));
+}
+
+/* On standard error, in one line that is erased at the end. */
+void progress_print(void *context, const struct run *run, double fraction)
+{
+    struct buffer text = {0};
+    bool over;
+    (void)context;
+    if (progress_due(fraction, &over)) {
+        progress_text(run, fraction, &text);
+        fprintf(stderr, "\r%s\033[K", text.data ? text.data : "");
+        buffer_free(&text);
+    } else if (over) {
+        fputs("\r\033[K", stderr);
+    }
+}
