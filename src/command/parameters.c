@@ -138,7 +138,8 @@ const struct observable *model_observable(const struct model *model, struct text
 
 bool model_offers(const struct model *model, const struct observable *observable)
 {
-    return (model->order == 2 || !(observable->needs & NEED_MECHANICS)) && model_observable(model, text_of(observable->row.name));
+    const unsigned never = model->order == 2 ? 0u : NEED_MECHANICS | (model->typed ? NEED_EXACT : 0u);
+    return !(observable->needs & never) && model_observable(model, text_of(observable->row.name));
 }
 
 static void put_params(const struct scene *scene, struct buffer *text)
