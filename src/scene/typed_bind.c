@@ -81,14 +81,28 @@ static bool complete(const struct typed *typed, struct error *error)
     return error_hint(error, "type %.*s' = EXPR or %.*s'' = EXPR", (int)name.len, name.at, (int)name.len, name.at);
 }
 
-static void set_values(const struct typed *typed, const struct typed_term *term, const double *param, double mass,
-                       struct bound_term *bound)
+/* The same for all terms of a part, but for the first. */
+static void set_values(const struct typed_part *part, const double *param, double mass, double *c)
 {
-    *bound = (struct bound_term){.row = &term->row};
-    memcpy(bound->c, &term, sizeof term);
-    bound->c[1] = mass;
+    const struct typed *typed = part->all.typed;
+    c[1] = mass;
     for (int i = 0; i < typed->reads; i++)
-        bound->c[2 + i] = param[typed->read[i]];
+        c[2 + i] = param[typed->read[i]];
+    for (int i = 0; i <= GROUPS; i++) {
+        const struct typed_term *term = i < GROUPS ? &part->term[i] : &part->all;
+        if (term->add)
+            program_keep(term->add, c + 1);
+        if (term->jacobian)
+            program_keep(term->jacobian, c + 1);
+    }
+}
+
+static struct bound_term bind_term(const struct typed_term *term, const double *c)
+{
+    struct bound_term bound = {.row = &term->row};
+    memcpy(bound.c, c, sizeof bound.c);
+    memcpy(bound.c, &term, sizeof term);
+    return bound;
 }
 
 bool typed_bind(const struct typed *typed, const double *param, struct system *system, struct error *error)
@@ -103,14 +117,16 @@ bool typed_bind(const struct typed *typed, const double *param, struct system *s
         return false;
     if (!typed->base)
         system->mass = typed->mass >= 0 ? param[typed->mass] : 1;
-    set_values(typed, &part->all, param, system->mass, &system->typed);
+    double c[TERM_VALUES] = {0};
+    set_values(part, param, system->mass, c);
+    system->typed = bind_term(&part->all, c);
     for (int g = 0; g < GROUPS; g++) {
         const struct typed_term *term = &part->term[g];
         if (!term->add)
             continue;
         if (system->terms == TERM_MAX)
             return error_set(error, ERROR_COMMAND, "a scene has at most %d terms", TERM_MAX);
-        set_values(typed, term, param, system->mass, &system->term[system->terms++]);
+        system->term[system->terms++] = bind_term(term, c);
         system->oscillator.whole = false;
         if (term->row.flags & TERM_VELOCITY)
             system->oscillator.drag_whole = false;
@@ -118,18 +134,22 @@ bool typed_bind(const struct typed *typed, const double *param, struct system *s
     return true;
 }
 
+/* The term that is the whole right-hand side; NULL: there is none. */
+static const struct bound_term *whole(const struct system *system)
+{
+    const struct bound_term *term = system->terms == 1 ? &system->term[0] : &system->typed;
+    return system->typed.row && !typed_base(system->model) && term->row->add ? term : NULL;
+}
+
 const struct program *system_program(const struct system *system, double *frame, size_t room)
 {
-    const struct bound_term *whole = system->terms == 1 ? &system->term[0] : &system->typed;
-    if (!system->typed.row || typed_base(system->model) || !whole->row->add)
+    const struct bound_term *term = whole(system);
+    const struct program *program = term ? typed_term_of(term->c)->add : NULL;
+    if (!program || program_frame(program) > room)
         return NULL;
-    const struct typed_term *term = typed_term_of(whole->c);
-    if (program_frame(term->add) > room)
-        return NULL;
-    for (int i = 0; i <= term->typed->reads; i++)
-        frame[1 + system->n + i] = whole->c[1 + i];
-    program_prepare(term->add, frame);
-    return term->add;
+    memcpy(frame + program->moving, term->c + 1, (size_t)(program->names - program->moving) * sizeof *frame);
+    program_prepare(program, frame);
+    return program;
 }
 
 /* ---- force and potential ---- */
@@ -172,8 +192,8 @@ bool typed_check(const struct system *system, struct error *error)
             y[i] = system->start[i] + system->scale[i] * ldexp((double)(int64_t)random, -63);
         }
         if (force->add)
-            typed_evaluate(all->typed, force->add, system->typed.c, 0, y, a);
-        typed_evaluate(all->typed, all->slope, system->typed.c, 0, y, slope);
+            typed_evaluate(force->add, system->typed.c, 0, y, a);
+        typed_evaluate(all->slope, system->typed.c, 0, y, slope);
         for (int i = 0; i < rows; i++)
             size = fmax(size, fmax(fabs(slope[i]), fabs(system->mass * a[i])));
         for (int i = 0; i < rows && isfinite(size); i++) /* somewhere else if it is infinite here */

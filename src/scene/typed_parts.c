@@ -17,34 +17,27 @@ const struct typed_term *typed_term_of(const double *c)
     return term;
 }
 
-static inline void run(const struct typed *typed, const struct program *program, const double *c, double t,
-                       const double *y, double *out, double *frame)
+static inline void run(const struct program *program, const double *c, double t, const double *y, double *out,
+                       double *frame)
 {
-    const int n = typed->model.n;
-    frame[0] = t;
-    for (int i = 0; i < n; i++)
-        frame[1 + i] = y[i];
-    for (int i = 0; i <= typed->reads; i++)
-        frame[1 + n + i] = c[1 + i];
     program_prepare(program, frame);
-    program_eval(program, frame, out, frame);
+    program_run(program, t, y, c + 1, out, frame);
 }
 
-static __attribute__((__noinline__)) void run_large(const struct typed *typed, const struct program *program,
-                                                    const double *c, double t, const double *y, double *out)
+static __attribute__((__noinline__)) void run_large(const struct program *program, const double *c, double t,
+                                                    const double *y, double *out)
 {
     double frame[FRAME_MOST];
-    run(typed, program, c, t, y, out, frame);
+    run(program, c, t, y, out, frame);
 }
 
-void typed_evaluate(const struct typed *typed, const struct program *program, const double *c, double t,
-                    const double *y, double *out)
+void typed_evaluate(const struct program *program, const double *c, double t, const double *y, double *out)
 {
     double frame[FRAME_SMALL];
     if (program_frame(program) <= FRAME_SMALL)
-        run(typed, program, c, t, y, out, frame);
+        run(program, c, t, y, out, frame);
     else
-        run_large(typed, program, c, t, y, out);
+        run_large(program, c, t, y, out);
 }
 
 static void add(const double *c, double t, const double *y, double *a)
@@ -52,7 +45,7 @@ static void add(const double *c, double t, const double *y, double *a)
     const struct typed_term *term = typed_term_of(c);
     const int rows = typed_rows(term->typed);
     double out[LIMIT_VARIABLES];
-    typed_evaluate(term->typed, term->add, c, t, y, out);
+    typed_evaluate(term->add, c, t, y, out);
     for (int i = 0; i < rows; i++)
         a[i] += out[i];
 }
@@ -62,7 +55,7 @@ static void jacobian(const double *c, double t, const double *y, double *jac)
     const struct typed_term *term = typed_term_of(c);
     const int count = typed_rows(term->typed) * term->typed->model.n;
     double out[LIMIT_VARIABLES * LIMIT_VARIABLES];
-    typed_evaluate(term->typed, term->jacobian, c, t, y, out);
+    typed_evaluate(term->jacobian, c, t, y, out);
     for (int i = 0; i < count; i++)
         jac[i] += out[i];
 }
@@ -71,7 +64,7 @@ static double potential(const double *c, const double *y)
 {
     const struct typed_term *term = typed_term_of(c);
     double out[1];
-    typed_evaluate(term->typed, term->potential, c, 0, y, out);
+    typed_evaluate(term->potential, c, 0, y, out);
     return out[0];
 }
 
@@ -80,7 +73,7 @@ static double power(const double *c, double t, const double *y)
     const struct typed_term *term = typed_term_of(c);
     const int rows = typed_rows(term->typed);
     double out[LIMIT_VARIABLES], sum = 0;
-    typed_evaluate(term->typed, term->add, c, t, y, out);
+    typed_evaluate(term->add, c, t, y, out);
     for (int i = 0; i < rows; i++)
         sum += out[i] * y[rows + i];
     return c[1] * sum;
@@ -90,17 +83,21 @@ static double power(const double *c, double t, const double *y)
 
 struct making {
     const struct typed *typed;
+    struct typed_part *part;
     struct equations *equations;
     const bool *bound; /* [names] */
     const double *value;
     struct error *error;
 };
 
-/* The last `count` outputs as a program. */
-static struct program *make(const struct making *m, int count)
+/* The last `count` outputs as a program. keeps: its values that depend on parameters only are computed by binding. */
+static struct program *make(const struct making *m, int count, bool keeps)
 {
-    struct program *program = program_create(m->equations, equations_count(m->equations) - count, count, m->bound,
-                                             m->value, true, m->error);
+    const struct given given = {1 + m->typed->model.n, m->part->given, keeps ? TERM_VALUES - 1 - m->part->given : 0};
+    struct program *program = program_create_given(m->equations, equations_count(m->equations) - count, count, m->bound,
+                                                   m->value, &given, true, m->error);
+    if (program)
+        m->part->given += program->keeps;
     if (!program || program_frame(program) <= FRAME_MOST)
         return program;
     error_set(m->error, ERROR_COMMAND, "the equations are too large: they need %zu numbers at once, %d are possible",
@@ -170,7 +167,7 @@ static bool make_term(const struct making *m, struct typed_term *term, const str
     for (int i = 0; i < rows; i++)
         if (!equations_add(m->equations, expr[i] ? expr[i] : &nothing, m->error))
             return false;
-    term->add = make(m, rows);
+    term->add = make(m, rows, true);
     if (!term->add)
         return false;
     if (all_zero(term->add, rows)) {
@@ -180,7 +177,7 @@ static bool make_term(const struct making *m, struct typed_term *term, const str
     }
     if (!equations_derive(m->equations, first, rows, state, n, m->error))
         return false;
-    term->jacobian = make(m, rows * n);
+    term->jacobian = make(m, rows * n, true);
     if (!term->jacobian)
         return false;
     term->row.flags = flags_of(term);
@@ -236,15 +233,15 @@ static bool make_looks(const struct making *m, struct typed_part *part)
         if (!equations_add(m->equations, typed->observe[i], m->error))
             return false;
     part->all.typed = typed;
-    if (typed->observes > 0 && !(part->all.observe = make(m, typed->observes)))
+    if (typed->observes > 0 && !(part->all.observe = make(m, typed->observes, false)))
         return false;
     if (!typed->potential)
         return true;
     const int rows = typed_rows(typed), first = equations_count(m->equations);
     for (int i = 0; i < rows; i++)
         position[i] = 1 + i;
-    if (!equations_add(m->equations, typed->potential, m->error) || !(force->potential = make(m, 1)) ||
-        !equations_derive(m->equations, first, 1, position, rows, m->error) || !(part->all.slope = make(m, rows)))
+    if (!equations_add(m->equations, typed->potential, m->error) || !(force->potential = make(m, 1, false)) ||
+        !equations_derive(m->equations, first, 1, position, rows, m->error) || !(part->all.slope = make(m, rows, false)))
         return false;
     force->typed = typed;
     force->row.potential = potential;
@@ -273,8 +270,10 @@ struct typed_part *typed_part_create(const struct typed *typed, uint64_t zeros, 
     struct typed_part *part = calloc(1, sizeof *part);
     bool *bound = calloc((size_t)names, sizeof *bound);
     double *value = calloc((size_t)names, sizeof *value);
-    struct making m = {typed, NULL, bound, value, error};
+    struct making m = {typed, part, NULL, bound, value, error};
     bool fine = part && bound && value;
+    if (fine)
+        part->given = 1 + typed->reads;
     if (!fine)
         error_memory(error);
     else
