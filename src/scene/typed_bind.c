@@ -134,8 +134,7 @@ bool typed_bind(const struct typed *typed, const double *param, struct system *s
     return true;
 }
 
-/* The term that is the whole right-hand side; NULL: there is none. */
-static const struct bound_term *whole(const struct system *system)
+const struct bound_term *typed_whole(const struct system *system)
 {
     const struct bound_term *term = system->terms == 1 ? &system->term[0] : &system->typed;
     return system->typed.row && !typed_base(system->model) && term->row->add ? term : NULL;
@@ -143,7 +142,7 @@ static const struct bound_term *whole(const struct system *system)
 
 const struct program *system_program(const struct system *system, double *frame, size_t room)
 {
-    const struct bound_term *term = whole(system);
+    const struct bound_term *term = typed_whole(system);
     const struct program *program = term ? typed_term_of(term->c)->add : NULL;
     if (!program || program_frame(program) > room)
         return NULL;

@@ -198,4 +198,5 @@ void bench_forces(void)
     table_begin("Forces as typed, RK4", "ns a step");
     contest_of("-k*y - c*v*abs(v)", plain_loop, 1.8);
     contest_of("-k*y - c*v*abs(v) + cos(w*t)", driven_loop, 2.3);
+    bench_typed();
 }
