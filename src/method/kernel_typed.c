@@ -59,9 +59,11 @@ static const struct {
 march_function *typed_kernel(const struct method *method, const struct system *system, enum drag drag)
 {
     const int shape = typed_shape(system);
+    if (shape < 0)
+        return any_kernel(method);
     if (method->splitting && system->velocity && drag != DRAG_EXPLICIT)
         return NULL;
-    for (size_t i = 0; shape >= 0 && i < COUNT_OF(kernels); i++)
+    for (size_t i = 0; i < COUNT_OF(kernels); i++)
         if (method->step == kernels[i].method->step && strcmp(kernels[i].method->row.name, method->row.name) == 0)
             return kernels[i].march[shape];
     return NULL;
