@@ -9,8 +9,16 @@
 #define UNROLL _Pragma("GCC unroll 32")
 #include <hooke/base.h>
 enum { MOST = LIMIT_VARIABLES };
-#include "march_body.h"
 #include "rows.h"
+#include "step_body.h"
+
+/* The compiler need not think of nothing at all. */
+static inline int size_of(const struct system *system)
+{
+    if (system->n < 1)
+        __builtin_unreachable();
+    return system->n;
+}
 
 static void any_slope(const void *system, double t, const double *y, double *dydt)
 {
@@ -31,6 +39,7 @@ static void any_drag(const void *system, double t, const double *y, double *a)
 #define JOIN(a, b) JOIN_(a, b)
 #define RK_ROW JOIN(rk_, __LINE__)
 #define RK_NAME JOIN(any_rk_, __LINE__)
+#define STEP_NAME JOIN(any_step_, __LINE__)
 #define SPLIT_ROW JOIN(split_, __LINE__)
 #define SPLIT_NAME JOIN(any_split_, __LINE__)
 
@@ -39,7 +48,12 @@ static void any_drag(const void *system, double t, const double *y, double *a)
     static void RK_NAME(const struct march *march)                                                                     \
     {                                                                                                                  \
         const struct system *system = march->step->system;                                                             \
-        rk_march(&RK_ROW, system->n, any_slope, system, march);                                                        \
+        rk_march(&RK_ROW, size_of(system), any_slope, system, march);                                                  \
+    }                                                                                                                  \
+    static enum step_status STEP_NAME(const struct method *method, struct step *step)                                  \
+    {                                                                                                                  \
+        (void)method;                                                                                                  \
+        return one_step(&RK_ROW, size_of(step->system), any_slope, step->system, step);                                \
     }
 #include "rk.def"
 #undef RUNGE_KUTTA
@@ -55,19 +69,33 @@ static void any_drag(const void *system, double t, const double *y, double *a)
 #include "split.def"
 #undef SPLITTING
 
-march_function *any_kernel(const struct method *method)
-{
-    static const struct {
-        const struct method *method;
-        march_function *march;
-    } kernels[] = {
-#define RUNGE_KUTTA(...) {&RK_ROW, RK_NAME},
+static const struct kernels {
+    const struct method *method;
+    march_function *march;
+    step_function *step;
+} kernels[] = {
+#define RUNGE_KUTTA(...) {&RK_ROW, RK_NAME, STEP_NAME},
 #include "rk.def"
-#define SPLITTING(...) {&SPLIT_ROW, SPLIT_NAME},
+#define SPLITTING(...) {&SPLIT_ROW, SPLIT_NAME, NULL},
 #include "split.def"
-    };
+};
+
+static const struct kernels *kernels_of(const struct method *method)
+{
     for (size_t i = 0; i < COUNT_OF(kernels); i++)
         if (method->step == kernels[i].method->step && strcmp(kernels[i].method->row.name, method->row.name) == 0)
-            return kernels[i].march;
+            return &kernels[i];
     return NULL;
+}
+
+march_function *any_kernel(const struct method *method)
+{
+    const struct kernels *kernel = kernels_of(method);
+    return kernel ? kernel->march : NULL;
+}
+
+step_function *any_step_kernel(const struct method *method)
+{
+    const struct kernels *kernel = kernels_of(method);
+    return kernel ? kernel->step : NULL;
 }

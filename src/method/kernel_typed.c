@@ -24,12 +24,12 @@ enum { MOST = 4 };
     }
 #define RUNGE_KUTTA(...)                                                                                               \
     static const struct method RK_ROW = {.step = rk_step, __VA_ARGS__};                                                \
-    MOTIONS(RK_KERNEL)                                                                                                 \
-    FLOWS(RK_KERNEL)
+    TYPED_MOTIONS(RK_KERNEL)                                                                                                 \
+    TYPED_FLOWS(RK_KERNEL)
 #include "rk.def"
 #undef RUNGE_KUTTA
 
-MOTIONS(SPLIT_FUNCTIONS)
+TYPED_MOTIONS(SPLIT_FUNCTIONS)
 #define SPLIT_KERNEL(name, n)                                                                                          \
     static void SPLIT_NAME(name)(const struct march *march)                                                            \
     {                                                                                                                  \
@@ -40,7 +40,7 @@ MOTIONS(SPLIT_FUNCTIONS)
     }
 #define SPLITTING(...)                                                                                                 \
     static const struct method SPLIT_ROW = {.step = split_step, __VA_ARGS__};                                          \
-    MOTIONS(SPLIT_KERNEL)
+    TYPED_MOTIONS(SPLIT_KERNEL)
 #include "split.def"
 #undef SPLITTING
 
@@ -48,11 +48,11 @@ MOTIONS(SPLIT_FUNCTIONS)
 #define SPLIT_ENTRY(name, n) SPLIT_NAME(name),
 static const struct {
     const struct method *method;
-    march_function *march[SHAPE_COUNT];
+    march_function *march[TYPED_COUNT];
 } kernels[] = {
-#define RUNGE_KUTTA(...) {&RK_ROW, {MOTIONS(RK_ENTRY) FLOWS(RK_ENTRY)}},
+#define RUNGE_KUTTA(...) {&RK_ROW, {TYPED_MOTIONS(RK_ENTRY) TYPED_FLOWS(RK_ENTRY)}},
 #include "rk.def"
-#define SPLITTING(...) {&SPLIT_ROW, {MOTIONS(SPLIT_ENTRY)}},
+#define SPLITTING(...) {&SPLIT_ROW, {TYPED_MOTIONS(SPLIT_ENTRY)}},
 #include "split.def"
 };
 

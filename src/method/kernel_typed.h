@@ -9,7 +9,7 @@
 #include "../scene/typed.h"
 #include "march_body.h"
 
-enum { FRAME = 2048 };
+enum { FRAME = 512 };
 
 struct evaluated {
     program_function *run;
@@ -82,8 +82,8 @@ INLINE void evaluate_sum(const struct evaluated_sum *sum, int n, double t, const
     }
 }
 
-#define MOTIONS(S) S(line, 2) S(plane, 4)
-#define FLOWS(S) S(two, 2) S(three, 3)
+#define TYPED_MOTIONS(S) S(typed_line, 2) S(typed_plane, 4)
+#define TYPED_FLOWS(S) S(typed_two, 2) S(typed_three, 3)
 
 #define MOTION_FUNCTIONS(name, n)                                                                                      \
     INLINE void name##_slope(const void *known, double t, const double *y, double *dydt)                               \
@@ -105,20 +105,20 @@ INLINE void evaluate_sum(const struct evaluated_sum *sum, int n, double t, const
     {                                                                                                                  \
         evaluate_sum(&((const struct known *)known)->drag, n, t, y, a);                                                \
     }
-MOTIONS(MOTION_FUNCTIONS)
-FLOWS(FLOW_FUNCTIONS)
+TYPED_MOTIONS(MOTION_FUNCTIONS)
+TYPED_FLOWS(FLOW_FUNCTIONS)
 
-#define SHAPE_PLACE(name, n) SHAPE_##name,
-enum { MOTIONS(SHAPE_PLACE) FLOWS(SHAPE_PLACE) SHAPE_COUNT };
+#define TYPED_PLACE(name, n) PLACE_##name,
+enum { TYPED_MOTIONS(TYPED_PLACE) TYPED_FLOWS(TYPED_PLACE) TYPED_COUNT };
 
 /* -1: none */
 static inline int typed_shape(const struct system *system)
 {
 #define MOTION_SIZE(name, size) {2, size},
 #define FLOW_SIZE(name, size) {1, size},
-    static const int size[SHAPE_COUNT][2] = {MOTIONS(MOTION_SIZE) FLOWS(FLOW_SIZE)};
+    static const int size[TYPED_COUNT][2] = {TYPED_MOTIONS(MOTION_SIZE) TYPED_FLOWS(FLOW_SIZE)};
     struct known known;
-    for (int shape = 0; shape < SHAPE_COUNT; shape++)
+    for (int shape = 0; shape < TYPED_COUNT; shape++)
         if (system->order == size[shape][0] && system->n == size[shape][1])
             return known_take(&known, system) ? shape : -1;
     return -1;

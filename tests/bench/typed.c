@@ -80,6 +80,7 @@ FORM(driven, "var y = 1;param k = 75;param gamma = 0.3;param F = 0.1;param omega
 FORM(vanderpol, "var y = 1;param mu = 1;y'' = mu*(1 - y^2)*y' - y");
 FORM(pendulum, "var y = 1;param g = 9.81;param l = 1;y'' = -g/l*sin(y)");
 FORM(kepler, "var x = 0.5;var y = 0;var y' = 1.7320508075688772;param k = 1;x'' = -k*x/(x^2 + y^2)^1.5;y'' = -k*y/(x^2 + y^2)^1.5");
+FORM(stars, "var x = 0;var y = 0.1;var x' = 0.49;var y' = 0;x'' = -x - 2*x*y;y'' = -y - x^2 + y^2");
 
 static void against_hand(double *row)
 {
@@ -120,7 +121,7 @@ static void add_ring(struct buffer *lines, const char *format, int n)
 
 static void against_general(void)
 {
-    struct buffer lines[2] = {{0}, {0}};
+    struct buffer lines[3] = {{0}, {0}, {0}};
     buffer_format(&lines[0], "var x1 = 8.01;param F = 8");
     for (int i = 1; i < 40; i++)
         buffer_format(&lines[0], ";var x%d = 8", i + 1);
@@ -129,9 +130,10 @@ static void against_general(void)
     for (int i = 1; i < 20; i++)
         buffer_format(&lines[1], ";var x%d = 0", i + 1);
     add_ring(&lines[1], ";x%1$d'' = k/mass*(x%2$d - 2*x%1$d + x%3$d) - b/mass*x%1$d^3", 20);
-    static const char *const name[] = {"Lorenz 96, n = 40", "20 masses"};
+    buffer_format(&lines[2], "force -40*y^3");
+    static const char *const name[] = {"Lorenz 96, n = 40", "20 masses", "spring with a force"};
     static const char *const method[] = {"rk4", "verlet", "dopri5"};
-    for (int i = 0; i < 2; i++)
+    for (int i = 0; i < 3; i++)
         for (size_t m = 0; m < COUNT_OF(method); m++) {
             struct typed typed = {.method = bench_method(method[m]), .settings = {.dt = 0.01}, .steps = STEPS / 20};
             if (i == 0 && m == 1)
@@ -146,8 +148,8 @@ static void against_general(void)
             table_row(what, &arm[0], "kernel = general", &arm[1], 1);
             typed_destroy(typed.models);
         }
-    buffer_free(&lines[0]);
-    buffer_free(&lines[1]);
+    for (int i = 0; i < 3; i++)
+        buffer_free(&lines[i]);
 }
 
 /* ---- solves with a tolerance ---- */
@@ -174,6 +176,7 @@ static void against_built_in(void)
         {"dopri5", "vanderpol", "var y = 2;y'' = (1 - y^2)*y' - y", 1e-8, 20},
         {"dopri5", "kepler", kepler, 1e-8, 20},
         {"dop853", "kepler", kepler, 1e-8, 20},
+        {"dop853", "henon-heiles", stars, 1e-8, 100},
         {"rodas5p", "vanderpol-1000", "var y1 = 2;var y2 = 0;param mu = 1000;y1' = y2;y2' = mu*(1 - y1^2)*y2 - y1", 1e-8, 2000},
         {"rodas5p", "robertson",
          "var A = 1;var B = 0;var C = 0;A' = -0.04*A + 1e4*B*C;B' = 0.04*A - 1e4*B*C - 3e7*B^2;C' = 3e7*B^2", 1e-8, 1e8},
