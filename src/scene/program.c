@@ -335,7 +335,7 @@ bool program_constant(const struct program *p, int output, double *value)
     return node->kind == NODE_NUMBER;
 }
 
-bool program_depends(const struct program *p, int first, int count, int name)
+bool program_depends_on(const struct program *p, int first, int count, int name, int names)
 {
     bool *mark = calloc((size_t)p->nodes, sizeof *mark), found = !mark;
     for (int i = 0; mark && i < count; i++)
@@ -343,9 +343,15 @@ bool program_depends(const struct program *p, int first, int count, int name)
     if (mark)
         graph_reach(p->node, p->nodes, mark);
     for (int i = 0; mark && !found && i < p->nodes; i++)
-        found = mark[i] && p->node[i].kind == NODE_NAME && p->node[i].operand[0] == name;
+        found = mark[i] && p->node[i].kind == NODE_NAME && p->node[i].operand[0] >= name &&
+                p->node[i].operand[0] < name + names;
     free(mark);
     return found;
+}
+
+bool program_depends(const struct program *p, int first, int count, int name)
+{
+    return program_depends_on(p, first, count, name, 1);
 }
 
 /* ---- evaluation ---- */

@@ -192,6 +192,8 @@ struct given {
 
 struct program *program_create_given(const struct equations *e, int first, int count, const bool *bound,
                                      const double *value, const struct given *given, bool native, struct error *error);
+/* As program_depends(), on any of these names? */
+bool program_depends_on(const struct program *p, int first, int count, int name, int names);
 /* Once for each set of given values. */
 void program_keep(const struct program *program, double *given);
 

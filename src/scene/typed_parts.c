@@ -90,12 +90,16 @@ struct making {
     struct error *error;
 };
 
-/* The last `count` outputs as a program. keeps: its values that depend on parameters only are computed by binding. */
-static struct program *make(const struct making *m, int count, bool keeps)
+/* How often a program will run. STEPS: what depends on parameters only is computed by binding; RARELY: no machine code. */
+enum use { STEPS, LOOKS, RARELY };
+
+/* The last `count` outputs as a program. */
+static struct program *make(const struct making *m, int count, enum use use)
 {
-    const struct given given = {1 + m->typed->model.n, m->part->given, keeps ? TERM_VALUES - 1 - m->part->given : 0};
+    const struct given given = {1 + m->typed->model.n, m->part->given,
+                                use == STEPS ? TERM_VALUES - 1 - m->part->given : 0};
     struct program *program = program_create_given(m->equations, equations_count(m->equations) - count, count, m->bound,
-                                                   m->value, &given, true, m->error);
+                                                   m->value, &given, use != RARELY, m->error);
     if (program)
         m->part->given += program->keeps;
     if (!program || program_frame(program) <= FRAME_MOST)
@@ -113,14 +117,6 @@ static bool all_zero(const struct program *program, int count)
         if (!program_constant(program, i, &value) || value != 0)
             return false;
     return true;
-}
-
-static bool depends(const struct program *program, int count, int first, int names)
-{
-    for (int i = 0; i < names; i++)
-        if (program_depends(program, 0, count, first + i))
-            return true;
-    return false;
 }
 
 /* Not smooth at v = 0: |v|, sign(v), v < 0. */
@@ -145,39 +141,48 @@ static unsigned flags_of(const struct typed_term *term)
     const struct typed *typed = term->typed;
     const int n = typed->model.n, rows = typed_rows(typed), entries = rows * n;
     unsigned flags = 0;
-    if (!depends(term->jacobian, entries, 0, 1 + n))
+    if (!program_depends_on(term->jacobian, 0, entries, 0, 1 + n))
         flags |= TERM_LINEAR;
-    if (depends(term->add, rows, 0, 1))
+    if (program_depends(term->add, 0, rows, 0))
         flags |= TERM_TIME;
-    if (typed->model.order == 2 && depends(term->add, rows, 1 + rows, rows))
+    if (typed->model.order == 2 && program_depends_on(term->add, 0, rows, 1 + rows, rows))
         flags |= TERM_VELOCITY;
     return flags;
 }
 
-/* What is added and its Jacobian, of the expressions [rows]; nothing if it is 0. */
-static bool make_term(const struct making *m, struct typed_term *term, const struct expr *const *expr)
+/* What is added, of the expressions [rows]; nothing if it is 0. *first: its place among the equations. */
+static bool make_add(const struct making *m, struct typed_term *term, const struct expr *const *expr, int *first)
 {
     static const struct op zero = {.kind = OP_NUMBER, .number = 0};
     const struct expr nothing = {.op = (struct op *)(uintptr_t)&zero, .count = 1};
-    const int n = m->typed->model.n, rows = typed_rows(m->typed), first = equations_count(m->equations);
-    int state[LIMIT_VARIABLES];
+    const int rows = typed_rows(m->typed);
     term->typed = m->typed;
-    for (int i = 0; i < n; i++)
-        state[i] = 1 + i;
+    *first = equations_count(m->equations);
     for (int i = 0; i < rows; i++)
         if (!equations_add(m->equations, expr[i] ? expr[i] : &nothing, m->error))
             return false;
-    term->add = make(m, rows, true);
-    if (!term->add)
-        return false;
-    if (all_zero(term->add, rows)) {
+    term->add = make(m, rows, STEPS);
+    if (term->add && all_zero(term->add, rows)) {
         program_destroy(term->add);
         term->add = NULL;
         return true;
     }
+    return term->add;
+}
+
+/* Its Jacobian and the rest, where something is added. */
+static bool make_term(const struct making *m, struct typed_term *term, const struct expr *const *expr, int first,
+                      enum use use)
+{
+    const int n = m->typed->model.n, rows = typed_rows(m->typed);
+    int state[LIMIT_VARIABLES];
+    if (!term->add)
+        return true;
+    for (int i = 0; i < n; i++)
+        state[i] = 1 + i;
     if (!equations_derive(m->equations, first, rows, state, n, m->error))
         return false;
-    term->jacobian = make(m, rows * n, true);
+    term->jacobian = make(m, rows * n, use);
     if (!term->jacobian)
         return false;
     term->row.flags = flags_of(term);
@@ -188,30 +193,14 @@ static bool make_term(const struct making *m, struct typed_term *term, const str
     return true;
 }
 
-static bool make_groups(const struct making *m, struct typed_part *part)
+/* All groups that are there at once, in the order in which they would be added. */
+static bool make_whole(const struct making *m, struct typed_part *part)
 {
     const struct typed *typed = m->typed;
-    size_t row = typed->terms.count;
-    int there = 0;
-    for (int g = 0; g < GROUPS; g++)
-        row -= typed->group[g] != NULL;
-    for (int g = 0; g < GROUPS; g++) {
-        struct typed_term *term = &part->term[g];
-        if (!typed->group[g])
-            continue;
-        term->row = typed->row[row++];
-        if (!make_term(m, term, typed->group[g]))
-            return false;
-        there += term->add != NULL;
-        if (g != GROUP_FORCE && typed->model.order == 2)
-            term->row.power = power;
-    }
-    if (there < 2 || typed->base)
-        return true;
-    /* All of them at once, in the order in which they would be added. */
     struct arena arena = {0};
     const struct expr **whole = arena_array(&arena, (size_t)typed_rows(typed), sizeof *whole);
     bool fine = whole || error_memory(m->error);
+    int first;
     for (int g = 0; fine && g < GROUPS; g++)
         for (int i = 0; fine && part->term[g].add && i < typed_rows(typed); i++) {
             const struct expr *more = typed->group[g][i];
@@ -219,9 +208,34 @@ static bool make_groups(const struct making *m, struct typed_part *part)
                 whole[i] = whole[i] ? typed_join(&arena, whole[i], more, OP_ADD, m->error) : more;
             fine = !more || whole[i];
         }
-    fine = fine && make_term(m, &part->all, whole);
+    fine = fine && make_add(m, &part->all, whole, &first) && make_term(m, &part->all, whole, first, STEPS);
     arena_reset(&arena);
     return fine;
+}
+
+static bool make_groups(const struct making *m, struct typed_part *part)
+{
+    const struct typed *typed = m->typed;
+    size_t row = typed->terms.count;
+    int there = 0, first[GROUPS];
+    for (int g = 0; g < GROUPS; g++)
+        row -= typed->group[g] != NULL;
+    for (int g = 0; g < GROUPS; g++) {
+        struct typed_term *term = &part->term[g];
+        if (!typed->group[g])
+            continue;
+        term->row = typed->row[row++];
+        if (!make_add(m, term, typed->group[g], &first[g]))
+            return false;
+        there += term->add != NULL;
+        if (g != GROUP_FORCE && typed->model.order == 2)
+            term->row.power = power;
+    }
+    const bool whole = there >= 2 && !typed->base;
+    for (int g = 0; g < GROUPS; g++)
+        if (typed->group[g] && !make_term(m, &part->term[g], typed->group[g], first[g], whole ? RARELY : STEPS))
+            return false;
+    return !whole || make_whole(m, part);
 }
 
 static bool make_looks(const struct making *m, struct typed_part *part)
@@ -233,15 +247,15 @@ static bool make_looks(const struct making *m, struct typed_part *part)
         if (!equations_add(m->equations, typed->observe[i], m->error))
             return false;
     part->all.typed = typed;
-    if (typed->observes > 0 && !(part->all.observe = make(m, typed->observes, false)))
+    if (typed->observes > 0 && !(part->all.observe = make(m, typed->observes, LOOKS)))
         return false;
     if (!typed->potential)
         return true;
     const int rows = typed_rows(typed), first = equations_count(m->equations);
     for (int i = 0; i < rows; i++)
         position[i] = 1 + i;
-    if (!equations_add(m->equations, typed->potential, m->error) || !(force->potential = make(m, 1, false)) ||
-        !equations_derive(m->equations, first, 1, position, rows, m->error) || !(part->all.slope = make(m, rows, false)))
+    if (!equations_add(m->equations, typed->potential, m->error) || !(force->potential = make(m, 1, LOOKS)) ||
+        !equations_derive(m->equations, first, 1, position, rows, m->error) || !(part->all.slope = make(m, rows, RARELY)))
         return false;
     force->typed = typed;
     force->row.potential = potential;
