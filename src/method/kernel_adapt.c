@@ -59,7 +59,7 @@ INLINE void plane_slope(const void *system, double t, const double *y, double *d
         (void)method;                                                                                                  \
         return one_step(&RK_ROW, n, name##_slope, step->system, step);                                                 \
     }
-#define TYPED_STEP(name, n)                                                                                            \
+#define TYPED_STEP(name, n, ...)                                                                                       \
     static enum step_status STEP_NAME(name)(const struct method *method, struct step *step)                            \
     {                                                                                                                  \
         struct known known;                                                                                            \
@@ -84,7 +84,7 @@ enum { SHAPE_spring = SHAPE_COUNT, SHAPE_damped, SHAPE_LINE, SHAPE_PLANE, SHAPE_
 enum { STEP_COUNT = SHAPE_TYPED + TYPED_COUNT };
 
 #define STEP_ENTRY(shape) STEP_NAME(shape),
-#define TYPED_ENTRY(name, n) STEP_NAME(name),
+#define TYPED_ENTRY(name, ...) STEP_NAME(name),
 
 static const struct {
     const struct method *method;
@@ -100,8 +100,9 @@ step_function *method_step_kernel(const struct method *method, const struct syst
     int shape = system->n == 4 ? SHAPE_PLANE : SHAPE_LINE;
     if (method->step != rk_step)
         return NULL;
-    if (typed_shape(system) >= 0)
-        shape = SHAPE_TYPED + typed_shape(system);
+    const int typed = typed_shape(system, false);
+    if (typed >= 0)
+        shape = SHAPE_TYPED + typed;
     else if (system->order != 2 || system->n > 4)
         return system->typed.row ? any_step_kernel(method) : NULL;
     else if (shape_of(system) >= 0)

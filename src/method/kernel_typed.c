@@ -15,7 +15,7 @@ enum { MOST = 4 };
 #define SPLIT_ROW JOIN(split_, __LINE__)
 #define SPLIT_NAME(shape) JOIN(shape##_split_, __LINE__)
 
-#define RK_KERNEL(name, n)                                                                                             \
+#define RK_KERNEL(name, n, ...)                                                                                        \
     static void RK_NAME(name)(const struct march *march)                                                               \
     {                                                                                                                  \
         struct known known;                                                                                            \
@@ -30,7 +30,7 @@ enum { MOST = 4 };
 #undef RUNGE_KUTTA
 
 TYPED_MOTIONS(SPLIT_FUNCTIONS)
-#define SPLIT_KERNEL(name, n)                                                                                          \
+#define SPLIT_KERNEL(name, n, ...)                                                                                     \
     static void SPLIT_NAME(name)(const struct march *march)                                                            \
     {                                                                                                                  \
         const enum drag drag = march->step->system->velocity ? DRAG_EXPLICIT : DRAG_DEFAULT;                           \
@@ -44,8 +44,8 @@ TYPED_MOTIONS(SPLIT_FUNCTIONS)
 #include "split.def"
 #undef SPLITTING
 
-#define RK_ENTRY(name, n) RK_NAME(name),
-#define SPLIT_ENTRY(name, n) SPLIT_NAME(name),
+#define RK_ENTRY(name, ...) RK_NAME(name),
+#define SPLIT_ENTRY(name, ...) SPLIT_NAME(name),
 static const struct {
     const struct method *method;
     march_function *march[TYPED_COUNT];
@@ -58,11 +58,9 @@ static const struct {
 
 march_function *typed_kernel(const struct method *method, const struct system *system, enum drag drag)
 {
-    const int shape = typed_shape(system);
-    if (shape < 0)
+    const int shape = typed_shape(system, method->splitting != NULL);
+    if (shape < 0 || (method->splitting && system->velocity && drag != DRAG_EXPLICIT))
         return any_kernel(method);
-    if (method->splitting && system->velocity && drag != DRAG_EXPLICIT)
-        return NULL;
     for (size_t i = 0; i < COUNT_OF(kernels); i++)
         if (method->step == kernels[i].method->step && strcmp(kernels[i].method->row.name, method->row.name) == 0)
             return kernels[i].march[shape];

@@ -11,116 +11,141 @@
 
 enum { FRAME = 512 };
 
-struct evaluated {
-    program_function *run;
+/* A term: a program, or what the scene below has. */
+struct part {
+    program_function *run; /* NULL: the latter */
     const struct program *program;
-    const double *given;
+    const struct bound_term *term;
     double *frame;
 };
 
-/* Their sum. */
-struct evaluated_sum {
-    struct evaluated part[GROUPS];
+struct sum {
+    struct part part[TERM_MAX];
     int parts;
 };
 
 struct known {
-    struct evaluated whole;
-    struct evaluated_sum force, drag;
+    struct sum whole, force, drag;
     double frame[FRAME];
 };
 
-static inline bool known_add(struct known *known, int *room, const struct bound_term *term, struct evaluated *part)
+static inline bool sum_take(struct sum *sum, struct known *known, int *room, const struct bound_term *term)
 {
-    const struct program *program = typed_term_of(term->c)->add;
-    const int places = (int)program_frame(program);
+    const struct program *const program = term->row->bind ? NULL : typed_term_of(term->c)->add;
+    const int places = program ? (int)program_frame(program) : 0;
     if (places > *room)
         return false;
     *room -= places;
-    *part = (struct evaluated){program->run, program, term->c + 1, known->frame + *room};
-    program_prepare(program, part->frame);
+    sum->part[sum->parts++] = (struct part){program ? program->run : NULL, program, term, known->frame + *room};
+    if (program)
+        program_prepare(program, known->frame + *room);
     return true;
 }
 
-/* False: no such kernel has this system. */
+/* False: the system is not typed, or too large. */
 static inline bool known_take(struct known *known, const struct system *system)
 {
-    int room = FRAME;
     const struct bound_term *const whole = typed_whole(system);
-    if (!whole || !known_add(known, &room, whole, &known->whole))
+    int room = FRAME;
+    known->whole.parts = known->force.parts = known->drag.parts = 0;
+    if (!system->typed.row || (whole && !sum_take(&known->whole, known, &room, whole)))
         return false;
-    known->force.parts = known->drag.parts = 0;
     for (int i = 0; i < system->terms; i++) {
-        const struct bound_term *term = &system->term[i];
-        struct evaluated_sum *sum = term->row->flags & TERM_VELOCITY ? &known->drag : &known->force;
-        if (system->terms == 1)
-            sum->part[sum->parts++] = known->whole;
-        else if (!known_add(known, &room, term, &sum->part[sum->parts++]))
+        const struct bound_term *const term = &system->term[i];
+        if (!sum_take(term->row->flags & TERM_VELOCITY ? &known->drag : &known->force, known, &room, term) ||
+            (!whole && !sum_take(&known->whole, known, &room, term)))
             return false;
     }
     return true;
 }
 
-/* out [rows] of n state variables; a loop over the rest. */
-INLINE void evaluate(const struct evaluated *e, int n, int rows, double t, const double *y, double *out)
+/* out [rows], of n state variables */
+INLINE void part_evaluate(const struct part *part, int n, int rows, double t, const double *y, double *out)
 {
-    const struct leading leading =
-        e->run(e->program, t, y[0], y[1], n > 2 ? y : NULL, e->given, rows > 2 ? out : NULL, e->frame);
+    const struct leading leading = part->run(part->program, t, y[0], y[1], n > 2 ? y : NULL, part->term->c + 1,
+                                             rows > 2 ? out : NULL, part->frame);
     out[0] = leading.first;
     if (rows > 1)
         out[1] = leading.second;
 }
 
-INLINE void evaluate_sum(const struct evaluated_sum *sum, int n, double t, const double *y, double *out)
+/* The sum of one program. */
+INLINE void one_evaluate(const struct sum *sum, int n, int rows, double t, const double *y, double *out)
 {
-    double more[MOST / 2];
-    sum_begin(n / 2, out);
-    for (int part = 0; part < sum->parts; part++) {
-        evaluate(&sum->part[part], n, n / 2, t, y, more);
-        for (int i = 0; i < n / 2; i++)
-            out[i] += more[i];
+    part_evaluate(sum->part, n, rows, t, y, out);
+}
+
+/* Copies, so that nobody has the address of y and out, and they stay in registers. */
+INLINE void sum_evaluate(const struct sum *sum, int n, int rows, double t, const double *y, double *out)
+{
+    double state[MOST], value[MOST];
+    sum_begin(rows, out);
+    copy_numbers(n, y, state);
+    for (const struct part *part = sum->part; part < sum->part + sum->parts; part++) {
+        if (part->run) {
+            part_evaluate(part, n, rows, t, state, value);
+            for (int i = 0; i < rows; i++)
+                value[i] = out[i] + value[i];
+        } else {
+            copy_numbers(rows, out, value);
+            part->term->row->add(part->term->c, t, state, value);
+        }
+        copy_numbers(rows, value, out);
     }
 }
 
-#define TYPED_MOTIONS(S) S(typed_line, 2) S(typed_plane, 4)
-#define TYPED_FLOWS(S) S(typed_two, 2) S(typed_three, 3)
+#define TYPED_MOTIONS(S) S(typed_line, 2, one) S(typed_plane, 4, one) S(typed_on_line, 2, sum)
+#define TYPED_FLOWS(S) S(typed_two, 2, one) S(typed_three, 3, one)
 
-#define MOTION_FUNCTIONS(name, n)                                                                                      \
+#define KNOWN(known) ((const struct known *)(known))
+#define MOTION_FUNCTIONS(name, n, terms)                                                                               \
     INLINE void name##_slope(const void *known, double t, const double *y, double *dydt)                               \
     {                                                                                                                  \
         copy_numbers((n) / 2, y + (n) / 2, dydt);                                                                      \
-        evaluate(&((const struct known *)known)->whole, n, (n) / 2, t, y, dydt + (n) / 2);                             \
+        terms##_evaluate(&KNOWN(known)->whole, n, (n) / 2, t, y, dydt + (n) / 2);                                      \
     }
-#define FLOW_FUNCTIONS(name, n)                                                                                        \
+#define FLOW_FUNCTIONS(name, n, terms)                                                                                 \
     INLINE void name##_slope(const void *known, double t, const double *y, double *dydt)                               \
     {                                                                                                                  \
-        evaluate(&((const struct known *)known)->whole, n, n, t, y, dydt);                                             \
+        terms##_evaluate(&KNOWN(known)->whole, n, n, t, y, dydt);                                                      \
     }
-#define SPLIT_FUNCTIONS(name, n)                                                                                       \
+#define SPLIT_FUNCTIONS(name, n, terms)                                                                                \
     INLINE void name##_force(const void *known, double t, const double *y, double *a)                                  \
     {                                                                                                                  \
-        evaluate_sum(&((const struct known *)known)->force, n, t, y, a);                                               \
+        terms##_evaluate(&KNOWN(known)->force, n, (n) / 2, t, y, a);                                                   \
     }                                                                                                                  \
     INLINE void name##_drag(const void *known, double t, const double *y, double *a)                                   \
     {                                                                                                                  \
-        evaluate_sum(&((const struct known *)known)->drag, n, t, y, a);                                                \
+        terms##_evaluate(&KNOWN(known)->drag, n, (n) / 2, t, y, a);                                                    \
     }
 TYPED_MOTIONS(MOTION_FUNCTIONS)
 TYPED_FLOWS(FLOW_FUNCTIONS)
 
-#define TYPED_PLACE(name, n) PLACE_##name,
+#define TYPED_PLACE(name, ...) PLACE_##name,
 enum { TYPED_MOTIONS(TYPED_PLACE) TYPED_FLOWS(TYPED_PLACE) TYPED_COUNT };
 
-/* -1: none */
-static inline int typed_shape(const struct system *system)
+static inline bool sum_is_one(const struct sum *sum)
 {
-#define MOTION_SIZE(name, size) {2, size},
-#define FLOW_SIZE(name, size) {1, size},
-    static const int size[TYPED_COUNT][2] = {TYPED_MOTIONS(MOTION_SIZE) TYPED_FLOWS(FLOW_SIZE)};
+    return sum->parts == 1 && sum->part->run;
+}
+
+/* -1: none. splits: force and drag apart. */
+static inline int typed_shape(const struct system *system, bool splits)
+{
+#define MOTION_SIZE(name, size, terms) {2, size, (#terms)[0] == 'o'},
+#define FLOW_SIZE(name, size, terms) {1, size, (#terms)[0] == 'o'},
+    static const struct {
+        int order, n;
+        bool one;
+    } rows[TYPED_COUNT] = {TYPED_MOTIONS(MOTION_SIZE) TYPED_FLOWS(FLOW_SIZE)};
     struct known known;
+    if (!known_take(&known, system))
+        return -1;
+    const bool one = splits ? sum_is_one(&known.force) && (known.drag.parts == 0 || sum_is_one(&known.drag))
+                            : sum_is_one(&known.whole);
     for (int shape = 0; shape < TYPED_COUNT; shape++)
-        if (system->order == size[shape][0] && system->n == size[shape][1])
-            return known_take(&known, system) ? shape : -1;
+        if (system->order == rows[shape].order && system->n == rows[shape].n && (one || !rows[shape].one))
+            return shape;
     return -1;
 }
 
