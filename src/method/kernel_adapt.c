@@ -90,8 +90,10 @@ static const struct {
     const struct method *method;
     step_function *step[STEP_COUNT];
 } steps[] = {
-#define RUNGE_KUTTA(...) {&RK_ROW, {ALL_SHAPES(STEP_ENTRY) LINEAR_SHAPES(STEP_ENTRY) STEP_NAME(line), STEP_NAME(plane),           \
-               TYPED_MOTIONS(TYPED_ENTRY) TYPED_FLOWS(TYPED_ENTRY)}},
+#define RUNGE_KUTTA(...)                                                                                               \
+    {&RK_ROW,                                                                                                          \
+     {ALL_SHAPES(STEP_ENTRY) LINEAR_SHAPES(STEP_ENTRY) STEP_NAME(line), STEP_NAME(plane),                              \
+      TYPED_MOTIONS(TYPED_ENTRY) TYPED_FLOWS(TYPED_ENTRY)}},
 #include "rk.def"
 };
 

@@ -24,7 +24,7 @@ enum { MOST = 4 };
     }
 #define RUNGE_KUTTA(...)                                                                                               \
     static const struct method RK_ROW = {.step = rk_step, __VA_ARGS__};                                                \
-    TYPED_MOTIONS(RK_KERNEL)                                                                                                 \
+    TYPED_MOTIONS(RK_KERNEL)                                                                                           \
     TYPED_FLOWS(RK_KERNEL)
 #include "rk.def"
 #undef RUNGE_KUTTA

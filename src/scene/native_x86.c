@@ -33,8 +33,8 @@ struct emitter {
     size_t at, size; /* [byte] next, of the page */
     bool full;
     int state, given, output, frame; /* the registers that hold these addresses */
-    int held[REGISTERS];      /* place whose value it is, NOTHING, or TAKEN by the operation at hand */
-    bool dirty[REGISTERS];    /* not in the frame */
+    int held[REGISTERS];             /* place whose value it is, NOTHING, or TAKEN by the operation at hand */
+    bool dirty[REGISTERS];           /* not in the frame */
     int64_t used[REGISTERS], clock;
     int *where; /* [places] register, NOTHING: in memory */
 };
@@ -343,10 +343,10 @@ static void write_code(struct emitter *e, bool calls)
     word(e, 0xFA1E0FF3u, 4); /* endbr64: may be jumped to */
     if (calls) {
         word(e, 0x57415641555350, 7); /* push rax; push rbx; push rbp; push r14; push r15 */
-        word(e, 0xF38948, 3);                /* mov rbx, rsi */
-        word(e, 0xD58948, 3);                /* mov rbp, rdx */
-        word(e, 0xCE8949, 3);                /* mov r14, rcx */
-        word(e, 0xC7894D, 3);                /* mov r15, r8 */
+        word(e, 0xF38948, 3);         /* mov rbx, rsi */
+        word(e, 0xD58948, 3);         /* mov rbp, rdx */
+        word(e, 0xCE8949, 3);         /* mov r14, rcx */
+        word(e, 0xC7894D, 3);         /* mov r15, r8 */
     }
     e->state = calls ? RBX : RSI;
     e->given = calls ? RBP : RDX;

@@ -50,7 +50,7 @@ struct schedule {
     struct program *program;
     struct usage *usage;
     struct node *node; /* what is kept is a name, then products are fused */
-    int *free_place; /* a stack */
+    int *free_place;   /* a stack */
     int free_places;
 };
 
@@ -369,9 +369,11 @@ void program_prepare(const struct program *p, double *frame)
 
 double program_eval(const struct program *p, const double *input, double *output, double *frame)
 {
-    const double x0 = p->names > 0 ? input[0] : 0, x1 = p->names > 1 ? input[1] : 0, x2 = p->names > 2 ? input[2] : 0;
-    const double *const state = p->names > 1 ? input + 1 : input, *const given = p->names > 0 ? input + p->moving : input;
-    const struct leading leading = p->run(p, x0, x1, x2, state, given, output, frame);
+    double x[LEADING] = {0};
+    for (int i = 0; i < LEADING && i < p->names; i++)
+        x[i] = input[i];
+    const double *const state = input + (p->names > 1), *const given = input + p->moving;
+    const struct leading leading = p->run(p, x[0], x[1], x[2], state, given, output, frame);
     output[0] = leading.first;
     if (p->outputs > 1)
         output[1] = leading.second;

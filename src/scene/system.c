@@ -136,7 +136,7 @@ static bool overflows(const struct system *system, const struct bound_term *term
 static bool check_term(const struct system *system, const struct bound_term *term, struct error *error)
 {
     bool fine = true;
-    for (int i = 0; term->row->bind && i < TERM_VALUES; i++) /* those of typed terms are parameters, and what is made of them */
+    for (int i = 0; term->row->bind && i < TERM_VALUES; i++) /* typed ones: parameters, and what is made of them */
         fine = fine && isfinite(term->c[i]);
     if (!fine)
         return error_set(error, ERROR_COMMAND, "a coefficient of the %s term overflows", term->row->row.name);

@@ -90,7 +90,7 @@ struct making {
     struct error *error;
 };
 
-/* How often a program will run. STEPS: what depends on parameters only is computed by binding; RARELY: no machine code. */
+/* STEPS: what depends on parameters only is computed by binding; RARELY: no machine code. */
 enum use { STEPS, LOOKS, RARELY };
 
 /* The last `count` outputs as a program. */
@@ -255,7 +255,8 @@ static bool make_looks(const struct making *m, struct typed_part *part)
     for (int i = 0; i < rows; i++)
         position[i] = 1 + i;
     if (!equations_add(m->equations, typed->potential, m->error) || !(force->potential = make(m, 1, LOOKS)) ||
-        !equations_derive(m->equations, first, 1, position, rows, m->error) || !(part->all.slope = make(m, rows, RARELY)))
+        !equations_derive(m->equations, first, 1, position, rows, m->error) ||
+        !(part->all.slope = make(m, rows, RARELY)))
         return false;
     force->typed = typed;
     force->row.potential = potential;

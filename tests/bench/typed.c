@@ -79,7 +79,8 @@ FORM(driven, "var y = 1;param k = 75;param gamma = 0.3;param F = 0.1;param omega
              "y'' = -k*y - gamma*y' + F*cos(omega*t)");
 FORM(vanderpol, "var y = 1;param mu = 1;y'' = mu*(1 - y^2)*y' - y");
 FORM(pendulum, "var y = 1;param g = 9.81;param l = 1;y'' = -g/l*sin(y)");
-FORM(kepler, "var x = 0.5;var y = 0;var y' = 1.7320508075688772;param k = 1;x'' = -k*x/(x^2 + y^2)^1.5;y'' = -k*y/(x^2 + y^2)^1.5");
+FORM(kepler, "var x = 0.5;var y = 0;var y' = 1.7320508075688772;param k = 1;x'' = -k*x/(x^2 + y^2)^1.5;y'' = -k*y/(x^2 "
+             "+ y^2)^1.5");
 FORM(stars, "var x = 0;var y = 0.1;var x' = 0.49;var y' = 0;x'' = -x - 2*x*y;y'' = -y - x^2 + y^2");
 
 static void against_hand(double *row)
@@ -88,11 +89,12 @@ static void against_hand(double *row)
         const char *method, *scene, *lines;
         double goal;
     } rows[] = {
-        {"rk4", "quadratic drag", drag, 1.8},  {"rk4", "driven", driven, 2.3},    {"rk4", "duffing", duffing, 1.8},
-        {"rk4", "van der pol", vanderpol, 1.8}, {"rk4", "kepler", kepler, 1.8},    {"rk4", "pendulum", pendulum, 2.3},
-        {"dopri5", "duffing", duffing, 1.8},   {"symplectic-euler", "duffing", duffing, 1.8},
-        {"verlet", "duffing", duffing, 1.8},   {"verlet", "kepler", kepler, 1.8}, {"pefrl", "duffing", duffing, 1.8},
-        {"symplectic-euler", "driven", driven, 2.3},
+        {"rk4", "quadratic drag", drag, 1.8}, {"rk4", "driven", driven, 2.3},
+        {"rk4", "duffing", duffing, 1.8},     {"rk4", "van der pol", vanderpol, 1.8},
+        {"rk4", "kepler", kepler, 1.8},       {"rk4", "pendulum", pendulum, 2.3},
+        {"dopri5", "duffing", duffing, 1.8},  {"symplectic-euler", "duffing", duffing, 1.8},
+        {"verlet", "duffing", duffing, 1.8},  {"verlet", "kepler", kepler, 1.8},
+        {"pefrl", "duffing", duffing, 1.8},   {"symplectic-euler", "driven", driven, 2.3},
     };
     for (size_t i = 0; i < COUNT_OF(rows); i++) {
         struct typed typed = {.method = bench_method(rows[i].method), .settings = {.dt = 0.01}, .steps = STEPS};
@@ -177,17 +179,21 @@ static void against_built_in(void)
         {"dopri5", "kepler", kepler, 1e-8, 20},
         {"dop853", "kepler", kepler, 1e-8, 20},
         {"dop853", "henon-heiles", stars, 1e-8, 100},
-        {"rodas5p", "vanderpol-1000", "var y1 = 2;var y2 = 0;param mu = 1000;y1' = y2;y2' = mu*(1 - y1^2)*y2 - y1", 1e-8, 2000},
+        {"rodas5p", "vanderpol-1000", "var y1 = 2;var y2 = 0;param mu = 1000;y1' = y2;y2' = mu*(1 - y1^2)*y2 - y1",
+         1e-8, 2000},
         {"rodas5p", "robertson",
-         "var A = 1;var B = 0;var C = 0;A' = -0.04*A + 1e4*B*C;B' = 0.04*A - 1e4*B*C - 3e7*B^2;C' = 3e7*B^2", 1e-8, 1e8},
+         "var A = 1;var B = 0;var C = 0;A' = -0.04*A + 1e4*B*C;B' = 0.04*A - 1e4*B*C - 3e7*B^2;C' = 3e7*B^2", 1e-8,
+         1e8},
         {"radau5", "robertson",
-         "var A = 1;var B = 0;var C = 0;A' = -0.04*A + 1e4*B*C;B' = 0.04*A - 1e4*B*C - 3e7*B^2;C' = 3e7*B^2", 1e-8, 1e8},
+         "var A = 1;var B = 0;var C = 0;A' = -0.04*A + 1e4*B*C;B' = 0.04*A - 1e4*B*C - 3e7*B^2;C' = 3e7*B^2", 1e-8,
+         1e8},
     };
     for (size_t i = 0; i < COUNT_OF(rows); i++) {
         struct typed typed = {.method = bench_method(rows[i].method)};
         type(&typed, rows[i].lines);
         const bool stiff = strcmp(rows[i].preset, "vanderpol-1000") == 0;
-        const struct scene built_in = stiff ? bench_scene("vanderpol", "mu", 1000) : bench_scene(rows[i].preset, NULL, 0);
+        const struct scene built_in =
+            stiff ? bench_scene("vanderpol", "mu", 1000) : bench_scene(rows[i].preset, NULL, 0);
         const struct scene *const scene[] = {&typed.scene, &built_in};
         struct system system[2];
         struct solver solver[2];
