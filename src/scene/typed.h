@@ -80,6 +80,7 @@ bool typed_sort(const struct typed_sort *sort, const struct expr *expr, const st
 /* Of a group, or of all of them, with those parameters known that are 0. */
 struct typed_term {
     const struct typed *typed;
+    struct typed_part *part;
     struct term_row row; /* with the flags that hold here */
     struct program *add, *jacobian;
     struct program *potential, *slope, *observe; /* NULL: none. slope: of the potential */

@@ -177,8 +177,7 @@ bool typed_check(const struct system *system, struct error *error)
     enum { POINTS = 12 };
     const double tolerated = 1e-8;
     const struct typed_term *all = typed_term_of(system->typed.c);
-    struct typed_part *part =
-        (struct typed_part *)((uintptr_t)all - offsetof(struct typed_part, all)); /* it is never const */
+    struct typed_part *part = all->part;
     const struct typed_term *force = &part->term[GROUP_FORCE];
     if (!all->slope || atomic_load(&part->checked))
         return true;

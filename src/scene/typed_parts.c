@@ -157,6 +157,7 @@ static bool make_add(const struct making *m, struct typed_term *term, const stru
     const struct expr nothing = {.op = (struct op *)(uintptr_t)&zero, .count = 1};
     const int rows = typed_rows(m->typed);
     term->typed = m->typed;
+    term->part = m->part;
     *first = equations_count(m->equations);
     for (int i = 0; i < rows; i++)
         if (!equations_add(m->equations, expr[i] ? expr[i] : &nothing, m->error))
@@ -247,6 +248,7 @@ static bool make_looks(const struct making *m, struct typed_part *part)
         if (!equations_add(m->equations, typed->observe[i], m->error))
             return false;
     part->all.typed = typed;
+    part->all.part = part;
     if (typed->observes > 0 && !(part->all.observe = make(m, typed->observes, LOOKS)))
         return false;
     if (!typed->potential)
@@ -259,6 +261,7 @@ static bool make_looks(const struct making *m, struct typed_part *part)
         !(part->all.slope = make(m, rows, RARELY)))
         return false;
     force->typed = typed;
+    force->part = part;
     force->row.potential = potential;
     force->row.flags |= TERM_CONSERVATIVE;
     return true;
