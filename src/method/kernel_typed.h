@@ -6,7 +6,6 @@
 #ifndef HOOKE_METHOD_KERNEL_TYPED_H
 #define HOOKE_METHOD_KERNEL_TYPED_H
 
-#include "../scene/typed.h"
 #include "march_body.h"
 
 enum { FRAME = 512 };
@@ -31,12 +30,13 @@ struct known {
 
 static inline bool sum_take(struct sum *sum, struct known *known, int *room, const struct bound_term *term)
 {
-    const struct program *const program = term->row->bind ? NULL : typed_term_of(term->c)->add;
+    int values;
+    const struct program *const program = term_program(term, &values);
     const int places = program ? (int)program_frame(program) : 0;
     if (places > *room)
         return false;
     *room -= places;
-    sum->part[sum->parts++] = (struct part){program ? program->run : NULL, program, term, known->frame + *room};
+    sum->part[sum->parts++] = (struct part){program ? program_code(program) : NULL, program, term, known->frame + *room};
     if (program)
         program_prepare(program, known->frame + *room);
     return true;
@@ -45,7 +45,7 @@ static inline bool sum_take(struct sum *sum, struct known *known, int *room, con
 /* False: the system is not typed, or too large. */
 static inline bool known_take(struct known *known, const struct system *system)
 {
-    const struct bound_term *const whole = typed_whole(system);
+    const struct bound_term *const whole = system_whole(system);
     int room = FRAME;
     known->whole.parts = known->force.parts = known->drag.parts = 0;
     if (!system->typed.row || (whole && !sum_take(&known->whole, known, &room, whole)))

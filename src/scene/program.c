@@ -356,6 +356,11 @@ bool program_depends(const struct program *p, int first, int count, int name)
 
 /* ---- evaluation ---- */
 
+program_function *program_code(const struct program *p)
+{
+    return p->run;
+}
+
 size_t program_frame(const struct program *p)
 {
     return (size_t)p->places;

@@ -149,18 +149,7 @@ struct instruction {
     bool last[3]; /* the operand's place is free afterwards */
 };
 
-/* The first two outputs (of a single one the second is anything), as the calling convention returns them. */
-struct leading {
-    double first, second;
-};
-
-/*
- * Names 0, 1, 2 as numbers, so that a state of two needs no memory; name i >= 3 is state[i - 1], those from `moving` on
- * are given[i - moving]. Outputs 0 and 1 are returned, the others stored.
- */
-enum { LEADING = 3 };
-typedef struct leading program_function(const struct program *program, double x0, double x1, double x2,
-                                        const double *state, const double *given, double *output, double *frame);
+enum { LEADING = 3 }; /* names that a program's function takes as numbers */
 
 /* The frame: names, numbers, then intermediate values whose places are used again. */
 struct program {

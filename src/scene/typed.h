@@ -107,8 +107,6 @@ struct typed_parts *typed_parts_create(void); /* NULL: no memory */
 void typed_parts_destroy(struct typed_parts *parts);
 /* Adds what is typed to a system whose mass is set. */
 bool typed_bind(const struct typed *typed, const double *param, struct system *system, struct error *error);
-/* The term that is the whole right-hand side; NULL: there is none. */
-const struct bound_term *typed_whole(const struct system *system);
 /* Once start and scale are known: is the force the slope of the potential? */
 bool typed_check(const struct system *system, struct error *error);
 

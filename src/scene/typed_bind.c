@@ -134,21 +134,19 @@ bool typed_bind(const struct typed *typed, const double *param, struct system *s
     return true;
 }
 
-const struct bound_term *typed_whole(const struct system *system)
+const struct bound_term *system_whole(const struct system *system)
 {
     const struct bound_term *term = system->terms == 1 ? &system->term[0] : &system->typed;
     return system->typed.row && !typed_base(system->model) && term->row->add ? term : NULL;
 }
 
-const struct program *system_program(const struct system *system, double *frame, size_t room)
+const struct program *term_program(const struct bound_term *term, int *values)
 {
-    const struct bound_term *term = typed_whole(system);
-    const struct program *program = term ? typed_term_of(term->c)->add : NULL;
-    if (!program || program_frame(program) > room)
+    if (term->row->bind)
         return NULL;
-    memcpy(frame + program->moving, term->c + 1, (size_t)(program->names - program->moving) * sizeof *frame);
-    program_prepare(program, frame);
-    return program;
+    const struct typed_term *typed = typed_term_of(term->c);
+    *values = typed->part->given;
+    return typed->add;
 }
 
 /* ---- force and potential ---- */
