@@ -107,6 +107,20 @@ void program_prepare_lanes(const struct program *program, double *frame);
 /* input [names], those of known names are not read; it may be the frame itself. output [count], apart from the input.
  * Returns the first output. Never allocates. */
 double program_eval(const struct program *program, const double *input, double *output, double *frame);
+
+/*
+ * A program's own function, for kernels: names 0, 1, 2 as numbers, so that a state of two needs no memory; name i >= 3
+ * is state[i - 1], those that are given (of a typed term: the values behind t and the state) follow in an array of their
+ * own. Outputs 0 and 1 are returned, as calling conventions do it (of a single one the second is anything), the others
+ * stored. What has no such names or outputs may be NULL.
+ */
+struct leading {
+    double first, second;
+};
+typedef struct leading program_function(const struct program *program, double x0, double x1, double x2,
+                                        const double *state, const double *given, double *output, double *frame);
+program_function *program_code(const struct program *program);
+
 /* The same with [PROGRAM_LANES] doubles for each. */
 void program_eval_lanes(const struct program *program, const double *input, double *output, double *frame);
 
@@ -422,11 +436,14 @@ const struct preset *typed_preset(const struct model *model);
 /* The scene with another model: values stay with the names of their parameters, unless the line gave a new one. */
 void scene_remodel(struct scene *scene, const struct model *model);
 
+/* The term that is the whole right-hand side of a scene that is all typed. NULL: there are several. */
+const struct bound_term *system_whole(const struct system *system);
+
 /*
- * The whole right-hand side of a scene that is all typed as one program: accelerations or derivatives from t, y and
- * what is known, which goes into `frame` [room] behind t and y. NULL: it is several terms, or needs more room.
+ * What a typed term adds, as a program of t, y and the values behind them [*values], which are term->c from 1 on. NULL:
+ * a built-in term.
  */
-const struct program *system_program(const struct system *system, double *frame, size_t room);
+const struct program *term_program(const struct bound_term *term, int *values);
 
 #define LIMIT_OBSERVED 64 /* quantities that a typed scene observes */
 

@@ -9,14 +9,12 @@
 #include "../scene/model_forces.h"
 #include "../scene/params.h"
 #define FORCE_TERMS "../scene/terms.def"
-#include "rk_body.h"
+enum { N = 2, MOST = 4, SHAPE_TERMS = 4 };
+#include "march_body.h"
 #include "rows.h"
-#include "split_body.h"
 
 #define JOIN_(a, b) a##b
 #define JOIN(a, b) JOIN_(a, b)
-
-enum { N = 2, MOST = 4, STAGES_MAX = 16, WEIGHTS_MAX = 40, SHAPE_TERMS = 4 };
 
 /* Coefficients of the terms, in order, where the compiler can keep them in registers. */
 struct forces {
@@ -81,18 +79,6 @@ enum { SHAPES(SHAPE_SIZE) SIZE_pendulum = 2, SIZE_driven_pendulum = 2, SIZE_kepl
     if (name##_flags & TERM_VELOCITY)                                                                                  \
         name##_add(forces->c[i], t, y, a);
 #define TERM_NAME(i, name) #name,
-
-INLINE void copy_numbers(int count, const double *from, double *to)
-{
-    for (int i = 0; i < count; i++)
-        to[i] = from[i];
-}
-
-INLINE void sum_begin(int count, double *sum)
-{
-    for (int i = 0; i < count; i++)
-        sum[i] = -0.0;
-}
 
 #define SHAPE_FUNCTIONS(shape)                                                                                         \
     INLINE void shape##_force(const void *known, double t, const double *y, double *a)                                 \

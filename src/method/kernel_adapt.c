@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Single steps of explicit Runge-Kutta methods with their error estimate: rk_step() again for each row and shape, and
- * for any forces on two or four variables. Adaptive runs spend their time here.
+ * Single steps of explicit Runge-Kutta methods with their error estimate: rk_step() again for each row and shape, those
+ * of typed scenes too, and for any forces on two or four variables. Adaptive runs spend their time here.
  */
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC optimize("no-tree-vectorize") /* pairs of numbers: packing and unpacking them takes longer than it saves   \
@@ -9,38 +9,8 @@
 #endif
 #define UNROLL _Pragma("GCC unroll 32")
 #include "kernel.h"
-#include "rk_error.h"
-
-INLINE enum step_status one_step(const struct method *method, int n, slope_function *slope, const void *forces,
-                                 struct step *step)
-{
-    const struct tableau *tableau = method->tableau;
-    const int stages = tableau->stages;
-    double k[STAGES_MAX * MOST], z[MOST], y[MOST];
-    if (step->low)
-        return rk_step(method, step);
-    for (int i = 0; i < n; i++)
-        y[i] = step->y[i];
-    const bool known = (tableau->fsal && step->warm) || step->again;
-    const double *first = step->work + (tableau->fsal && step->warm ? (stages - 1) * n : 0);
-    for (int i = 0; i < n; i++)
-        k[i] = first[i];
-    rk_stages(tableau, n, slope, forces, step->t, step->h, y, k, z, NULL, known);
-    step->cost.evals += stages - known;
-    for (int i = 0; i < stages * n; i++)
-        step->work[i] = k[i];
-    step->work[(stages + tableau->extra + 1) * n] = false; /* the interpolant's stages are not there */
-    if (step->error && tableau->companion)
-        rk_estimate(tableau, n, step->system, step->h, k, y, z, step->error);
-    bool finite = true;
-    for (int i = 0; i < n; i++)
-        finite = finite && isfinite(z[i]);
-    if (!finite)
-        return STEP_NONFINITE;
-    for (int i = 0; i < n; i++)
-        step->y[i] = z[i];
-    return STEP_OK;
-}
+#include "kernel_typed.h"
+#include "step_body.h"
 
 /* ---- shapes, those of linear scenes too, and any equations of motion ---- */
 
@@ -89,10 +59,20 @@ INLINE void plane_slope(const void *system, double t, const double *y, double *d
         (void)method;                                                                                                  \
         return one_step(&RK_ROW, n, name##_slope, step->system, step);                                                 \
     }
+#define TYPED_STEP(name, n, ...)                                                                                       \
+    static enum step_status STEP_NAME(name)(const struct method *method, struct step *step)                            \
+    {                                                                                                                  \
+        struct known known;                                                                                            \
+        (void)method;                                                                                                  \
+        known_take(&known, step->system);                                                                              \
+        return one_step(&RK_ROW, n, name##_slope, &known, step);                                                       \
+    }
 #define RUNGE_KUTTA(...)                                                                                               \
     static const struct method RK_ROW = {__VA_ARGS__};                                                                 \
     ALL_SHAPES(SHAPE_STEP)                                                                                             \
     LINEAR_SHAPES(SHAPE_STEP)                                                                                          \
+    TYPED_MOTIONS(TYPED_STEP)                                                                                          \
+    TYPED_FLOWS(TYPED_STEP)                                                                                            \
     ANY_STEP(line, 2)                                                                                                  \
     ANY_STEP(plane, 4)
 #include "rk.def"
@@ -100,24 +80,34 @@ INLINE void plane_slope(const void *system, double t, const double *y, double *d
 
 /* ---- the table ---- */
 
-enum { SHAPE_spring = SHAPE_COUNT, SHAPE_damped, SHAPE_LINE, SHAPE_PLANE, STEP_COUNT };
+enum { SHAPE_spring = SHAPE_COUNT, SHAPE_damped, SHAPE_LINE, SHAPE_PLANE, SHAPE_TYPED };
+enum { STEP_COUNT = SHAPE_TYPED + TYPED_COUNT };
 
 #define STEP_ENTRY(shape) STEP_NAME(shape),
+#define TYPED_ENTRY(name, ...) STEP_NAME(name),
 
 static const struct {
     const struct method *method;
     step_function *step[STEP_COUNT];
 } steps[] = {
-#define RUNGE_KUTTA(...) {&RK_ROW, {ALL_SHAPES(STEP_ENTRY) LINEAR_SHAPES(STEP_ENTRY) STEP_NAME(line), STEP_NAME(plane)}},
+#define RUNGE_KUTTA(...)                                                                                               \
+    {&RK_ROW,                                                                                                          \
+     {ALL_SHAPES(STEP_ENTRY) LINEAR_SHAPES(STEP_ENTRY) STEP_NAME(line), STEP_NAME(plane),                              \
+      TYPED_MOTIONS(TYPED_ENTRY) TYPED_FLOWS(TYPED_ENTRY)}},
 #include "rk.def"
 };
 
 step_function *method_step_kernel(const struct method *method, const struct system *system)
 {
     int shape = system->n == 4 ? SHAPE_PLANE : SHAPE_LINE;
-    if (method->step != rk_step || system->order != 2 || system->n > 4)
+    if (method->step != rk_step)
         return NULL;
-    if (shape_of(system) >= 0)
+    const int typed = typed_shape(system, false);
+    if (typed >= 0)
+        shape = SHAPE_TYPED + typed;
+    else if (system->order != 2 || system->n > 4)
+        return system->typed.row ? any_step_kernel(method) : NULL;
+    else if (shape_of(system) >= 0)
         shape = shape_of(system);
     else if (system->model == &oscillator_model && system->oscillator.whole && system->oscillator.stiffness != 0 &&
              system->terms == (system->oscillator.damping != 0) + 1 && system->linear)

@@ -170,7 +170,10 @@ enum step_status turn_step(const struct method *method, struct step *step, doubl
                            const double *low, bool *turned);
 
 enum step_status rk_step(const struct method *method, struct step *step);
-march_function *typed_kernel(const struct method *method, const struct system *system); /* kernel_typed.c; or NULL */
+/* Of typed scenes (kernel_typed.c), and for any number of variables (kernel_any.c); or NULL */
+march_function *typed_kernel(const struct method *method, const struct system *system, enum drag drag);
+march_function *any_kernel(const struct method *method);
+step_function *any_step_kernel(const struct method *method);
 size_t rk_work(const struct method *method, int n);
 void rk_dense(const struct method *method, const struct step *step, double theta, double *y);
 /* |h| times an estimate of the Jacobian's norm from the last step's two stages at t + h; 0: there is no such pair. */

@@ -21,7 +21,7 @@ struct native {
 /* What is in the page before the code: 16-byte constants, then the program's numbers. */
 enum { POOL_SIGN = 0, POOL_MAGNITUDE = 16, POOL_ONE = 32, POOL_NUMBERS = 48 };
 enum { REGISTERS = 16, NOTHING = -1, TAKEN = -2 };
-enum { RAX, RCX, RDX, RBX, RSP, RBP, RSI, RDI, R14 = 14 };
+enum { RAX, RCX, RDX, RBX, RSP, RBP, RSI, RDI, R8, R14 = 14, R15 };
 enum { DOUBLE = 0xF2, PACKED = 0x66 }; /* prefixes: one double, all bits of the register */
 enum { LOAD = 0x10, STORE = 0x11, MOVE = 0x28, ROOT = 0x51, AND = 0x54, AND_NOT, OR, XOR, COMPARE = 0xC2 };
 enum { PLUS = 0x58, TIMES = 0x59, MINUS = 0x5C, OVER = 0x5E };
@@ -32,9 +32,9 @@ struct emitter {
     uint8_t *page;
     size_t at, size; /* [byte] next, of the page */
     bool full;
-    int input, output, frame; /* the registers that hold these addresses */
-    int held[REGISTERS];      /* place whose value it is, NOTHING, or TAKEN by the operation at hand */
-    bool dirty[REGISTERS];    /* not in the frame */
+    int state, given, output, frame; /* the registers that hold these addresses */
+    int held[REGISTERS];             /* place whose value it is, NOTHING, or TAKEN by the operation at hand */
+    bool dirty[REGISTERS];           /* not in the frame */
     int64_t used[REGISTERS], clock;
     int *where; /* [places] register, NOTHING: in memory */
 };
@@ -92,6 +92,17 @@ static size_t pool_place(const struct emitter *e, int place)
     return POOL_NUMBERS + 8 * (size_t)(place - e->program->names);
 }
 
+static void with_memory(struct emitter *e, int code, int reg, int place)
+{
+    const struct program *p = e->program;
+    if (place >= p->moving && place < p->names)
+        with_address(e, DOUBLE, code, reg, e->given, place - p->moving);
+    else if (place >= LEADING && place < p->moving)
+        with_address(e, DOUBLE, code, reg, e->state, place - 1);
+    else
+        with_address(e, DOUBLE, code, reg, e->frame, place);
+}
+
 /* An operation on a register and the value of a place, wherever it is. immediate < 0: none. */
 static void with_place(struct emitter *e, int code, int reg, int place, int immediate)
 {
@@ -99,12 +110,10 @@ static void with_place(struct emitter *e, int code, int reg, int place, int imme
     if (e->where[place] != NOTHING) {
         e->used[e->where[place]] = ++e->clock;
         with_register(e, DOUBLE, code, reg, e->where[place]);
-    } else if (place < e->program->names) {
-        with_address(e, DOUBLE, code, reg, e->input, place);
-    } else if (place < e->program->names + e->program->numbers) {
+    } else if (place >= e->program->names && place < e->program->names + e->program->numbers) {
         with_pool(e, DOUBLE, code, reg, pool_place(e, place), behind);
     } else {
-        with_address(e, DOUBLE, code, reg, e->frame, place);
+        with_memory(e, code, reg, place);
     }
     if (behind)
         byte(e, immediate);
@@ -301,34 +310,67 @@ static void write_pool(struct emitter *e)
     }
 }
 
-/* Where calls are made the addresses are in registers that survive them; three pushes align the stack. */
+/* Outputs 0 and 1 into registers 0 and 1, where they may be the other way round. */
+static void write_leading(struct emitter *e)
+{
+    const struct program *p = e->program;
+    const int first = p->output[0], second = p->output[p->outputs > 1];
+    if (p->outputs > 1 && e->where[second] == 0) {
+        const int spare = e->where[first] == 2 ? 3 : 2;
+        with_register(e, PACKED, MOVE, spare, 0);
+        if (first == second) {
+            with_register(e, PACKED, MOVE, 1, 0);
+            return;
+        }
+        e->where[second] = spare;
+    }
+    if (e->where[first] == NOTHING)
+        with_place(e, LOAD, 0, first, -1);
+    else if (e->where[first] != 0)
+        with_register(e, PACKED, MOVE, 0, e->where[first]);
+    if (p->outputs < 2)
+        return;
+    if (e->where[second] == NOTHING)
+        with_place(e, LOAD, 1, second, -1);
+    else if (e->where[second] != 1)
+        with_register(e, PACKED, MOVE, 1, e->where[second]);
+}
+
+/* Where calls are made the addresses are in registers that survive them; five pushes align the stack. */
 static void write_code(struct emitter *e, bool calls)
 {
     const struct program *p = e->program;
     word(e, 0xFA1E0FF3u, 4); /* endbr64: may be jumped to */
     if (calls) {
-        word(e, 0x56415553, 4); /* push rbx; push rbp; push r14 */
-        word(e, 0xF38948, 3);   /* mov rbx, rsi */
-        word(e, 0xD58948, 3);   /* mov rbp, rdx */
-        word(e, 0xCE8949, 3);   /* mov r14, rcx */
+        word(e, 0x57415641555350, 7); /* push rax; push rbx; push rbp; push r14; push r15 */
+        word(e, 0xF38948, 3);         /* mov rbx, rsi */
+        word(e, 0xD58948, 3);         /* mov rbp, rdx */
+        word(e, 0xCE8949, 3);         /* mov r14, rcx */
+        word(e, 0xC7894D, 3);         /* mov r15, r8 */
     }
-    e->input = calls ? RBX : RSI;
-    e->output = calls ? RBP : RDX;
-    e->frame = calls ? R14 : RCX;
+    e->state = calls ? RBX : RSI;
+    e->given = calls ? RBP : RDX;
+    e->output = calls ? R14 : RCX;
+    e->frame = calls ? R15 : R8;
+    for (int i = 0; i < p->uses; i++)
+        if (p->used[i] < LEADING && p->used[i] < p->moving) {
+            e->held[p->used[i]] = p->used[i];
+            e->where[p->used[i]] = p->used[i];
+            e->dirty[p->used[i]] = true;
+        }
     for (int i = 0; i < p->count; i++)
         instruction(e, &p->code[i]);
-    for (int i = p->outputs - 1; i >= 0; i--) {
+    for (int i = 2; i < p->outputs; i++) {
         int reg = e->where[p->output[i]];
         if (reg == NOTHING) {
             reg = take_value(e, p->output[i], false);
             e->held[reg] = NOTHING;
         }
         with_address(e, DOUBLE, STORE, reg, e->output, i);
-        if (i == 0 && reg != 0)
-            with_register(e, PACKED, MOVE, 0, reg);
     }
+    write_leading(e);
     if (calls)
-        word(e, 0x5B5D5E41, 4); /* pop r14; pop rbp; pop rbx */
+        word(e, 0x595B5D5E415F41, 7); /* pop r15; pop r14; pop rbp; pop rbx; pop rcx */
     byte(e, 0xC3);
 }
 

@@ -149,13 +149,15 @@ struct instruction {
     bool last[3]; /* the operand's place is free afterwards */
 };
 
-typedef double program_function(const struct program *program, const double *input, double *output, double *frame);
+enum { LEADING = 3 }; /* names that a program's function takes as numbers */
 
 /* The frame: names, numbers, then intermediate values whose places are used again. */
 struct program {
     program_function *run;
     struct arena arena;
-    int names, numbers, places;
+    int moving, names, numbers, places;
+    int keeps;            /* the last names: what depends on given ones only */
+    struct program *keep; /* their values, from the names before; NULL: there are none */
     double *number;
     struct instruction *code;
     int count;
@@ -167,6 +169,32 @@ struct program {
     int nodes, *result;
     struct native *native; /* NULL: none */
 };
+
+/*
+ * Names from `first` on are given: they stay as they are for many evaluations. What depends on them only is computed by
+ * program_keep() and becomes more names, given[kept] and on, if they and all it takes fit (most; PROGRAM_KEEP doubles).
+ */
+struct given {
+    int first, kept, most;
+};
+#define PROGRAM_KEEP 4096
+
+struct program *program_create_given(const struct equations *e, int first, int count, const bool *bound,
+                                     const double *value, const struct given *given, bool native, struct error *error);
+/* As program_depends(), on any of these names? */
+bool program_depends_on(const struct program *p, int first, int count, int name, int names);
+/* Once for each set of given values. */
+void program_keep(const struct program *program, double *given);
+
+/* The outputs, where `moving` names are t and a state. */
+static inline void program_run(const struct program *p, double t, const double *state, const double *given,
+                               double *output, double *frame)
+{
+    const struct leading leading = p->run(p, t, state[0], p->moving > 2 ? state[1] : 0, state, given, output, frame);
+    output[0] = leading.first;
+    if (p->outputs > 1)
+        output[1] = leading.second;
+}
 
 /* ---- machine code (native_x86.c; elsewhere always NULL) ---- */
 

@@ -318,6 +318,6 @@ double system_observe(const struct system *system, int i, double t, const double
 {
     const struct typed_term *term = typed_term_of(system->typed.c);
     double out[LIMIT_OBSERVED];
-    typed_evaluate(term->typed, term->observe, system->typed.c, t, y, out);
+    typed_evaluate(term->observe, system->typed.c, t, y, out);
     return out[i];
 }

@@ -3,7 +3,7 @@
 #ifndef HOOKE_SCENE_TYPED_H
 #define HOOKE_SCENE_TYPED_H
 
-#include "expr.h"
+#include "program.h"
 
 #define TYPED_NAME_MOST (LIMIT_SYMBOL - 3) /* so that there is room for vNAME_0 */
 #define TYPED_READS (TERM_VALUES - 2)      /* parameters that expressions may read */
@@ -16,7 +16,7 @@ enum typed_group { GROUP_FORCE, GROUP_WORK, GROUP_DRAG, GROUPS };
 
 /*
  * Names of the expressions, as equations count them: t, the state, the mass, the parameters that are read, what is
- * observed. A bound term's values from 1 on are the mass and the parameters that are read.
+ * observed. A bound term's values from 1 on are the mass, the parameters that are read, and what programs keep of them.
  */
 struct typed {
     struct typed *next; /* of all models */
@@ -81,6 +81,7 @@ bool typed_sort(const struct typed_sort *sort, const struct expr *expr, const st
 /* Of a group, or of all of them, with those parameters known that are 0. */
 struct typed_term {
     const struct typed *typed;
+    struct typed_part *part;
     struct term_row row; /* with the flags that hold here */
     struct program *add, *jacobian;
     struct program *potential, *slope, *observe; /* NULL: none. slope: of the potential */
@@ -90,11 +91,12 @@ struct typed_part {
     struct typed_part *next;
     uint64_t zeros;             /* bits of the parameters that are 0 */
     struct typed_term term[GROUPS], all;
+    int given; /* values of a bound term behind the first: the mass, the parameters, what its programs keep */
     atomic_bool checked; /* force and potential agree */
 };
 
-void typed_evaluate(const struct typed *typed, const struct program *program, const double *c, double t,
-                    const double *y, double *out);
+/* By a program of the part that c is from. */
+void typed_evaluate(const struct program *program, const double *c, double t, const double *y, double *out);
 const struct typed_term *typed_term_of(const double *c);
 
 struct typed_part *typed_part_create(const struct typed *typed, uint64_t zeros, struct error *error);

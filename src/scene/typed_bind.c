@@ -81,14 +81,28 @@ static bool complete(const struct typed *typed, struct error *error)
     return error_hint(error, "type %.*s' = EXPR or %.*s'' = EXPR", (int)name.len, name.at, (int)name.len, name.at);
 }
 
-static void set_values(const struct typed *typed, const struct typed_term *term, const double *param, double mass,
-                       struct bound_term *bound)
+/* The same for all terms of a part, but for the first. */
+static void set_values(const struct typed_part *part, const double *param, double mass, double *c)
 {
-    *bound = (struct bound_term){.row = &term->row};
-    memcpy(bound->c, &term, sizeof term);
-    bound->c[1] = mass;
+    const struct typed *typed = part->all.typed;
+    c[1] = mass;
     for (int i = 0; i < typed->reads; i++)
-        bound->c[2 + i] = param[typed->read[i]];
+        c[2 + i] = param[typed->read[i]];
+    for (int i = 0; i <= GROUPS; i++) {
+        const struct typed_term *term = i < GROUPS ? &part->term[i] : &part->all;
+        if (term->add)
+            program_keep(term->add, c + 1);
+        if (term->jacobian)
+            program_keep(term->jacobian, c + 1);
+    }
+}
+
+static struct bound_term bind_term(const struct typed_term *term, const double *c)
+{
+    struct bound_term bound = {.row = &term->row};
+    memcpy(bound.c, c, sizeof bound.c);
+    memcpy(bound.c, &term, sizeof term);
+    return bound;
 }
 
 bool typed_bind(const struct typed *typed, const double *param, struct system *system, struct error *error)
@@ -105,32 +119,34 @@ bool typed_bind(const struct typed *typed, const double *param, struct system *s
         system->mass = typed->mass >= 0 ? param[typed->mass] : 1;
         system->oscillator.whole = system->order == 2 && system->n == 2;
     }
-    set_values(typed, &part->all, param, system->mass, &system->typed);
+    double c[TERM_VALUES] = {0};
+    set_values(part, param, system->mass, c);
+    system->typed = bind_term(&part->all, c);
     for (int g = 0; g < GROUPS; g++) {
         const struct typed_term *term = &part->term[g];
         if (!term->add)
             continue;
         if (system->terms == TERM_MAX)
             return error_set(error, ERROR_COMMAND, "a scene has at most %d terms", TERM_MAX);
-        struct bound_term *bound = &system->term[system->terms++];
-        set_values(typed, term, param, system->mass, bound);
-        typed_recognise(term, bound->c, &system->oscillator);
+        system->term[system->terms++] = bind_term(term, c);
+        typed_recognise(term, c, &system->oscillator);
     }
     return true;
 }
 
-const struct program *system_program(const struct system *system, double *frame, size_t room)
+const struct bound_term *system_whole(const struct system *system)
 {
-    const struct bound_term *whole = system->terms == 1 ? &system->term[0] : &system->typed;
-    if (!system->typed.row || typed_base(system->model) || !whole->row->add)
+    const struct bound_term *term = system->terms == 1 ? &system->term[0] : &system->typed;
+    return system->typed.row && !typed_base(system->model) && term->row->add ? term : NULL;
+}
+
+const struct program *term_program(const struct bound_term *term, int *values)
+{
+    if (term->row->bind)
         return NULL;
-    const struct typed_term *term = typed_term_of(whole->c);
-    if (program_frame(term->add) > room)
-        return NULL;
-    for (int i = 0; i <= term->typed->reads; i++)
-        frame[1 + system->n + i] = whole->c[1 + i];
-    program_prepare(term->add, frame);
-    return term->add;
+    const struct typed_term *typed = typed_term_of(term->c);
+    *values = typed->part->given;
+    return typed->add;
 }
 
 /* ---- force and potential ---- */
@@ -159,8 +175,7 @@ bool typed_check(const struct system *system, struct error *error)
     enum { POINTS = 12 };
     const double tolerated = 1e-8;
     const struct typed_term *all = typed_term_of(system->typed.c);
-    struct typed_part *part =
-        (struct typed_part *)((uintptr_t)all - offsetof(struct typed_part, all)); /* it is never const */
+    struct typed_part *part = all->part;
     const struct typed_term *force = &part->term[GROUP_FORCE];
     if (!all->slope || atomic_load(&part->checked))
         return true;
@@ -173,8 +188,8 @@ bool typed_check(const struct system *system, struct error *error)
             y[i] = system->start[i] + system->scale[i] * ldexp((double)(int64_t)random, -63);
         }
         if (force->add)
-            typed_evaluate(all->typed, force->add, system->typed.c, 0, y, a);
-        typed_evaluate(all->typed, all->slope, system->typed.c, 0, y, slope);
+            typed_evaluate(force->add, system->typed.c, 0, y, a);
+        typed_evaluate(all->slope, system->typed.c, 0, y, slope);
         for (int i = 0; i < rows; i++)
             size = fmax(size, fmax(fabs(slope[i]), fabs(system->mass * a[i])));
         for (int i = 0; i < rows && isfinite(size); i++) /* somewhere else if it is infinite here */

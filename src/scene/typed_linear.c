@@ -253,8 +253,8 @@ static void add_drag(const struct typed_term *term, const double *c, struct osci
     double jac[LIMIT_VARIABLES * LIMIT_VARIABLES], a[LIMIT_VARIABLES], rest[LIMIT_VARIABLES] = {0};
     bool fits = term->row.flags & TERM_LINEAR && !(term->row.flags & TERM_TIME);
     if (fits) {
-        typed_evaluate(term->typed, term->jacobian, c, 0, rest, jac);
-        typed_evaluate(term->typed, term->add, c, 0, rest, a);
+        typed_evaluate(term->jacobian, c, 0, rest, jac);
+        typed_evaluate(term->add, c, 0, rest, a);
     }
     for (int i = 0; fits && i < rows; i++) {
         fits = a[i] == 0 && isfinite(jac[rows]);

@@ -17,34 +17,27 @@ const struct typed_term *typed_term_of(const double *c)
     return term;
 }
 
-static inline void run(const struct typed *typed, const struct program *program, const double *c, double t,
-                       const double *y, double *out, double *frame)
+static inline void run(const struct program *program, const double *c, double t, const double *y, double *out,
+                       double *frame)
 {
-    const int n = typed->model.n;
-    frame[0] = t;
-    for (int i = 0; i < n; i++)
-        frame[1 + i] = y[i];
-    for (int i = 0; i <= typed->reads; i++)
-        frame[1 + n + i] = c[1 + i];
     program_prepare(program, frame);
-    program_eval(program, frame, out, frame);
+    program_run(program, t, y, c + 1, out, frame);
 }
 
-static __attribute__((__noinline__)) void run_large(const struct typed *typed, const struct program *program,
-                                                    const double *c, double t, const double *y, double *out)
+static __attribute__((__noinline__)) void run_large(const struct program *program, const double *c, double t,
+                                                    const double *y, double *out)
 {
     double frame[FRAME_MOST];
-    run(typed, program, c, t, y, out, frame);
+    run(program, c, t, y, out, frame);
 }
 
-void typed_evaluate(const struct typed *typed, const struct program *program, const double *c, double t,
-                    const double *y, double *out)
+void typed_evaluate(const struct program *program, const double *c, double t, const double *y, double *out)
 {
     double frame[FRAME_SMALL];
     if (program_frame(program) <= FRAME_SMALL)
-        run(typed, program, c, t, y, out, frame);
+        run(program, c, t, y, out, frame);
     else
-        run_large(typed, program, c, t, y, out);
+        run_large(program, c, t, y, out);
 }
 
 static void add(const double *c, double t, const double *y, double *a)
@@ -52,7 +45,7 @@ static void add(const double *c, double t, const double *y, double *a)
     const struct typed_term *term = typed_term_of(c);
     const int rows = typed_rows(term->typed);
     double out[LIMIT_VARIABLES];
-    typed_evaluate(term->typed, term->add, c, t, y, out);
+    typed_evaluate(term->add, c, t, y, out);
     for (int i = 0; i < rows; i++)
         a[i] += out[i];
 }
@@ -62,7 +55,7 @@ static void jacobian(const double *c, double t, const double *y, double *jac)
     const struct typed_term *term = typed_term_of(c);
     const int count = typed_rows(term->typed) * term->typed->model.n;
     double out[LIMIT_VARIABLES * LIMIT_VARIABLES];
-    typed_evaluate(term->typed, term->jacobian, c, t, y, out);
+    typed_evaluate(term->jacobian, c, t, y, out);
     for (int i = 0; i < count; i++)
         jac[i] += out[i];
 }
@@ -71,7 +64,7 @@ static double potential(const double *c, const double *y)
 {
     const struct typed_term *term = typed_term_of(c);
     double out[1];
-    typed_evaluate(term->typed, term->potential, c, 0, y, out);
+    typed_evaluate(term->potential, c, 0, y, out);
     return out[0];
 }
 
@@ -80,7 +73,7 @@ static double power(const double *c, double t, const double *y)
     const struct typed_term *term = typed_term_of(c);
     const int rows = typed_rows(term->typed);
     double out[LIMIT_VARIABLES], sum = 0;
-    typed_evaluate(term->typed, term->add, c, t, y, out);
+    typed_evaluate(term->add, c, t, y, out);
     for (int i = 0; i < rows; i++)
         sum += out[i] * y[rows + i];
     return c[1] * sum;
@@ -90,17 +83,25 @@ static double power(const double *c, double t, const double *y)
 
 struct making {
     const struct typed *typed;
+    struct typed_part *part;
     struct equations *equations;
     const bool *bound; /* [names] */
     const double *value;
     struct error *error;
 };
 
+/* STEPS: what depends on parameters only is computed by binding; RARELY: no machine code. */
+enum use { STEPS, LOOKS, RARELY };
+
 /* The last `count` outputs as a program. */
-static struct program *make(const struct making *m, int count)
+static struct program *make(const struct making *m, int count, enum use use)
 {
-    struct program *program = program_create(m->equations, equations_count(m->equations) - count, count, m->bound,
-                                             m->value, true, m->error);
+    const struct given given = {1 + m->typed->model.n, m->part->given,
+                                use == STEPS ? TERM_VALUES - 1 - m->part->given : 0};
+    struct program *program = program_create_given(m->equations, equations_count(m->equations) - count, count, m->bound,
+                                                   m->value, &given, use != RARELY, m->error);
+    if (program)
+        m->part->given += program->keeps;
     if (!program || program_frame(program) <= FRAME_MOST)
         return program;
     error_set(m->error, ERROR_COMMAND, "the equations are too large: they need %zu numbers at once, %d are possible",
@@ -118,54 +119,55 @@ static bool all_zero(const struct program *program, int count)
     return true;
 }
 
-static bool depends(const struct program *program, int count, int first, int names)
-{
-    for (int i = 0; i < names; i++)
-        if (program_depends(program, 0, count, first + i))
-            return true;
-    return false;
-}
-
 static unsigned flags_of(const struct typed_term *term, bool affine, bool kinks)
 {
     const struct typed *typed = term->typed;
     const int n = typed->model.n, rows = typed_rows(typed), entries = rows * n;
     unsigned flags = 0;
-    if (affine && !depends(term->jacobian, entries, 0, 1 + n))
+    if (affine && !program_depends_on(term->jacobian, 0, entries, 0, 1 + n))
         flags |= TERM_LINEAR;
-    if (depends(term->add, rows, 0, 1))
+    if (program_depends(term->add, 0, rows, 0))
         flags |= TERM_TIME;
-    if (typed->model.order == 2 && depends(term->add, rows, 1 + rows, rows))
+    if (typed->model.order == 2 && program_depends_on(term->add, 0, rows, 1 + rows, rows))
         flags |= TERM_VELOCITY;
     if (kinks && typed->model.order == 2 && n == 2)
         flags |= TERM_KINK;
     return flags;
 }
 
-/* What is added and its Jacobian, of the expressions [rows]; nothing if it is 0. */
-static bool make_term(const struct making *m, struct typed_term *term, const struct expr *const *expr)
+/* What is added, of the expressions [rows]; nothing if it is 0. *first: its place among the equations. */
+static bool make_add(const struct making *m, struct typed_term *term, const struct expr *const *expr, int *first)
 {
     static const struct op zero = {.kind = OP_NUMBER, .number = 0};
     const struct expr nothing = {.op = (struct op *)(uintptr_t)&zero, .count = 1};
-    const int n = m->typed->model.n, rows = typed_rows(m->typed), first = equations_count(m->equations);
-    int state[LIMIT_VARIABLES];
+    const int rows = typed_rows(m->typed);
     term->typed = m->typed;
-    for (int i = 0; i < n; i++)
-        state[i] = 1 + i;
+    term->part = m->part;
+    *first = equations_count(m->equations);
     for (int i = 0; i < rows; i++)
         if (!equations_add(m->equations, expr[i] ? expr[i] : &nothing, m->error))
             return false;
-    term->add = make(m, rows);
-    if (!term->add)
-        return false;
-    if (all_zero(term->add, rows)) {
+    term->add = make(m, rows, STEPS);
+    if (term->add && all_zero(term->add, rows)) {
         program_destroy(term->add);
         term->add = NULL;
         return true;
     }
+    return term->add;
+}
+
+/* Its Jacobian and the rest, where something is added. */
+static bool make_term(const struct making *m, struct typed_term *term, int first, enum use use)
+{
+    const int n = m->typed->model.n, rows = typed_rows(m->typed);
+    int state[LIMIT_VARIABLES];
+    if (!term->add)
+        return true;
+    for (int i = 0; i < n; i++)
+        state[i] = 1 + i;
     if (!equations_derive(m->equations, first, rows, state, n, m->error))
         return false;
-    term->jacobian = make(m, rows * n);
+    term->jacobian = make(m, rows * n, use);
     bool affine, kinks;
     if (!term->jacobian || !typed_look(m->typed, term->add, &affine, &kinks, m->error))
         return false;
@@ -175,30 +177,14 @@ static bool make_term(const struct making *m, struct typed_term *term, const str
     return true;
 }
 
-static bool make_groups(const struct making *m, struct typed_part *part)
+/* All groups that are there at once, in the order in which they would be added. */
+static bool make_whole(const struct making *m, struct typed_part *part)
 {
     const struct typed *typed = m->typed;
-    size_t row = typed->terms.count;
-    int there = 0;
-    for (int g = 0; g < GROUPS; g++)
-        row -= typed->group[g] != NULL;
-    for (int g = 0; g < GROUPS; g++) {
-        struct typed_term *term = &part->term[g];
-        if (!typed->group[g])
-            continue;
-        term->row = typed->row[row++];
-        if (!make_term(m, term, typed->group[g]))
-            return false;
-        there += term->add != NULL;
-        if (g != GROUP_FORCE && typed->model.order == 2)
-            term->row.power = power;
-    }
-    if (there < 2 || typed->base)
-        return true;
-    /* All of them at once, in the order in which they would be added. */
     struct arena arena = {0};
     const struct expr **whole = arena_array(&arena, (size_t)typed_rows(typed), sizeof *whole);
     bool fine = whole || error_memory(m->error);
+    int first;
     for (int g = 0; fine && g < GROUPS; g++)
         for (int i = 0; fine && part->term[g].add && i < typed_rows(typed); i++) {
             const struct expr *more = typed->group[g][i];
@@ -206,9 +192,34 @@ static bool make_groups(const struct making *m, struct typed_part *part)
                 whole[i] = whole[i] ? typed_join(&arena, whole[i], more, OP_ADD, m->error) : more;
             fine = !more || whole[i];
         }
-    fine = fine && make_term(m, &part->all, whole);
+    fine = fine && make_add(m, &part->all, whole, &first) && make_term(m, &part->all, first, STEPS);
     arena_reset(&arena);
     return fine;
+}
+
+static bool make_groups(const struct making *m, struct typed_part *part)
+{
+    const struct typed *typed = m->typed;
+    size_t row = typed->terms.count;
+    int there = 0, first[GROUPS];
+    for (int g = 0; g < GROUPS; g++)
+        row -= typed->group[g] != NULL;
+    for (int g = 0; g < GROUPS; g++) {
+        struct typed_term *term = &part->term[g];
+        if (!typed->group[g])
+            continue;
+        term->row = typed->row[row++];
+        if (!make_add(m, term, typed->group[g], &first[g]))
+            return false;
+        there += term->add != NULL;
+        if (g != GROUP_FORCE && typed->model.order == 2)
+            term->row.power = power;
+    }
+    const bool whole = there >= 2 && !typed->base;
+    for (int g = 0; g < GROUPS; g++)
+        if (typed->group[g] && !make_term(m, &part->term[g], first[g], whole ? RARELY : STEPS))
+            return false;
+    return !whole || make_whole(m, part);
 }
 
 static bool make_looks(const struct making *m, struct typed_part *part)
@@ -220,17 +231,20 @@ static bool make_looks(const struct making *m, struct typed_part *part)
         if (!equations_add(m->equations, typed->observe[i], m->error))
             return false;
     part->all.typed = typed;
-    if (typed->observes > 0 && !(part->all.observe = make(m, typed->observes)))
+    part->all.part = part;
+    if (typed->observes > 0 && !(part->all.observe = make(m, typed->observes, LOOKS)))
         return false;
     if (!typed->potential)
         return true;
     const int rows = typed_rows(typed), first = equations_count(m->equations);
     for (int i = 0; i < rows; i++)
         position[i] = 1 + i;
-    if (!equations_add(m->equations, typed->potential, m->error) || !(force->potential = make(m, 1)) ||
-        !equations_derive(m->equations, first, 1, position, rows, m->error) || !(part->all.slope = make(m, rows)))
+    if (!equations_add(m->equations, typed->potential, m->error) || !(force->potential = make(m, 1, LOOKS)) ||
+        !equations_derive(m->equations, first, 1, position, rows, m->error) ||
+        !(part->all.slope = make(m, rows, RARELY)))
         return false;
     force->typed = typed;
+    force->part = part;
     force->row.potential = potential;
     force->row.flags |= TERM_CONSERVATIVE;
     return true;
@@ -257,8 +271,10 @@ struct typed_part *typed_part_create(const struct typed *typed, uint64_t zeros, 
     struct typed_part *part = calloc(1, sizeof *part);
     bool *bound = calloc((size_t)names, sizeof *bound);
     double *value = calloc((size_t)names, sizeof *value);
-    struct making m = {typed, NULL, bound, value, error};
+    struct making m = {typed, part, NULL, bound, value, error};
     bool fine = part && bound && value;
+    if (fine)
+        part->given = 1 + typed->reads;
     if (!fine)
         error_memory(error);
     else

@@ -73,5 +73,6 @@ void bench_stiff(void);
 void bench_text(void);
 void bench_sweep(void);
 void bench_forces(void);
+void bench_typed(void);
 
 #endif

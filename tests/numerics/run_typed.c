@@ -86,51 +86,6 @@ static void test_symplectic(void **state)
     assert_true(count >= 10);
 }
 
-/* Kernels of typed scenes are there where they should be, and change no bit. */
-static void test_kernels(void **state)
-{
-    static const char *const scenes[] = {
-        "var x = 1;param k = 4;x'' = -k*x - 0.1*x'*abs(x') + 0.3*cos(2*t)",
-        "var x = 0;var y = 0;var x' = 0.24;var y' = 0.32;x'' = -(x + 2*x*y);y'' = -(y + (x^2 - y^2)) - 0.01*y'",
-        "var y1 = 2;var y2 = 0;y1' = y2;y2' = (1 - y1^2)*y2 - y1 + sin(t)",
-        "var x = 1;var y = 1;var z = 1;x' = 10*(y - x);y' = x*(28 - z) - y;z' = x*y - 8/3*z"};
-    (void)state;
-    struct error error;
-    bool fine = true;
-    for (size_t s = 0; s < COUNT_OF(scenes); s++) {
-        struct typed_models *models = typed_create(&error);
-        struct scene scene;
-        struct system system;
-        scene_init(&scene, NULL);
-        assert_true(type_lines(models, &scene, scenes[s]));
-        assert_true(scene_bind(&scene, &system, &error));
-        int kernels = 0;
-        for (size_t i = 0; i < method_catalog.count; i++) {
-            const struct method *by = (const struct method *)(const void *)catalog_row(&method_catalog, i);
-            if (!method_kernel(by, &system, DRAG_DEFAULT))
-                continue;
-            kernels++;
-            struct run *run[2];
-            for (int k = 0; k < 2; k++) {
-                const struct run_settings settings = {.dt = 0.01, .kernel = k ? KERNEL_GENERAL : KERNEL_SPECIALISED};
-                run[k] = run_create(&scene, by, &settings, 5, &error);
-                assert_non_null(run[k]);
-                const struct run_target target = {.t = 5, .steps = -1};
-                run_advance(run[k], &target, 0, NULL);
-            }
-            if (memcmp(run[0]->y, run[1]->y, sizeof run[0]->y) != 0) {
-                print_message("%s: %.17g is not %.17g\n", by->row.name, run[0]->y[0], run[1]->y[0]);
-                fine = false;
-            }
-            run_destroy(run[0]);
-            run_destroy(run[1]);
-        }
-        assert_true(kernels >= 8);
-        typed_destroy(models);
-    }
-    assert_true(fine);
-}
-
 /* Splittings with drag of another kind than linear and quadratic: explicit only, and refused otherwise with the way
  * out. */
 static void test_splitting_with_drag(void **state)
@@ -182,7 +137,6 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_symplectic),
-        cmocka_unit_test(test_kernels),
         cmocka_unit_test(test_splitting_with_drag),
         cmocka_unit_test(test_ledger),
     };

@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* rk_step() for kernels: the method and what evaluates the slope are known to the compiler. Needs MOST variables. */
+#ifndef HOOKE_METHOD_STEP_BODY_H
+#define HOOKE_METHOD_STEP_BODY_H
+
+#include "march_body.h"
+#include "rk_error.h"
+
+INLINE enum step_status one_step(const struct method *method, int n, slope_function *slope, const void *forces,
+                                 struct step *step)
+{
+    const struct tableau *tableau = method->tableau;
+    const int stages = tableau->stages;
+    double k[STAGES_MAX * MOST], z[MOST], y[MOST];
+    if (step->low)
+        return rk_step(method, step);
+    for (int i = 0; i < n; i++)
+        y[i] = step->y[i];
+    const bool known = (tableau->fsal && step->warm) || step->again;
+    const double *first = step->work + (tableau->fsal && step->warm ? (stages - 1) * n : 0);
+    for (int i = 0; i < n; i++)
+        k[i] = first[i];
+    rk_stages(tableau, n, slope, forces, step->t, step->h, y, k, z, NULL, known);
+    step->cost.evals += stages - known;
+    for (int i = 0; i < stages * n; i++)
+        step->work[i] = k[i];
+    step->work[(stages + tableau->extra + 1) * n] = false; /* the interpolant's stages are not there */
+    if (step->error && tableau->companion)
+        rk_estimate(tableau, n, step->system, step->h, k, y, z, step->error);
+    bool finite = true;
+    for (int i = 0; i < n; i++)
+        finite = finite && isfinite(z[i]);
+    if (!finite)
+        return STEP_NONFINITE;
+    for (int i = 0; i < n; i++)
+        step->y[i] = z[i];
+    return STEP_OK;
+}
+
+#endif
