@@ -98,17 +98,28 @@ bool program_constant(const struct program *program, int output, double *value);
 /* Does any of `count` outputs from `first` depend on the input, as it is written? */
 bool program_depends(const struct program *program, int first, int count, int name);
 
-/* Doubles of a frame, for lanes PROGRAM_LANES times as many and best aligned to 64 bytes. It serves one thread at a
- * time. */
+/* Doubles of a frame. It serves one thread at a time. */
 size_t program_frame(const struct program *program);
 /* Once for each frame; costs nothing where the program is machine code. */
 void program_prepare(const struct program *program, double *frame);
-void program_prepare_lanes(const struct program *program, double *frame);
 /* input [names], those of known names are not read; it may be the frame itself. output [count], apart from the input.
  * Returns the first output. Never allocates. */
 double program_eval(const struct program *program, const double *input, double *output, double *frame);
-/* The same with [PROGRAM_LANES] doubles for each. */
-void program_eval_lanes(const struct program *program, const double *input, double *output, double *frame);
+
+/*
+ * The same with PROGRAM_LANES doubles for each name and output. The frame is prepared for one place of input [names].
+ * lanes [names]: what is known of the names; those that are fixed have their values already. NULL: nothing. Best aligned
+ * to 64 bytes, all of them.
+ */
+enum program_lanes {
+    LANES_ALIKE = 1, /* the same value in all lanes, whenever it is evaluated */
+    LANES_FIXED = 2, /* the same values from here on */
+};
+
+size_t program_frame_lanes(const struct program *program);
+void program_prepare_lanes(const struct program *program, const double *input, const unsigned char *lanes,
+                           double *frame);
+void program_eval_lanes(const struct program *program, double *output, double *frame);
 
 /* A comparison `expr < expr` (also <= > >=), as in `run until y < 0`. The sides may carry units: y < 1 cm. */
 struct condition {
@@ -420,6 +431,12 @@ void scene_remodel(struct scene *scene, const struct model *model);
  * what is known, which goes into `frame` [room] behind t and y. NULL: it is several terms, or needs more room.
  */
 const struct program *system_program(const struct system *system, double *frame, size_t room);
+
+/*
+ * What a typed term adds, as a program of t, y and the values behind them [*values], which are term->c from 1 on. NULL:
+ * a built-in term.
+ */
+const struct program *term_program(const struct bound_term *term, int *values);
 
 #define LIMIT_OBSERVED 64 /* quantities that a typed scene observes */
 

@@ -132,6 +132,15 @@ const struct program *system_program(const struct system *system, double *frame,
     return term->add;
 }
 
+const struct program *term_program(const struct bound_term *term, int *values)
+{
+    if (term->row->bind)
+        return NULL;
+    const struct typed_term *typed = typed_term_of(term->c);
+    *values = 1 + typed->typed->reads;
+    return typed->add;
+}
+
 /* ---- force and potential ---- */
 
 static bool disagree(const struct system *system, const double *y, int i, double slope, double force,
