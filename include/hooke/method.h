@@ -171,24 +171,28 @@ int64_t method_march(const struct method *method, march_function *kernel, const 
 
 /* ---- many trajectories at once ----
  *
- * LANES oscillators of one kind, stepped side by side in vectors: each gets the bits that method_turning_march() would
- * give it alone. Explicit Runge-Kutta methods and splittings, fixed steps forward in time.
+ * LANES systems of one kind, stepped side by side in vectors: each gets the bits that method_turning_march() would
+ * give it alone. Explicit Runge-Kutta methods and splittings, fixed steps forward in time, oscillators and what is typed.
  */
 #define LANES 64
 
 struct lanes;
 
-/* The kind of such a system with this method, drag (as resolved by method_applies()) and step; -1: it goes alone. Those
- * of one kind, t0 and h go together. */
-int lanes_kind(const struct method *method, const struct system *system, enum drag drag, double h);
+/* Can such a system go in lanes, with this method, drag (as resolved by method_applies()) and step? Two of them
+ * together? */
+bool lanes_fit(const struct method *method, const struct system *system, enum drag drag, double h);
+bool lanes_alike(const struct system *a, const struct system *b);
 struct lanes *lanes_create(void); /* NULL: no memory */
 void lanes_destroy(struct lanes *lanes);
-void lanes_begin(struct lanes *lanes, const struct method *method, enum drag drag, int kind, double t0, double h);
-/* Before the first step: this lane starts as the system says, which must stay there. Every lane has to be set, by a copy
- * if need be. */
+/* For systems like this one. False: no memory. */
+bool lanes_begin(struct lanes *lanes, const struct method *method, enum drag drag, const struct system *like, double h);
+/* Before the first step: this lane starts as the system says, which stays where it is. Every lane has to be set, by a
+ * copy if need be. */
 void lanes_set(struct lanes *lanes, int lane, const struct system *system);
-/* The next steps of all of them, nothing checked. row [count][2][LANES]: the states after them; NULL: not wanted. */
+/* The next steps of all of them, nothing checked. row [count][2][LANES]: the first variable and how fast it changes,
+ * after them; NULL: not wanted. */
 void lanes_march(struct lanes *lanes, int64_t count, double *row);
+void lanes_row(struct lanes *lanes, double *row); /* the same [2][LANES], now */
 void lanes_state(const struct lanes *lanes, int lane, double *y);
 int64_t lanes_evals(const struct lanes *lanes, int lane); /* so far */
 

@@ -98,12 +98,10 @@ bool program_constant(const struct program *program, int output, double *value);
 /* Does any of `count` outputs from `first` depend on the input, as it is written? */
 bool program_depends(const struct program *program, int first, int count, int name);
 
-/* Doubles of a frame, for lanes PROGRAM_LANES times as many and best aligned to 64 bytes. It serves one thread at a
- * time. */
+/* Doubles of a frame. It serves one thread at a time. */
 size_t program_frame(const struct program *program);
 /* Once for each frame; costs nothing where the program is machine code. */
 void program_prepare(const struct program *program, double *frame);
-void program_prepare_lanes(const struct program *program, double *frame);
 /* input [names], those of known names are not read; it may be the frame itself. output [count], apart from the input.
  * Returns the first output. Never allocates. */
 double program_eval(const struct program *program, const double *input, double *output, double *frame);
@@ -121,8 +119,20 @@ typedef struct leading program_function(const struct program *program, double x0
                                         const double *state, const double *given, double *output, double *frame);
 program_function *program_code(const struct program *program);
 
-/* The same with [PROGRAM_LANES] doubles for each. */
-void program_eval_lanes(const struct program *program, const double *input, double *output, double *frame);
+/*
+ * The same with PROGRAM_LANES doubles for each name and output. The frame is prepared for one place of input [names].
+ * lanes [names]: what is known of the names; those that are fixed have their values already. NULL: nothing. Best aligned
+ * to 64 bytes, all of them.
+ */
+enum program_lanes {
+    LANES_ALIKE = 1, /* the same value in all lanes, whenever it is evaluated */
+    LANES_FIXED = 2, /* the same values from here on */
+};
+
+size_t program_frame_lanes(const struct program *program);
+void program_prepare_lanes(const struct program *program, const double *input, const unsigned char *lanes,
+                           double *frame);
+void program_eval_lanes(const struct program *program, double *output, double *frame);
 
 /* A comparison `expr < expr` (also <= > >=), as in `run until y < 0`. The sides may carry units: y < 1 cm. */
 struct condition {

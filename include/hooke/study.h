@@ -467,19 +467,21 @@ enum sweep_kind {
     SWEEP_EVALS,
     SWEEP_REACHED, /* [s] time reached: of what diverges, when */
     SWEEP_VARIABLE,
+    SWEEP_OBSERVED, /* a typed quantity */
     SWEEP_OBSERVABLE
 };
 
 /* At the end, unless it says otherwise. */
 struct sweep_measure {
     enum sweep_kind kind;
-    int variable;                        /* SWEEP_VARIABLE */
+    int variable;                        /* SWEEP_VARIABLE, SWEEP_OBSERVED: which one */
+    char observed[LIMIT_SYMBOL + 1];     /* SWEEP_OBSERVED: its name */
     const struct observable *observable; /* SWEEP_OBSERVABLE */
 };
 
 extern const struct catalog sweep_measure_catalog; /* struct row at the place of the kind: those with names of their own */
 
-/* A row of that catalog, a state variable, an observable. */
+/* A row of that catalog, a state variable, a typed quantity, an observable. */
 bool sweep_measure_find(const struct model *model, struct text name, struct sweep_measure *measure,
                         struct error *error);
 const char *sweep_measure_name(const struct sweep_measure *measure, const struct model *model);

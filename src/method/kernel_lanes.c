@@ -8,6 +8,7 @@
  */
 #define UNROLL _Pragma("GCC unroll 16")
 #include "kernel.h"
+#include "lanes.h"
 
 #include <stdlib.h>
 
@@ -25,7 +26,8 @@ enum { TABLE_ROOM = 1 << 17 }; /* [double] a megabyte */
 struct lanes {
     const struct method *method;
     enum drag drag;
-    int kind; /* place of the shape */
+    int shape;                 /* -1: typed */
+    struct typed_lanes *typed; /* NULL: not yet used */
     double t0, h;
     int64_t step; /* taken */
     double c[SHAPE_TERMS][LANE_COEFFICIENTS][LANES];
@@ -51,12 +53,6 @@ struct lanes {
         int64_t from, count; /* steps */
         double value[TABLE_ROOM];
     } table;
-};
-
-/* The weights of a stage that are not 0, times h. */
-struct shares {
-    int count, stage[STAGES_MAX];
-    double share[STAGES_MAX];
 };
 
 /* A step of some lanes: the states before and after it, its first and its last slope. */
@@ -100,28 +96,23 @@ static void lanes_cosine(const struct lanes *lanes, double t, int first, int cou
 static __attribute__((noinline)) void lanes_turn(struct lanes *lanes, int first, int count, int64_t number,
                                                  struct lane_step *of)
 {
-    const struct tableau *tableau = lanes->method->tableau;
-    const int last = 2 * (tableau->stages - 1);
     for (int i = 0; i < count; i++) {
-        if (!(of->before[1][i] < 0 && of->after[1][i] > 0) && !(of->before[1][i] > 0 && of->after[1][i] < 0))
+        if (!lane_turns(of->before[1][i], of->after[1][i]))
             continue;
-        double y[2] = {of->before[0][i], of->before[1][i]}, work[WORK_MOST];
+        double y[2] = {of->before[0][i], of->before[1][i]}, slope[2] = {of->first[0][i], of->first[1][i]};
+        double work[WORK_MOST];
         struct step step = {.system = lanes->system[first + i],
                             .drag = lanes->drag,
                             .t = lanes->t0 + (double)number * lanes->h,
                             .h = lanes->h,
                             .y = y,
                             .work = work,
-                            .warm = tableau->fsal,
                             .kernel = lanes->scalar};
-        work[last] = of->first[0][i];
-        work[last + 1] = of->first[1][i];
-        const bool ok = method_turning_step(lanes->method, &step) == STEP_OK;
+        lanes->more[first + i] += lane_turn(lanes->method, &step, slope);
         for (int j = 0; j < 2; j++) {
-            of->after[j][i] = ok ? y[j] : NAN;
-            of->last[j][i] = work[last + j];
+            of->after[j][i] = y[j];
+            of->last[j][i] = slope[j];
         }
-        lanes->more[first + i] += step.cost.evals - (tableau->stages - tableau->fsal);
     }
 }
 
@@ -149,11 +140,11 @@ static lane_kernel *kernel_of(const struct lanes *lanes)
     const int family = lanes->method->splitting != NULL;
 #ifdef __x86_64__
     if (__builtin_cpu_supports("avx512f"))
-        return kernels_8[lanes->kind][family];
+        return kernels_8[lanes->shape][family];
     if (__builtin_cpu_supports("avx2"))
-        return kernels_4[lanes->kind][family];
+        return kernels_4[lanes->shape][family];
 #endif
-    return kernels_2[lanes->kind][family];
+    return kernels_2[lanes->shape][family];
 }
 
 /* ---- the drive ---- */
@@ -225,6 +216,8 @@ struct lanes *lanes_create(void)
 
 void lanes_destroy(struct lanes *lanes)
 {
+    if (lanes)
+        typed_lanes_destroy(lanes->typed);
     free(lanes);
 }
 
@@ -234,23 +227,30 @@ static int lane_shape_of(const struct system *system)
     return shape_among(system, rows, LANE_SHAPE_COUNT);
 }
 
-int lanes_kind(const struct method *method, const struct system *system, enum drag drag, double h)
+bool lanes_fit(const struct method *method, const struct system *system, enum drag drag, double h)
 {
-    const int shape = lane_shape_of(system);
-    const bool goes = method->tableau && method_work_size(method, N) <= WORK_MOST;
     const bool splits = method->splitting && (!system->velocity || drag == DRAG_EXPLICIT || drag == DRAG_EXACT);
-    if (shape < 0 || !(h > 0) || !(goes || splits) ||
-        system->oscillator.quadratic < 0)
-        return -1;
-    return shape;
+    if (!(h > 0) || !(method->tableau || splits) || system->oscillator.quadratic < 0)
+        return false;
+    if (system->model->typed)
+        return typed_lanes_fit(method, system, drag);
+    return lane_shape_of(system) >= 0 && (splits || method_work_size(method, N) <= WORK_MOST);
 }
 
-void lanes_begin(struct lanes *lanes, const struct method *method, enum drag drag, int kind, double t0, double h)
+bool lanes_alike(const struct system *a, const struct system *b)
+{
+    bool alike = a->model == b->model && a->t0 == b->t0 && a->terms == b->terms;
+    for (int i = 0; alike && i < a->terms; i++) /* typed: those of the same programs */
+        alike = a->term[i].row == b->term[i].row;
+    return alike;
+}
+
+bool lanes_begin(struct lanes *lanes, const struct method *method, enum drag drag, const struct system *like, double h)
 {
     lanes->method = method;
     lanes->drag = drag;
-    lanes->kind = kind;
-    lanes->t0 = t0;
+    lanes->shape = like->model->typed ? -1 : lane_shape_of(like);
+    lanes->t0 = like->t0;
     lanes->h = h;
     lanes->step = 0;
     lanes->divides = lanes->turns = false;
@@ -258,11 +258,16 @@ void lanes_begin(struct lanes *lanes, const struct method *method, enum drag dra
     memset(lanes->kept, 0, sizeof lanes->kept);
     memset(lanes->omega, 0, sizeof lanes->omega);
     memset(lanes->phase, 0, sizeof lanes->phase);
+    return lanes->shape >= 0 || typed_lanes_begin(&lanes->typed, method, drag, like, h);
 }
 
 void lanes_set(struct lanes *lanes, int lane, const struct system *system)
 {
     const struct method *method = lanes->method;
+    if (lanes->shape < 0) {
+        typed_lanes_set(lanes->typed, lane, system);
+        return;
+    }
     for (int i = 0; i < system->terms; i++)
         for (int j = 0; j < LANE_COEFFICIENTS; j++)
             lanes->c[i][j][lane] = system->term[i].c[j];
@@ -294,16 +299,6 @@ void lanes_set(struct lanes *lanes, int lane, const struct system *system)
     }
 }
 
-static void shares_take(struct shares *shares, const double *w, int count, double h)
-{
-    shares->count = 0;
-    for (int j = 0; j < count; j++)
-        if (w[j] != 0) {
-            shares->stage[shares->count] = j;
-            shares->share[shares->count++] = h * w[j];
-        }
-}
-
 static void march_prepare(const struct lanes *lanes, struct lane_march *march)
 {
     const struct tableau *tableau = lanes->method->tableau;
@@ -324,6 +319,10 @@ static void march_prepare(const struct lanes *lanes, struct lane_march *march)
 
 void lanes_march(struct lanes *lanes, int64_t count, double *row)
 {
+    if (lanes->shape < 0) {
+        typed_lanes_march(lanes->typed, count, row);
+        return;
+    }
     lane_kernel *const kernel = kernel_of(lanes);
     const bool alike = driven_alike(lanes);
     struct lane_march march;
@@ -342,14 +341,28 @@ void lanes_march(struct lanes *lanes, int64_t count, double *row)
     }
 }
 
+void lanes_row(struct lanes *lanes, double *row)
+{
+    if (lanes->shape < 0)
+        typed_lanes_row(lanes->typed, row);
+    else
+        memcpy(row, lanes->y, sizeof lanes->y);
+}
+
 void lanes_state(const struct lanes *lanes, int lane, double *y)
 {
+    if (lanes->shape < 0) {
+        typed_lanes_state(lanes->typed, lane, y);
+        return;
+    }
     y[0] = lanes->y[0][lane];
     y[1] = lanes->y[1][lane];
 }
 
 int64_t lanes_evals(const struct lanes *lanes, int lane)
 {
+    if (lanes->shape < 0)
+        return typed_lanes_evals(lanes->typed, lane);
     const struct tableau *tableau = lanes->method->tableau;
     if (tableau)
         return lanes->step * (tableau->stages - tableau->fsal) + (tableau->fsal && lanes->step > 0) +

@@ -271,6 +271,10 @@ static int operation(struct emitter *e, const struct instruction *i)
         reg = binary(e, i, TIMES);
         with_place(e, i->node.kind == NODE_MUL_ADD ? PLUS : MINUS, reg, place[2], -1);
         return reg;
+    case NODE_NEG_MUL:
+        reg = binary(e, i, TIMES);
+        with_pool(e, PACKED, XOR, reg, POOL_SIGN, 0);
+        return reg;
     case NODE_SUB_MUL:
         other = binary(e, i, TIMES);
         reg = take_value(e, place[2], i->last[2]);

@@ -43,6 +43,7 @@ static bool bind(const struct equations *e, int first, const bool *bound, const 
 struct usage {
     int uses;  /* by operations and outputs */
     int place; /* in the frame */
+    int output; /* that it is, the last one of them; -1: none */
     bool fused;
 };
 
@@ -54,16 +55,19 @@ struct schedule {
     int free_places;
 };
 
-/* A product that is used once, by a sum or a difference, becomes part of it. Sums come later than products. */
+/* A product that is used once, by a sum, a difference or a minus sign, becomes part of it. */
 static void fuse(struct node *node, const struct node *all, struct usage *usage)
 {
-    if (node->kind != NODE_ADD && node->kind != NODE_SUB)
+    if (node->kind != NODE_ADD && node->kind != NODE_SUB && node->kind != NODE_NEG)
         return;
-    for (int k = 0; k < 2; k++) {
+    for (int k = 0; k < node_arity(node->kind); k++) {
         const int product = node->operand[k], other = node->operand[!k];
         if (all[product].kind != NODE_MUL || usage[product].uses != 1)
             continue;
-        node->kind = node->kind == NODE_ADD ? NODE_MUL_ADD : k == 0 ? NODE_MUL_SUB : NODE_SUB_MUL;
+        node->kind = node->kind == NODE_NEG   ? NODE_NEG_MUL
+                     : node->kind == NODE_ADD ? NODE_MUL_ADD
+                     : k == 0                 ? NODE_MUL_SUB
+                                              : NODE_SUB_MUL;
         node->operand[0] = all[product].operand[0];
         node->operand[1] = all[product].operand[1];
         node->operand[2] = other;
@@ -88,7 +92,9 @@ static void emit(struct schedule *s, const struct node *node, int i)
 {
     struct program *p = s->program;
     struct instruction *instruction = &p->code[p->count++];
-    *instruction = (struct instruction){.node = *node};
+    *instruction = (struct instruction){.node = *node, .output = s->usage[i].uses == 1 ? s->usage[i].output : -1};
+    if (instruction->output >= 0)
+        p->written[instruction->output] = true;
     for (int k = 0; k < 3; k++) /* an operand that it does not have: any that is there */
         instruction->node.operand[k] = s->usage[node->operand[k < node_arity(node->kind) ? k : 0]].place;
     instruction->out = s->free_places > 0 ? s->free_place[--s->free_places] : p->places++;
@@ -102,8 +108,12 @@ static bool prepare(struct schedule *s)
     struct program *p = s->program;
     struct usage *usage = s->usage;
     struct node *node = s->node;
-    for (int i = 0; i < p->outputs; i++)
+    for (int i = 0; i < p->nodes; i++)
+        usage[i].output = -1;
+    for (int i = 0; i < p->outputs; i++) {
         usage[p->result[i]].uses++;
+        usage[p->result[i]].output = i;
+    }
     for (int i = p->nodes - 1; i >= 0; i--)
         for (int k = 0; usage[i].uses > 0 && k < node_arity(node[i].kind); k++)
             usage[node[i].operand[k]].uses++;
@@ -150,8 +160,10 @@ static bool schedule(struct program *p, const int *kept)
     for (int i = 0; fine && i < p->nodes; i++)
         if (s.usage[i].uses > 0 && !s.usage[i].fused && s.node[i].kind > NODE_NAME)
             emit(&s, &s.node[i], i);
-    for (int i = 0; fine && i < p->outputs; i++)
+    for (int i = 0; fine && i < p->outputs; i++) {
         p->output[i] = s.usage[p->result[i]].place;
+        p->copies += !p->written[i];
+    }
     free(s.usage);
     free(s.node);
     free(s.free_place);
@@ -222,7 +234,8 @@ static bool make_keep(struct program *p, const struct given *given, const int *k
     keep->node = p->node;
     keep->nodes = p->nodes;
     keep->result = arena_array(&keep->arena, 2 * (size_t)count, sizeof *keep->result);
-    bool fine = keep->result;
+    keep->written = arena_array(&keep->arena, (size_t)count, sizeof *keep->written);
+    bool fine = keep->result && keep->written;
     if (fine) {
         keep->output = keep->result + count;
         memcpy(keep->result, kept, (size_t)count * sizeof *kept);
@@ -280,9 +293,10 @@ struct program *program_create_given(const struct equations *e, int first, int c
     p->outputs = count;
     p->output = arena_array(&p->arena, 2 * (size_t)count + 1, sizeof *p->output);
     p->result = p->output + count;
+    p->written = arena_array(&p->arena, (size_t)count, sizeof *p->written);
     struct graph graph;
     graph_init(&graph, &p->arena, true);
-    bool fine = p->output && bind(e, first, bound, value, &graph, p->result, count);
+    bool fine = p->output && p->written && bind(e, first, bound, value, &graph, p->result, count);
     if (!fine)
         error_memory(error);
     fine = fine && graph_check(&graph, error);

@@ -25,10 +25,11 @@ enum node_kind {
     NODE_IF, /* a > 0 ? b : c */
     NODE_ONE,
     NODE_TWO,
-    /* Only in programs; rounded twice, as two operations: a b + c, a b - c, c - a b */
+    /* Only in programs; rounded twice, as two operations: a b + c, a b - c, c - a b, -(a b) */
     NODE_MUL_ADD,
     NODE_MUL_SUB,
     NODE_SUB_MUL,
+    NODE_NEG_MUL,
     NODE_KINDS
 };
 
@@ -104,6 +105,8 @@ static inline __attribute__((always_inline)) double node_value(enum node_kind ki
         return a * b - c;
     case NODE_SUB_MUL:
         return c - a * b;
+    case NODE_NEG_MUL:
+        return -(a * b);
     }
     return node->number;
 }
@@ -124,7 +127,8 @@ static inline __attribute__((always_inline)) double node_value(enum node_kind ki
     CASE(NODE_TWO)                                                                                                     \
     CASE(NODE_MUL_ADD)                                                                                                 \
     CASE(NODE_MUL_SUB)                                                                                                 \
-    CASE(NODE_SUB_MUL)
+    CASE(NODE_SUB_MUL)                                                                                                 \
+    CASE(NODE_NEG_MUL)
 
 /* ---- derivatives (derive.c) ---- */
 
@@ -146,6 +150,7 @@ struct equations {
 struct instruction {
     struct node node; /* operand: places */
     int out;
+    int output;   /* in lanes: the output that this is, which no operation reads; -1: none */
     bool last[3]; /* the operand's place is free afterwards */
 };
 
@@ -165,6 +170,8 @@ struct program {
     int uses;
     int *output; /* [outputs] places */
     int outputs;
+    bool *written; /* [outputs] in lanes by the operation itself */
+    int copies;    /* the others */
     struct node *node; /* the graph it came from, and there the outputs: for questions */
     int nodes, *result;
     struct native *native; /* NULL: none */

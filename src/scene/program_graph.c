@@ -18,6 +18,7 @@ int node_arity(enum node_kind kind)
         [NODE_NEG] = 1, [NODE_ABS] = 1, [NODE_SQRT] = 1,    [NODE_ADD] = 2,        [NODE_SUB] = 2,
         [NODE_MUL] = 2, [NODE_DIV] = 2, [NODE_LESS] = 2,    [NODE_LESS_EQUAL] = 2, [NODE_IF] = 3,
         [NODE_ONE] = 1, [NODE_TWO] = 2, [NODE_MUL_ADD] = 3, [NODE_MUL_SUB] = 3,    [NODE_SUB_MUL] = 3,
+        [NODE_NEG_MUL] = 2,
     };
     return arity[kind];
 }

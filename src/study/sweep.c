@@ -112,7 +112,7 @@ static bool lanes_go(const struct sweep_request *request, const struct sweep *sw
     enum drag drag = request->settings.drag;
     const bool go = system && bind_end(request, sweep, sweep->first, system) &&
                     method_applies(request->method, system, &drag, &ignored) &&
-                    lanes_kind(request->method, system, drag, request->settings.dt) >= 0;
+                    lanes_fit(request->method, system, drag, request->settings.dt);
     free(system);
     return go;
 }
@@ -133,7 +133,7 @@ static void choose_lanes(struct sweep_job *job, struct plan *plan)
                     !text_is(text_of(request->axis[a].name), "t0");
     for (int m = 0; m < request->measures; m++)
         possible &= lane_measures(&request->measure[m]);
-    possible = possible && system->n == 2 && system->order == 2 && (!job->watches || plan->steps <= LIMIT_SAMPLES);
+    possible = possible && (!job->watches || plan->steps <= LIMIT_SAMPLES);
     free(system);
     job->in_lanes = possible;
     if (possible) {

@@ -55,7 +55,7 @@ struct sweep_worker {
     struct watch watch[LANES];
     int64_t point[LANES]; /* of each lane: place in the sweep */
     int used;
-    int kind;
+    double *work;    /* of a step alone */
     enum drag drag;
     double steps; /* of all points so far */
     int64_t side_by_side;

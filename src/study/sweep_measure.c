@@ -71,6 +71,14 @@ bool sweep_measure_find(const struct model *model, struct text name, struct swee
             measure->variable = i;
             return true;
         }
+    for (int i = 0; i < model_observed(model); i++) {
+        const struct variable quantity = model_observed_variable(model, i);
+        if (text_is(name, quantity.name)) {
+            *measure = (struct sweep_measure){.kind = SWEEP_OBSERVED, .variable = i};
+            memcpy(measure->observed, quantity.name, sizeof quantity.name);
+            return true;
+        }
+    }
     measure->observable = (const struct observable *)(const void *)catalog_find(&observable_catalog, name);
     measure->kind = SWEEP_OBSERVABLE;
     if (measure->observable && (model->order == 2 || !(measure->observable->needs & NEED_MECHANICS)))
@@ -84,6 +92,8 @@ bool sweep_measure_find(const struct model *model, struct text name, struct swee
         suggestion_offer(&near, catalog_row(&observable_catalog, i)->name);
     for (int i = 0; i < model->n; i++)
         suggestion_offer(&near, model->variable[i].name);
+    for (int i = 0; i < model_observed(model); i++)
+        suggestion_offer(&near, model_observed_variable(model, i).name);
     error_at(error, name, "'%.*s' is nothing that a sweep measures", (int)(name.len < 64 ? name.len : 64), name.at);
     suggestion_hint(&near, error);
     return error_hint(error, "measures are amplitude, period, max, error, energy_error, steps, evals, reached, and what "
@@ -93,6 +103,7 @@ bool sweep_measure_find(const struct model *model, struct text name, struct swee
 const char *sweep_measure_name(const struct sweep_measure *measure, const struct model *model)
 {
     return measure->kind == SWEEP_VARIABLE     ? model->variable[measure->variable].name
+           : measure->kind == SWEEP_OBSERVED   ? measure->observed
            : measure->kind == SWEEP_OBSERVABLE ? measure->observable->row.name
                                                : rows[measure->kind].name;
 }
@@ -109,6 +120,8 @@ enum quantity sweep_measure_quantity(const struct sweep_measure *measure, const 
         return QUANTITY_TIME;
     case SWEEP_VARIABLE:
         return model->variable[measure->variable].quantity;
+    case SWEEP_OBSERVED:
+        return model_observed_variable(model, measure->variable).quantity;
     case SWEEP_OBSERVABLE:
         return observable_quantity(measure->observable, &system);
     default:

@@ -9,7 +9,6 @@
 enum { ROWS = 64 }; /* steps between looks at what the lanes do */
 
 #define SUSPICIOUS 1e100 /* diverging: that goes alone, where it is stopped at the right step */
-#define WORK_MOST 64
 
 void sweep_common(const struct sweep_request *request, struct scene *scene, struct run_settings *settings)
 {
@@ -27,8 +26,9 @@ bool sweep_worker_init(struct sweep_worker *worker, struct sweep_job *job)
     if (job->in_lanes) {
         worker->lanes = lanes_create();
         worker->row = malloc((size_t)ROWS * 2 * LANES * sizeof *worker->row);
+        worker->work = malloc(method_work_size(job->request->method, job->request->scene->model->n) * sizeof *worker->work);
     }
-    if (worker->system && (!job->in_lanes || (worker->lanes && worker->row)))
+    if (worker->system && (!job->in_lanes || (worker->lanes && worker->row && worker->work)))
         return true;
     sweep_worker_free(worker);
     return false;
@@ -38,6 +38,7 @@ void sweep_worker_free(struct sweep_worker *worker)
 {
     free(worker->system);
     free(worker->row);
+    free(worker->work);
     lanes_destroy(worker->lanes);
 }
 
@@ -154,6 +155,8 @@ static double run_measure(const struct run *run, const struct sweep_measure *mea
         return run->t;
     case SWEEP_VARIABLE:
         return run->y[measure->variable];
+    case SWEEP_OBSERVED:
+        return system_observe(&run->system, measure->variable, run->t, run->y);
     case SWEEP_OBSERVABLE:
         return run_observable(run, measure->observable);
     }
@@ -220,13 +223,12 @@ static bool finish_lane(const struct sweep_worker *worker, int lane, double *y, 
     const struct system *system = &worker->system[lane];
     const struct method *method = job->request->method;
     const double h = job->request->settings.dt;
-    double work[WORK_MOST];
     struct step step = {.system = system,
                         .drag = worker->drag,
                         .t = system->t0 + (double)job->whole * h,
                         .h = job->rest,
                         .y = y,
-                        .work = work};
+                        .work = worker->work};
     const bool ok = method_turning_step(method, &step) == STEP_OK;
     *evals += step.cost.evals;
     return ok;
@@ -253,6 +255,8 @@ static double lane_measure(const struct sweep_worker *worker, int lane, const st
         return end;
     case SWEEP_VARIABLE:
         return y[measure->variable];
+    case SWEEP_OBSERVED:
+        return system_observe(system, measure->variable, end, y);
     case SWEEP_OBSERVABLE:
         return measure->observable->value(&(struct sample){.t = end, .y = y, .system = system});
     default:
@@ -260,20 +264,33 @@ static double lane_measure(const struct sweep_worker *worker, int lane, const st
     }
 }
 
-static bool suspicious(const double *y)
+static bool suspicious(const double *y, int n)
 {
-    return !(fabs(y[0]) <= SUSPICIOUS && fabs(y[1]) <= SUSPICIOUS);
+    for (int i = 0; i < n; i++)
+        if (!(fabs(y[i]) <= SUSPICIOUS))
+            return true;
+    return false;
 }
 
-static bool all_suspicious(const struct lanes *lanes)
+static bool all_suspicious(const struct sweep_worker *worker)
 {
-    double y[2];
+    double y[LIMIT_VARIABLES];
     for (int lane = 0; lane < LANES; lane++) {
-        lanes_state(lanes, lane, y);
-        if (!suspicious(y))
+        lanes_state(worker->lanes, lane, y);
+        if (!suspicious(y, worker->system[0].n))
             return false;
     }
     return true;
+}
+
+/* The speeds at the end of the last step, whose time is the end's own. */
+static void speeds_at_end(const struct sweep_worker *worker, double end, double *speeds)
+{
+    double y[LIMIT_VARIABLES];
+    for (int lane = 0; lane < worker->used; lane++) {
+        lanes_state(worker->lanes, lane, y);
+        speeds[lane] = speed(&worker->system[lane], end, y);
+    }
 }
 
 /* One row after another: whose velocity has changed its sign? before: the row before these. */
@@ -281,6 +298,8 @@ static void watch_lanes(struct sweep_worker *worker, const double *before, int64
 {
     const double t0 = worker->system[0].t0, h = worker->job->request->settings.dt;
     const bool ends = first + count == worker->job->whole && worker->job->rest == 0;
+    if (ends && worker->system[0].order == 1)
+        speeds_at_end(worker, t0 + worker->job->request->duration, worker->row + (2 * count - 1) * LANES);
     for (int64_t i = 0; i < count; i++) {
         const double *row = worker->row + i * 2 * LANES;
         uint64_t turned = 0;
@@ -322,27 +341,23 @@ static bool march(struct sweep_worker *worker)
 {
     const struct sweep_job *job = worker->job;
     const int64_t opening = job->watches ? opening_step(worker) : job->whole;
-    double before[2 * LANES], y[2];
+    double before[2 * LANES];
     for (int lane = 0; lane < worker->used; lane++)
         watch_begin(&worker->watch[lane], worker->system[lane].start[0]);
     for (int64_t i = 0; i < job->whole;) {
         const bool watching = job->tops || (job->watches && i >= opening);
         const int64_t count = least(i < opening ? opening - i : job->whole - i, watching ? ROWS : 16 * ROWS);
         if (watching)
-            for (int lane = 0; lane < LANES; lane++) {
-                lanes_state(worker->lanes, lane, y);
-                before[lane] = y[0];
-                before[LANES + lane] = y[1];
-                if (lane < worker->used && i == opening)
-                    watch_open(&worker->watch[lane], y[0]);
-            }
+            lanes_row(worker->lanes, before);
+        for (int lane = 0; lane < worker->used && watching && i == opening; lane++)
+            watch_open(&worker->watch[lane], before[lane]);
         lanes_march(worker->lanes, count, watching ? worker->row : NULL);
         if (watching)
             watch_lanes(worker, before, i, count);
         i += count;
         if (cancelled(job->request->cancel))
             return false;
-        if (all_suspicious(worker->lanes))
+        if (all_suspicious(worker))
             break;
     }
     return true;
@@ -355,22 +370,23 @@ static void finish_lanes(struct sweep_worker *worker)
     for (int lane = 0; lane < worker->used; lane++) {
         const int64_t i = worker->point[lane];
         struct watch *watch = &worker->watch[lane];
+        const struct system *system = &worker->system[lane];
         int64_t evals = lanes_evals(worker->lanes, lane);
-        double y[2], was[2];
+        double y[LIMIT_VARIABLES], was[LIMIT_VARIABLES];
         lanes_state(worker->lanes, lane, y);
         memcpy(was, y, sizeof y);
-        if (suspicious(y) || (job->rest != 0 && !finish_lane(worker, lane, y, &evals))) {
+        if (suspicious(y, system->n) || (job->rest != 0 && !finish_lane(worker, lane, y, &evals))) {
             go_alone(worker, i);
             continue;
         }
         if (job->watches) {
-            const struct system *system = &worker->system[lane];
             const double from = system->t0 + (double)job->whole * request->settings.dt,
                          end = system->t0 + request->duration;
             if (!watch->open && (job->rest == 0 ? end : from) >= system->t0 + job->opens)
                 watch_open(watch, was[0]);
-            if (job->rest != 0 && watch_turns(was[1], y[1]))
-                watch_turn(watch, from, was[0], was[1], end, y[0], y[1]);
+            const double speed0 = speed(system, from, was), speed1 = speed(system, end, y);
+            if (job->rest != 0 && watch_turns(speed0, speed1))
+                watch_turn(watch, from, was[0], speed0, end, y[0], speed1);
             if (!watch->open)
                 watch_open(watch, y[0]);
             watch_end(watch, y[0]);
@@ -389,10 +405,13 @@ static void flush(struct sweep_worker *worker)
     const struct sweep_request *request = worker->job->request;
     if (worker->used == 0)
         return;
-    lanes_begin(worker->lanes, request->method, worker->drag, worker->kind, worker->system[0].t0, request->settings.dt);
-    for (int lane = 0; lane < LANES; lane++)
+    const bool begun =
+        lanes_begin(worker->lanes, request->method, worker->drag, &worker->system[0], request->settings.dt);
+    for (int lane = 0; begun && lane < LANES; lane++)
         lanes_set(worker->lanes, lane, &worker->system[lane < worker->used ? lane : worker->used - 1]);
-    if (march(worker))
+    for (int lane = 0; !begun && lane < worker->used; lane++) /* no memory */
+        go_alone(worker, worker->point[lane]);
+    if (begun && march(worker))
         finish_lanes(worker);
     worker->used = 0;
 }
@@ -411,17 +430,15 @@ static void gather(struct sweep_worker *worker, int64_t i)
         refuse(worker, i, &error);
         return;
     }
-    const int kind = lanes_kind(request->method, system, drag, h);
-    if (kind < 0) {
+    if (!lanes_fit(request->method, system, drag, h)) {
         go_alone(worker, i);
         return;
     }
-    if (worker->used > 0 && (kind != worker->kind || drag != worker->drag)) {
+    if (worker->used > 0 && (drag != worker->drag || !lanes_alike(&worker->system[0], system))) {
         const struct system next = *system;
         flush(worker);
         worker->system[0] = next;
     }
-    worker->kind = kind;
     worker->drag = drag;
     worker->point[worker->used++] = i;
     if (worker->used == LANES)

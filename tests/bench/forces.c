@@ -24,7 +24,7 @@ static bool find(const void *context, struct text name, int *slot)
 struct typed {
     const char *text;
     struct program *program;
-    double *frame;
+    double *frame, *input; /* in lanes apart */
     double k, c, w;
     bool driven; /* depends on time */
     double (*made)(double y, double v, double t, double h,
@@ -115,13 +115,13 @@ lanes_step(const struct typed *f, double *restrict y, double *restrict v, double
 {
     enum { W = PROGRAM_LANES };
     static const double at[] = {0.5, 0.5, 1}, weight[] = {2, 2, 1};
-    double force[W], sum_y[W], sum_v[W], *restrict in = f->frame;
+    double force[W], sum_y[W], sum_v[W], *restrict in = f->input;
     for (int i = 0; i < W; i++) {
         in[Y * W + i] = y[i];
         in[V * W + i] = sum_y[i] = v[i];
         in[T * W + i] = t;
     }
-    program_eval_lanes(f->program, in, sum_v, in);
+    program_eval_lanes(f->program, sum_v, f->frame);
     memcpy(force, sum_v, sizeof force);
     for (int stage = 0; stage < 3; stage++) {
         const double step = at[stage] * h, share = weight[stage];
@@ -132,7 +132,7 @@ lanes_step(const struct typed *f, double *restrict y, double *restrict v, double
         }
         for (int i = 0; f->driven && i < W; i++)
             in[T * W + i] = t + step;
-        program_eval_lanes(f->program, in, force, in);
+        program_eval_lanes(f->program, force, f->frame);
         for (int i = 0; i < W; i++)
             sum_v[i] += share * force[i];
     }
@@ -162,11 +162,16 @@ static void contest_of(const char *text, double (*by_hand)(double, double, doubl
     for (int i = 0; i < 3; i++) {
         form[i] = (struct typed){.text = text, .program = ready(text, i == 0), .made = program_loop};
         form[i].driven = program_depends(form[i].program, 0, 1, T);
-        const size_t lanes = i == 2 ? PROGRAM_LANES : 1;
-        form[i].frame = aligned_alloc(64, (program_frame(form[i].program) * lanes + 7) / 8 * 64);
-        if (!form[i].frame)
+        const struct program *program = form[i].program;
+        const size_t room = i == 2 ? program_frame_lanes(program) : program_frame(program);
+        form[i].frame = aligned_alloc(64, (room + 7) / 8 * 64);
+        form[i].input = aligned_alloc(64, (size_t)NAMES * PROGRAM_LANES * sizeof(double));
+        if (!form[i].frame || !form[i].input)
             bench_die(text, "out of memory");
-        (i == 2 ? program_prepare_lanes : program_prepare)(form[i].program, form[i].frame);
+        if (i == 2)
+            program_prepare_lanes(program, form[i].input, NULL, form[i].frame);
+        else
+            program_prepare(program, form[i].frame);
     }
     struct typed hand = {.k = known[3], .c = known[4], .w = known[5], .made = by_hand};
     struct arm arm[] = {{.run = run_steps, .self = &form[0]},
@@ -186,6 +191,7 @@ static void contest_of(const char *text, double (*by_hand)(double, double, doubl
     for (int i = 0; i < 3; i++) {
         program_destroy(form[i].program);
         free(form[i].frame);
+        free(form[i].input);
     }
 }
 

@@ -2,6 +2,8 @@
 /* Sweeps: many trajectories side by side, against loops over lanes by hand and against one trajectory after another. */
 #include "bench.h"
 
+#include "../unit/scene_typing.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -19,26 +21,32 @@ struct lane_case {
     struct lanes *lanes;
     struct system system;
     enum drag drag;
-    int kind;
 };
 
-static bool lane_case_init(struct lane_case *one, const char *method, const char *preset)
+/* typed: a force, in place of the preset's; NULL: the preset's own. */
+static bool lane_case_init(struct lane_case *one, const char *method, const char *preset, const char *typed)
 {
-    const struct scene scene = bench_scene(preset, NULL, 0);
+    struct scene scene = bench_scene(preset, NULL, 0);
     struct error error;
+    if (typed) {
+        struct typed_models *models = typed_create(&error); /* lives as long as the benchmark */
+        const char *const lines[] = {"var y = 0.05", "param k = 75", "param c = 0.3", "param w = 2", typed, NULL};
+        if (!models || !type_scene(models, &scene, lines))
+            bench_die("sweep", typed);
+    }
     *one = (struct lane_case){.method = method, .preset = preset, .lanes = lanes_create()};
     if (!one->lanes || !scene_bind(&scene, &one->system, &error) ||
         !method_applies(bench_method(method), &one->system, &one->drag, &error))
         return false;
-    one->kind = lanes_kind(bench_method(method), &one->system, one->drag, H);
-    return one->kind >= 0;
+    return lanes_fit(bench_method(method), &one->system, one->drag, H);
 }
 
 /* ns a trajectory-step */
 static double in_lanes(void *self)
 {
     struct lane_case *one = self;
-    lanes_begin(one->lanes, bench_method(one->method), one->drag, one->kind, 0, H);
+    if (!lanes_begin(one->lanes, bench_method(one->method), one->drag, &one->system, H))
+        bench_die("lanes", "out of memory");
     for (int lane = 0; lane < LANES; lane++)
         lanes_set(one->lanes, lane, &one->system);
     const int64_t begin = clock_ns();
@@ -171,10 +179,25 @@ static void large_row(const char *method)
                method, ns * 1e8 * 1e-9, ns * 0.1, megabytes() - before);
 }
 
+/* Typed forces against built-in ones in lanes, and one by one. */
+static void typed_rows(const char *typed, struct lane_case *built_in, double goal)
+{
+    struct lane_case one;
+    if (!lane_case_init(&one, "rk4", "spring", typed))
+        bench_die("sweep", typed);
+    struct arm arm[] = {ARM(in_lanes, &one), ARM(one_by_one, &one), ARM(in_lanes, built_in)};
+    contest(arm, 3);
+    char what[64];
+    snprintf(what, sizeof what, "lanes, %s", built_in->preset);
+    table_row(typed, &arm[0], what, &arm[2], goal);
+    table_row(typed, &arm[0], "one by one", &arm[1], NAN);
+    lanes_destroy(one.lanes);
+}
+
 static void lane_rows(const char *method, const char *preset, struct hand_case *hand, double goal)
 {
     struct lane_case one;
-    if (!lane_case_init(&one, method, preset)) {
+    if (!lane_case_init(&one, method, preset, NULL)) {
         table_note("%s with %s does not go in lanes", method, preset);
         lanes_destroy(one.lanes);
         return;
@@ -195,6 +218,23 @@ static void lane_rows(const char *method, const char *preset, struct hand_case *
     lanes_destroy(one.lanes);
 }
 
+static void typed_topic(void)
+{
+    struct lane_case duffing, driven, drag;
+    if (!lane_case_init(&duffing, "rk4", "duffing", NULL) || !lane_case_init(&driven, "rk4", "driven", NULL) ||
+        !lane_case_init(&drag, "rk4", "drag", NULL))
+        bench_die("sweep", "they go in lanes");
+    table_begin("Typed forces side by side, rk4", "ns a trajectory-step");
+    typed_rows("y'' = -k*y - c*y^3", &duffing, 3);
+    typed_rows("y'' = -k*y - c*y'*abs(y)", &duffing, 3);
+    typed_rows("y'' = -k*y - c*y' + cos(w*t)", &driven, 3);
+    typed_rows("y'' = -k*y - c*y'*abs(y')", &drag, 3);
+    table_note("the last ones step to each turning point, 2.8 in 100 steps here; the second is the same without");
+    lanes_destroy(duffing.lanes);
+    lanes_destroy(driven.lanes);
+    lanes_destroy(drag.lanes);
+}
+
 void bench_sweep(void)
 {
     struct hand_case euler = {hand_euler}, rk4 = {hand_rk4};
@@ -208,6 +248,7 @@ void bench_sweep(void)
     lane_rows("midpoint", "drag", NULL, NAN);
     lane_rows("verlet", "drag", NULL, NAN);
     table_note("rk4 steps to each turning point of quadratic drag, 2.8 in 100 steps here");
+    typed_topic();
     table_begin("A sweep of the driven oscillator: 100 x 300 points, 1000 steps each, amplitude", "ns a trajectory-step");
     threads_row("rk4");
     threads_row("symplectic-euler");

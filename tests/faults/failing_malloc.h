@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Include once in a test program: its malloc, calloc and realloc count the allocations of the whole process (libc's
- * own, in strdup and others, too) and fail on request. Under AddressSanitizer, which has its own, nothing is replaced:
+ * Include once in a test program: its malloc, calloc, realloc and aligned_alloc count the allocations of the whole
+ * process (libc's own, in strdup and others, too) and fail on request. Under AddressSanitizer, which has its own, nothing is replaced:
  * skip() when !MALLOC_CAN_FAIL.
  */
 #ifndef HOOKE_TESTS_FAILING_MALLOC_H
@@ -33,6 +33,7 @@ static bool malloc_fail_for_ever; /* and all that follow it */
 void *malloc(size_t size);
 void *calloc(size_t count, size_t size);
 void *realloc(void *old, size_t size);
+void *aligned_alloc(size_t alignment, size_t size);
 
 static bool malloc_fails_now(void)
 {
@@ -72,6 +73,14 @@ void *realloc(void *old, size_t size)
     if (!real)
         malloc_find(&real, "realloc");
     return malloc_fails_now() ? NULL : real(old, size);
+}
+
+void *aligned_alloc(size_t alignment, size_t size)
+{
+    static void *(*real)(size_t, size_t);
+    if (!real)
+        malloc_find(&real, "aligned_alloc");
+    return malloc_fails_now() ? NULL : real(alignment, size);
 }
 #endif
 

@@ -91,18 +91,17 @@ static void test_evaluation(void **state)
     assert_true(equations_add(equations, expr_compile(text_of(source), &scope, &arena, &used, &error), &error));
     struct program *program = program_create(equations, 0, 1, NULL, NULL, false, &error);
     assert_non_null(program);
-    const size_t size = program_frame(program);
-    double *frame = malloc(size * PROGRAM_LANES * sizeof *frame), output[PROGRAM_LANES];
+    double *frame = malloc(program_frame_lanes(program) * sizeof *frame), input[NAMES * PROGRAM_LANES],
+           output[PROGRAM_LANES];
     assert_non_null(frame);
+    assert_true(program_frame(program) <= program_frame_lanes(program));
     malloc_calls = 0;
-    for (size_t i = 0; i < size * PROGRAM_LANES; i++)
-        frame[i] = 0.5;
+    for (size_t i = 0; i < COUNT_OF(input); i++)
+        input[i] = 0.5;
     program_prepare(program, frame);
-    program_eval(program, frame, output, frame);
-    for (size_t i = 0; i < NAMES * PROGRAM_LANES; i++)
-        frame[i] = 0.5;
-    program_prepare_lanes(program, frame);
-    program_eval_lanes(program, frame, output, frame);
+    program_eval(program, input, output, frame);
+    program_prepare_lanes(program, input, NULL, frame);
+    program_eval_lanes(program, output, frame);
     assert_int_equal(malloc_calls, 0);
     free(frame);
     program_destroy(program);

@@ -45,12 +45,11 @@ static bool compare(struct lanes *lanes, const struct method *method, unsigned w
         lane_scene(which, lane, alike, &systems[lane]);
     if (!method_applies(method, &systems[0], &drag, &error))
         return false;
-    const int kind = lanes_kind(method, &systems[0], drag, H);
-    if (kind < 0)
+    if (!lanes_fit(method, &systems[0], drag, H))
         return false;
-    lanes_begin(lanes, method, drag, kind, systems[0].t0, H);
+    assert_true(lanes_begin(lanes, method, drag, &systems[0], H));
     for (int lane = 0; lane < LANES; lane++) {
-        assert_int_equal(lanes_kind(method, &systems[lane], drag, H), kind);
+        assert_true(lanes_alike(&systems[0], &systems[lane]));
         lanes_set(lanes, lane, &systems[lane]);
     }
     /* In pieces, some of them without rows. */
@@ -121,7 +120,7 @@ static void test_lanes_refuse(void **state)
             continue;
         lane_scene(cases[i].which, 0, true, &system);
         assert_true(method_applies((const struct method *)(const void *)row, &system, &drag, &error));
-        assert_int_equal(lanes_kind((const struct method *)(const void *)row, &system, drag, cases[i].h), -1);
+        assert_false(lanes_fit((const struct method *)(const void *)row, &system, drag, cases[i].h));
     }
 }
 

@@ -19,23 +19,28 @@ static struct program *given_program(const struct equations *equations, int coun
 static void compare(const struct program *program, const double *input, int first, const double *wanted,
                     const char *text)
 {
-    double given[GIVEN + 64], output[OUTPUTS], *frame = frame_of(program, 1);
+    double given[GIVEN + 64], output[OUTPUTS], *frame = room_of(program_frame(program));
     assert_true(program->names <= first + (int)COUNT_OF(given));
     memset(given, 0xFF, sizeof given);
     memcpy(given, input + first, (size_t)(NAMES - first) * sizeof *given);
     program_keep(program, given);
+    program_prepare(program, frame);
     program_run(program, input[0], input + 1, given, output, frame);
     for (int i = 0; i < program->outputs; i++)
         if (!same(output[i], wanted[i]))
             fail_msg("%s: output %d from name %d on given: %.17g, wanted %.17g", text, i, first, output[i], wanted[i]);
     free(frame);
-    double *lanes = frame_of(program, PROGRAM_LANES), row[OUTPUTS * PROGRAM_LANES];
+    double *in = room_of((size_t)program->names * PROGRAM_LANES), *lanes = room_of(program_frame_lanes(program));
+    double *row = room_of(OUTPUTS * PROGRAM_LANES);
     for (int i = 0; i < program->names; i++)
         for (int k = 0; k < PROGRAM_LANES; k++)
-            lanes[i * PROGRAM_LANES + k] = i < first ? input[i] : given[i - first];
-    program_eval_lanes(program, lanes, row, lanes);
+            in[i * PROGRAM_LANES + k] = i < first ? input[i] : given[i - first];
+    program_prepare_lanes(program, in, NULL, lanes);
+    program_eval_lanes(program, row, lanes);
     for (int i = 0; i < program->outputs; i++)
         assert_true(same(row[i * PROGRAM_LANES + 7], wanted[i]));
+    free(in);
+    free(row);
     free(lanes);
 }
 

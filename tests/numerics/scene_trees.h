@@ -66,21 +66,19 @@ static inline struct program *program_of(const struct equations *equations, int 
     return program;
 }
 
-static inline double *frame_of(const struct program *program, size_t lanes)
+/* NaN: what was not set is seen. */
+static inline double *room_of(size_t count)
 {
-    double *frame = malloc(program_frame(program) * lanes * sizeof *frame + 1);
-    assert_non_null(frame);
-    memset(frame, 0xFF, program_frame(program) * lanes * sizeof *frame); /* NaN: what was not set is seen */
-    if (lanes > 1)
-        program_prepare_lanes(program, frame);
-    else
-        program_prepare(program, frame);
-    return frame;
+    double *room = aligned_alloc(64, (count * sizeof *room + 64) / 64 * 64);
+    assert_non_null(room);
+    memset(room, 0xFF, count * sizeof *room);
+    return room;
 }
 
 static inline void evaluate(const struct program *program, const double *input, double *output)
 {
-    double *frame = frame_of(program, 1);
+    double *frame = room_of(program_frame(program));
+    program_prepare(program, frame);
     program_eval(program, input, output, frame);
     free(frame);
 }
@@ -91,14 +89,20 @@ static inline void evaluate_all(const struct equations *equations, int first, in
 {
     struct program *registers = program_of(equations, first, outputs, bound, value, false);
     struct program *native = program_of(equations, first, outputs, bound, value, true);
-    double *lanes = frame_of(registers, PROGRAM_LANES), *row = malloc(2 * (size_t)outputs * sizeof *row);
-    double *in = malloc(NAMES * PROGRAM_LANES * sizeof *in);
-    double *out = malloc((size_t)outputs * PROGRAM_LANES * sizeof *out);
-    assert_true(lanes && row && in && out);
-    for (int k = 0; k < PROGRAM_LANES; k++)
-        for (int j = 0; j < NAMES; j++)
+    double *lanes = room_of(program_frame_lanes(registers)), *row = room_of((size_t)outputs);
+    double *in = room_of(NAMES * PROGRAM_LANES), *out = room_of((size_t)outputs * PROGRAM_LANES);
+    unsigned char known[NAMES];
+    for (int j = 0; j < NAMES; j++) {
+        known[j] = LANES_ALIKE | (j % 2 ? LANES_FIXED : 0);
+        for (int k = 0; k < PROGRAM_LANES; k++) {
             in[j * PROGRAM_LANES + k] = input[(k % count) * NAMES + j];
-    program_eval_lanes(registers, in, out, lanes);
+            if (memcmp(&in[j * PROGRAM_LANES + k], &in[j * PROGRAM_LANES], sizeof *in) != 0)
+                known[j] &= LANES_FIXED;
+        }
+    }
+    program_prepare_lanes(registers, in, known, lanes);
+    program_eval_lanes(registers, out, lanes);
+    program_eval_lanes(registers, out, lanes);
     for (int k = 0; k < count; k++) {
         evaluate(registers, input + k * NAMES, output + k * outputs);
         evaluate(native, input + k * NAMES, row);
