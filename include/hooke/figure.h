@@ -61,6 +61,7 @@ struct curve {
     const double *x, *y; /* [n] NaN is a gap */
     size_t n;
     bool points;    /* data: marks instead of a line, drawn last */
+    bool cloud;     /* points, so many that each is the smallest dot there is */
     bool unbounded; /* a diverging run: does not take part in the automatic range, leaves through the frame with an
                        arrow */
     char mark;      /* glyph of this overlay in ASCII ('#', 'o', 'x', '+'); 0: choose by position */

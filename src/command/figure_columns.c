@@ -5,6 +5,8 @@
 
 #include <string.h>
 
+#define MARKS_MOST 100 /* points that are told apart */
+
 bool drawing_columns(struct drawing *d, const struct system *system)
 {
     const struct figure_request *request = d->request;
@@ -103,7 +105,8 @@ bool drawing_happenings(struct drawing *d, const struct held_run *held)
                      (int)(request->at.len < 64 ? request->at.len : 64), request->at.at);
             return error_hint(d->error, "'list events' shows what happened");
         }
-        d->curve[d->curves++] = (struct curve){.label = label, .x = x, .y = y, .n = n, .points = true};
+        d->curve[d->curves++] =
+            (struct curve){.label = label, .x = x, .y = y, .n = n, .points = true, .cloud = n > MARKS_MOST};
     }
     return true;
 }

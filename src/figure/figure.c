@@ -44,6 +44,8 @@ static char mark_of(const struct figure *figure, int i)
         return curve->mark;
     for (int c = 0; c < i; c++)
         before += figure->curve[c].points == curve->points && !figure->curve[c].mark;
+    if (curve->cloud)
+        return '.';
     if (curve->points)
         return points[before % (sizeof points - 1)];
     return before ? lines[(before - 1) % (sizeof lines - 1)] : 0;
@@ -226,7 +228,9 @@ static void draw_curves(const struct sheet *sheet)
             raster.style = style_of(i);
             if (pass != (curve->points ? 2 : !raster.mark))
                 continue;
-            if (curve->points)
+            if (curve->cloud)
+                raster.mark = 0;
+            if (curve->points && !curve->cloud)
                 raster_points(&raster, curve, lines && curve->n > (size_t)layout->columns / 2 ? 5 : 1);
             else
                 raster_line(&raster, curve);

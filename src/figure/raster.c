@@ -161,6 +161,8 @@ void raster_line(const struct raster *raster, const struct curve *curve)
             pen_up(&pen);
         else
             pen_to(&pen, x * across, (1 - y) * down);
+        if (curve->cloud)
+            pen_up(&pen);
     }
     pen_up(&pen);
 }

@@ -315,6 +315,31 @@ static void test_overlays_have_their_own_marks(void **state)
     expect(&figure, 50, 14, CHARSET_BRAILLE, drawn_overlay_braille);
 }
 
+/* Each point of a cloud is a dot of its own: nothing lies between them. */
+static void test_clouds(void **state)
+{
+    static const double x[] = {0, 10, 0, 10, 5}, y[] = {0, 1, 1, 0, 0.5};
+    const struct curve curve = {.label = "section", .x = x, .y = y, .n = 5, .points = true, .cloud = true};
+    const struct figure figure = of(&curve, 1);
+    (void)state;
+    for (int charset = CHARSET_ASCII; charset <= CHARSET_BRAILLE; charset++) {
+        struct canvas canvas;
+        struct figure_layout layout;
+        int dots = 0;
+        assert_true(canvas_init(&canvas, 60, 20));
+        assert_true(figure_draw(&figure, &canvas, 0, 0, 60, 20, (enum charset)charset));
+        figure_layout(&figure, 60, 20, (enum charset)charset, &layout);
+        for (int row = 0; row < layout.rows; row++)
+            for (int column = 0; column < layout.columns; column++) {
+                const struct cell *cell =
+                    &canvas.cell[(layout.top + row) * canvas.width + layout.left + column];
+                dots += cell->style == STYLE_CURVE_1 && cell->codepoint != ' ';
+            }
+        assert_int_equal(dots, 5);
+        canvas_free(&canvas);
+    }
+}
+
 static void test_constant_and_few_samples(void **state)
 {
     static const double x[] = {0, 1, 2, 3, 4}, constant[] = {0.05, 0.05, 0.05, 0.05, 0.05};
@@ -428,6 +453,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_sine),
         cmocka_unit_test(test_overlays_have_their_own_marks),
+        cmocka_unit_test(test_clouds),
         cmocka_unit_test(test_constant_and_few_samples),
         cmocka_unit_test(test_phase),
         cmocka_unit_test(test_log_axes),
