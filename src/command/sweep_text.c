@@ -187,13 +187,25 @@ static void put_map(const struct session *session, const struct swept *swept, in
     heat_print(&heat, width, height - 3 > 8 ? height - 3 : 8, session_charset(session), text);
 }
 
+static bool has_values(const struct sweep *sweep, int measure)
+{
+    bool some = false;
+    for (int64_t i = 0; i < sweep->count; i++)
+        some |= isfinite(value_at(sweep, i, measure));
+    return some;
+}
+
 void sweep_text(const struct session *session, const struct swept *swept, struct arena *arena, struct buffer *text)
 {
     const struct sweep *sweep = swept->sweep;
     if (sweep->axes == 1)
         put_table(session, swept, arena, text);
     for (int m = 0; m < sweep->measures; m++)
-        (sweep->axes == 1 ? put_curve : put_map)(session, swept, m, arena, text);
+        if (has_values(sweep, m))
+            (sweep->axes == 1 ? put_curve : put_map)(session, swept, m, arena, text);
+        else if (swept->measure[m].kind == SWEEP_PERIOD && sweep->finished > sweep->failed + sweep->refused)
+            buffer_put(text, TEXT("no period: the last third of the duration has fewer than two maxima; give it a longer "
+                                  "duration\n"));
     buffer_format(text, "%lld of %lld point%s", (long long)sweep->finished, (long long)sweep->count,
                   sweep->count == 1 ? "" : "s");
     if (sweep->count < sweep->total)
