@@ -266,7 +266,7 @@ void study_sweep_predict(const struct sweep_request *request, double *steps, dou
     struct plan plan;
     place_shard(request, &sweep);
     const struct sweep_job job = job_of(request, &sweep, &plan);
-    const bool lanes = job.in_lanes && lanes_go(request, &sweep);
+    const bool lanes = job.in_lanes && sweep.count > SWEEP_FEW && lanes_go(request, &sweep);
     const double each = lanes ? plan.seconds / LANES_GAIN + NS_IN_LANES * 1e-9 : plan.seconds + NS_ALONE * 1e-9;
     *steps = plan.steps * (double)sweep.count;
     *seconds = each * (double)sweep.count / thread_count(request, sweep.count);
