@@ -64,10 +64,11 @@ FAST vector WITH(sine)(vector x)
     return x;
 }
 
-TERM_ADD(weight) /* of the pendulum, as in model_forces.h */
-{
-    a[0] -= c[0] * WITH(sine)(y[0]);
-}
+#undef MODEL_FORCE
+#define MODEL_FORCE TERM_ADD
+#define sin WITH(sine)
+#include "../scene/weight.def"
+#undef sin
 
 /* What one part of the lanes knows of the forces. */
 struct WITH(known) {
