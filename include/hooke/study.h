@@ -61,7 +61,8 @@ struct reference {
 bool study_reference(const struct system *system, double span, const struct cancel *cancel,
                      struct reference *reference, struct error *error);
 void reference_free(struct reference *reference);
-void reference_describe(const struct reference *reference, struct buffer *text); /* "dop853 and gauss6, which agree …" */
+/* "dop853 and gauss6, which agree …" */
+void reference_describe(const struct reference *reference, struct buffer *text);
 
 struct study_errors {
     double end, max;         /* at the end, on the grid */
@@ -257,8 +258,9 @@ bool study_order(const struct order_request *request, struct order *order, struc
 
 /* ---- stability: predicted from the method, verified by running it ----
  *
- * Each eigenvalue lambda of the scene's Jacobian is an oscillator of its own: omega = |lambda|, zeta = -Re lambda/omega.
- * On a linear scene that is the whole truth; else it is taken at the start and along the run, and is an estimate.
+ * Each eigenvalue lambda of the scene's Jacobian is an oscillator of its own: omega = |lambda|,
+ * zeta = -Re lambda/omega. On a linear scene that is the whole truth; else it is taken at the start and along the run,
+ * and is an estimate.
  */
 
 struct mode {
@@ -479,7 +481,8 @@ struct sweep_measure {
     const struct observable *observable; /* SWEEP_OBSERVABLE */
 };
 
-extern const struct catalog sweep_measure_catalog; /* struct row at the place of the kind: those with names of their own */
+/* struct row at the place of the kind: those with names of their own */
+extern const struct catalog sweep_measure_catalog;
 
 /* A row of that catalog, a state variable, a typed quantity, an observable. */
 bool sweep_measure_find(const struct model *model, struct text name, struct sweep_measure *measure,

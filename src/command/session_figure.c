@@ -50,8 +50,9 @@ static bool find_model(struct drawing *d)
     for (int i = 1; i < request->runs; i++) {
         const struct run *run = d->session->run[request->run[i]]->run;
         if (!models_alike(run->system.model, d->model))
-            return error_set(d->error, ERROR_COMMAND, "run %d (%s) and run %d (%s) have different variables: no plot shows both",
-                             first->number, first->scene.preset->row.name, run->number, run->scene.preset->row.name);
+            return error_set(d->error, ERROR_COMMAND,
+                             "run %d (%s) and run %d (%s) have different variables: no plot shows both", first->number,
+                             first->scene.preset->row.name, run->number, run->scene.preset->row.name);
     }
     if (request->columns)
         return drawing_columns(d, &first->system);
@@ -231,8 +232,8 @@ static bool add_residual(struct drawing *d, const struct recording *recording)
         return error_memory(d->error);
     const double shift = recording->zero - d->session->fit_zero; /* since the fit */
     for (size_t i = 0; i < curve->n; i++)
-        left[i] =
-            curve->y[i] - (fitted ? session_fit_value(d->session, curve->x[i]) - shift : run_position(run, curve->x[i]));
+        left[i] = curve->y[i] -
+                  (fitted ? session_fit_value(d->session, curve->x[i]) - shift : run_position(run, curve->x[i]));
     curve->y = left;
     curve->label = fitted ? "data - fit" : "data - run";
     return true;

@@ -127,7 +127,7 @@ FAST void WITH(end)(int parts, int from, const vector *x, double *numbers)
         memcpy(numbers + (from + q) * WIDE, &x[q], sizeof x[q]);
 }
 
-/* How the drive is known: not at all (there is none), prepared for all lanes alike, or as the cosine of each at `at`. */
+/* How the drive is known: not at all (there is none), prepared for all lanes alike, as the cosine of each at `at`. */
 struct WITH(drive) {
     bool timed, alike;
     double at;
@@ -228,7 +228,8 @@ FAST void WITH(rk)(bool chain, int parts, int from, WITH(force) *force, struct W
             WITH(slope)(parts, force, known, z, k[s]);
         }
         for (int j = 0; j < 2 && !fsal; j++)
-            WITH(combine)(parts, &march->shares[0], chain ? 4 : march->shares[0].count, chain ? 0 : -1, k, j, y[j], z[j]);
+            WITH(combine)(parts, &march->shares[0], chain ? 4 : march->shares[0].count, chain ? 0 : -1, k, j, y[j],
+                          z[j]);
         if (turns && WITH(turned)(parts, y[1], z[1])) {
             struct lane_step step;
             for (int j = 0; j < 2; j++) {

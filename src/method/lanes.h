@@ -37,8 +37,8 @@ static inline bool lane_turns(double v0, double v1)
 }
 
 /*
- * step: at the start of that step, all but `warm` set; its state becomes that after it, NaN where that fails. slope [n]:
- * the step's first one, afterwards the last. Returns the evaluations beyond those of a step.
+ * step: at its start, all but `warm` set; its state becomes that after it, NaN where that fails. slope [n]: the step's
+ * first one, afterwards the last. Returns the evaluations beyond those of a step.
  */
 static inline int64_t lane_turn(const struct method *method, struct step *step, double *slope)
 {
