@@ -179,6 +179,9 @@ bool parse_integer(struct parser *parser, const char *what, bool negative, struc
 bool refuse_rest(const struct parser *parser, const struct item *number, struct error *error);
 /* Both sides of a comparison must be of one quantity, where that is known. */
 bool check_condition(struct parser *parser, struct text condition, struct error *error);
+/* One item of this argument, which may end at one of `stops` (items.c). */
+bool read_item(struct parser *parser, const struct argument *argument, const char *stops, struct item *item,
+               struct error *error);
 /* Reads all arguments of a command. */
 bool parse_arguments(struct parser *parser, const struct command *command, struct arguments *arguments,
                      struct error *error);
