@@ -67,7 +67,7 @@ FAST vector WITH(sine)(vector x)
 #undef MODEL_FORCE
 #define MODEL_FORCE TERM_ADD
 #define sin WITH(sine)
-#include "../scene/weight.def"
+#include FORCE_WEIGHT
 #undef sin
 
 /* What one part of the lanes knows of the forces. */

@@ -179,11 +179,20 @@ static void finish_lanes(struct sweep_worker *worker)
     }
 }
 
+/* So many points take less time alone, as measured: forces of oscillators fill a vector, sines go one by one. */
+static int few(const struct system *system)
+{
+    return system->model->typed ? 5 : system->model == &oscillator_model ? SWEEP_FEW : 20;
+}
+
 void sweep_flush(struct sweep_worker *worker)
 {
     const struct sweep_request *request = worker->job->request;
-    const bool begun = worker->used > SWEEP_FEW && lanes_begin(worker->lanes, request->method, worker->drag,
-                                                               &worker->system[0], request->settings.dt);
+    const struct system *first = &worker->system[0];
+    if (worker->used == 0)
+        return;
+    const bool begun = worker->used > few(first) &&
+                       lanes_begin(worker->lanes, request->method, worker->drag, first, request->settings.dt);
     for (int lane = 0; begun && lane < LANES; lane++)
         lanes_set(worker->lanes, lane, &worker->system[lane < worker->used ? lane : worker->used - 1]);
     for (int lane = 0; !begun && lane < worker->used; lane++) /* few, or no memory */
