@@ -329,21 +329,22 @@ enum stress_verdict {
 
 extern const struct catalog stress_verdict_catalog; /* name, unit: its letter in the table, brief */
 
+/* A preset with some parameters set, or a scene of the caller's with one thing changed. */
 struct stress_case {
     const char *name, *brief;
     const char *preset;
     struct {
         const char *param;
-        double value;
+        double value; /* SI */
     } set[8];
-    const struct stress_scene *of; /* this scene instead, and what is changed there */
+    const struct stress_scene *of; /* that scene; NULL: the preset */
     enum { STRESS_AS_IT_IS, STRESS_STEP, STRESS_PARAM, STRESS_START } change;
-    int param;
-    double value; /* STEP: in units of the method's own limit */
-    double span; /* [s], 0: ten seconds */
-    bool fixed;  /* the case is about its dt: methods that adapt take it too */
-    double dt;   /* [s] where fixed, else span/1024 */
-    double tol;  /* 0: 1e-6 for methods that adapt */
+    int param;    /* PARAM: its place */
+    double value; /* SI, of the parameter or of the initial values; STEP: dt in units of the method's own limit */
+    double span;  /* [s], 0: ten seconds */
+    bool fixed;   /* the case is about its dt: methods that adapt take it too */
+    double dt;    /* [s] where fixed, else span/1024 */
+    double tol;   /* 0: 1e-6 for methods that adapt */
 };
 
 struct stress_row {
@@ -362,8 +363,8 @@ struct stress_row {
 struct stress_scene {
     const struct scene *scene;
     double span;        /* [s] */
-    const bool *start;  /* [parameters] initial values */
-    const bool *matter; /* [parameters] others that act */
+    const bool *start;  /* [parameters] which are initial values */
+    const bool *matter; /* [parameters] which others act */
 };
 
 struct stress {
