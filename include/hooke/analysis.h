@@ -101,7 +101,7 @@ struct derivative {
 
 #define DERIVATIVE_POINTS 5
 
-/* The slope of the least-squares parabola through so many neighbouring samples (odd, 3 at least), at uneven times too. */
+/* The slope of the least-squares parabola through so many neighbouring samples (odd, 3 at least), at any times. */
 bool series_derivative(const struct series *series, int points, struct arena *arena, struct derivative *derivative,
                        struct error *error);
 /* By which part the velocities of an oscillation come out too small, because the parabola smooths. */

@@ -95,8 +95,8 @@ void recording_destroy(struct recording *recording);
 void recording_describe(const struct recording *recording, struct buffer *text);
 bool recording_window(struct recording *recording, double from, double to, struct error *error);
 void recording_restore(struct recording *recording); /* whole file, every sample, zero 0 */
-/* The part in use without missing or masked values, zero subtracted; arrays from `arena`. At least `least` samples or an
- * error. */
+/* The part in use without missing or masked values, zero subtracted; arrays from `arena`. At least `least` samples or
+ * an error. */
 bool recording_series(const struct recording *recording, struct arena *arena, size_t least, struct series *series,
                       struct error *error);
 
@@ -134,8 +134,8 @@ struct finding {
     size_t count;                 /* samples; of gaps and times: rows */
     size_t places;                /* stretches that they form */
     double first[FINDING_PLACES]; /* [s] where the first of these begin; NAN where there are fewer */
-    double size;                  /* SI: largest deviation; of a clipped top its level, of steps their size, of a gap its
-                                     length [s], of sway the modulation (rms, relative); NAN: does not apply */
+    double size; /* SI: largest deviation; of a clipped top its level, of steps their size, of a gap its length [s], of
+                    sway the modulation (rms, relative); NAN: does not apply */
 };
 
 struct findings {

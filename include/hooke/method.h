@@ -154,8 +154,8 @@ struct march {
 };
 
 /*
- * Kernels: the same steps, to the bit, in code made for one method and one kind of scene; nothing is checked on the way,
- * so states may come out infinite or NaN. They stay only while `make bench` shows their gain.
+ * Kernels: the same steps, to the bit, in code made for one method and one kind of scene; nothing is checked on the
+ * way, so states may come out infinite or NaN. They stay only while `make bench` shows their gain.
  */
 typedef void march_function(const struct march *march);
 
@@ -172,7 +172,8 @@ int64_t method_march(const struct method *method, march_function *kernel, const 
 /* ---- many trajectories at once ----
  *
  * LANES systems of one kind, stepped side by side in vectors: each gets the bits that method_turning_march() would
- * give it alone. Explicit Runge-Kutta methods and splittings, fixed steps forward in time, oscillators and what is typed.
+ * give it alone. Explicit Runge-Kutta methods and splittings, fixed steps forward in time, oscillators, pendulums,
+ * typed scenes.
  */
 #define LANES 64
 

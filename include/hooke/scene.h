@@ -59,7 +59,7 @@ bool expr_linear(const struct expr *expr, const int *slot, int count);
  * Expressions that are evaluated often. Equations hold several in the same names (0 … names - 1, the slots of their
  * scope) as a graph: what they share is computed once; derivatives are added to it. A program is some of them with some
  * names known and the rest as inputs; making it again for other values takes microseconds. It has three forms that give
- * the same bits: operations on the doubles of a frame, on lanes of doubles, and, where the machine allows, machine code.
+ * the same bits: operations on the doubles of a frame, on lanes of doubles, and, where the machine can, machine code.
  *
  * The result is that of expr_value() bit for bit but for the rule of the scene that a term whose coefficient is 0 is
  * absent: where a factor or a numerator is the number 0 once the known names are in (not a variable that happens to be
@@ -86,8 +86,10 @@ bool equations_derive(struct equations *equations, int first, int count, const i
                       struct error *error);
 int equations_count(const struct equations *equations); /* outputs */
 
-/* `count` outputs from `first`, at least one. bound, value [names]: which names are known, and their values; NULL: none.
- * native: as machine code where possible. The equations may change or go away afterwards. NULL: no memory, too large.
+/*
+ * `count` outputs from `first`, at least one. bound, value [names]: which names are known, and their values (NULL:
+ * none). native: as machine code where possible. The equations may change or go away afterwards. NULL: no memory, or
+ * too large.
  */
 struct program *program_create(const struct equations *equations, int first, int count, const bool *bound,
                                const double *value, bool native, struct error *error);
@@ -108,9 +110,9 @@ double program_eval(const struct program *program, const double *input, double *
 
 /*
  * A program's own function, for kernels: names 0, 1, 2 as numbers, so that a state of two needs no memory; name i >= 3
- * is state[i - 1], those that are given (of a typed term: the values behind t and the state) follow in an array of their
- * own. Outputs 0 and 1 are returned, as calling conventions do it (of a single one the second is anything), the others
- * stored. What has no such names or outputs may be NULL.
+ * is state[i - 1], those that are given (of a typed term: the values behind t and the state) follow in an array of
+ * their own. Outputs 0 and 1 are returned, as calling conventions do it (of a single one the second is anything), the
+ * others stored. What has no such names or outputs may be NULL.
  */
 struct leading {
     double first, second;
@@ -121,8 +123,8 @@ program_function *program_code(const struct program *program);
 
 /*
  * The same with PROGRAM_LANES doubles for each name and output. The frame is prepared for one place of input [names].
- * lanes [names]: what is known of the names; those that are fixed have their values already. NULL: nothing. Best aligned
- * to 64 bytes, all of them.
+ * lanes [names]: what is known of the names; those that are fixed have their values already. NULL: nothing. Best
+ * aligned to 64 bytes, all of them.
  */
 enum program_lanes {
     LANES_ALIKE = 1, /* the same value in all lanes, whenever it is evaluated */
@@ -334,8 +336,9 @@ void system_force(const struct system *system, double t, const double *y, double
 /* Only the terms that do depend on velocity. */
 void system_drag(const struct system *system, double t, const double *y, double *a);
 /*
- * Exact flow of v' = -gamma v - c |v| v over h (Hairer, Lubich, Wanner 2006, II.5), prepared once for many v: v keep / (least + pull |v|).
- * Sign-preserving, exact at v = 0. Backwards in time quadratic drag has a pole: infinite beyond it.
+ * Exact flow of v' = -gamma v - c |v| v over h (Hairer, Lubich, Wanner 2006, II.5), prepared once for many v:
+ * v keep/(least + pull |v|). Sign-preserving, exact at v = 0. Backwards in time quadratic drag has a pole: infinite
+ * beyond it.
  */
 struct drag_flow {
     double keep, least, pull;
@@ -386,9 +389,11 @@ void system_exact(const struct system *system, double t0, const double *start, d
  *   force EXPR             [N], divided by the mass: added to the first coordinate of a second-order scene; a potential
  *                          that was typed for the forces before goes
  *   force x = EXPR         the same for the coordinate x
- *   potential EXPR         [J], of the forces that depend on positions only (of those typed, on top of a built-in
- * scene) observe E = EXPR       a quantity to look at, and a name for the lines below it Names in expressions: t,
- * variables, velocities, parameters, observed quantities. Names have to be there when a line uses them.
+ *   potential EXPR         [J], of the forces that depend on positions only (on a built-in scene: of those typed)
+ *   observe E = EXPR       a quantity to look at, and a name for the lines below it
+ *
+ * Names in expressions: t, variables, velocities, parameters, observed quantities. They have to be there when a line
+ * uses them.
  *
  * Initial values are parameters: x0 of x and vy0 of vy, x1_0 of x1. So is t0. The mass is the parameter m where there
  * is one, else 1. If every variable has an equation of second order the scene is of second order: positions, then

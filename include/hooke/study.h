@@ -61,7 +61,8 @@ struct reference {
 bool study_reference(const struct system *system, double span, const struct cancel *cancel,
                      struct reference *reference, struct error *error);
 void reference_free(struct reference *reference);
-void reference_describe(const struct reference *reference, struct buffer *text); /* "dop853 and gauss6, which agree …" */
+/* "dop853 and gauss6, which agree …" */
+void reference_describe(const struct reference *reference, struct buffer *text);
 
 struct study_errors {
     double end, max;         /* at the end, on the grid */
@@ -257,8 +258,9 @@ bool study_order(const struct order_request *request, struct order *order, struc
 
 /* ---- stability: predicted from the method, verified by running it ----
  *
- * Each eigenvalue lambda of the scene's Jacobian is an oscillator of its own: omega = |lambda|, zeta = -Re lambda/omega.
- * On a linear scene that is the whole truth; else it is taken at the start and along the run, and is an estimate.
+ * Each eigenvalue lambda of the scene's Jacobian is an oscillator of its own: omega = |lambda|,
+ * zeta = -Re lambda/omega. On a linear scene that is the whole truth; else it is taken at the start and along the run,
+ * and is an estimate.
  */
 
 struct mode {
@@ -327,21 +329,22 @@ enum stress_verdict {
 
 extern const struct catalog stress_verdict_catalog; /* name, unit: its letter in the table, brief */
 
+/* A preset with some parameters set, or a scene of the caller's with one thing changed. */
 struct stress_case {
     const char *name, *brief;
     const char *preset;
     struct {
         const char *param;
-        double value;
+        double value; /* SI */
     } set[8];
-    const struct stress_scene *of; /* this scene instead, and what is changed there */
+    const struct stress_scene *of; /* that scene; NULL: the preset */
     enum { STRESS_AS_IT_IS, STRESS_STEP, STRESS_PARAM, STRESS_START } change;
-    int param;
-    double value; /* STEP: in units of the method's own limit */
-    double span; /* [s], 0: ten seconds */
-    bool fixed;  /* the case is about its dt: methods that adapt take it too */
-    double dt;   /* [s] where fixed, else span/1024 */
-    double tol;  /* 0: 1e-6 for methods that adapt */
+    int param;    /* PARAM: its place */
+    double value; /* SI, of the parameter or of the initial values; STEP: dt in units of the method's own limit */
+    double span;  /* [s], 0: ten seconds */
+    bool fixed;   /* the case is about its dt: methods that adapt take it too */
+    double dt;    /* [s] where fixed, else span/1024 */
+    double tol;   /* 0: 1e-6 for methods that adapt */
 };
 
 struct stress_row {
@@ -360,8 +363,8 @@ struct stress_row {
 struct stress_scene {
     const struct scene *scene;
     double span;        /* [s] */
-    const bool *start;  /* [parameters] initial values */
-    const bool *matter; /* [parameters] others that act */
+    const bool *start;  /* [parameters] which are initial values */
+    const bool *matter; /* [parameters] which others act */
 };
 
 struct stress {
@@ -479,7 +482,8 @@ struct sweep_measure {
     const struct observable *observable; /* SWEEP_OBSERVABLE */
 };
 
-extern const struct catalog sweep_measure_catalog; /* struct row at the place of the kind: those with names of their own */
+/* struct row at the place of the kind: those with names of their own */
+extern const struct catalog sweep_measure_catalog;
 
 /* A row of that catalog, a state variable, a typed quantity, an observable. */
 bool sweep_measure_find(const struct model *model, struct text name, struct sweep_measure *measure,

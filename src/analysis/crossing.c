@@ -270,8 +270,8 @@ static bool sine_period(const struct series *series, struct arena *arena, struct
 #define REGULAR 0.01 /* how far the times between crossings are off their median */
 
 /*
- * A wave of any shape, as pulses and relaxation oscillations have it: it crosses the middle between its extremes upwards
- * at regular times, three times at least. Noise does not.
+ * A wave of any shape, as pulses and relaxation oscillations have it: it crosses the middle between its extremes
+ * upwards at regular times, three times at least. Noise does not.
  */
 static bool wave_period(const struct series *series, struct arena *arena, struct period *period)
 {

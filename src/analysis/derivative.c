@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
  * Rate of change of a series: the slope of the least-squares parabola through neighbouring samples (Savitzky & Golay
- * 1964), at the times as they are. In even steps h of `points` = 2 p + 1 samples it is sum(i y_i)/(h sum(i^2)), i = -p…p.
+ * 1964), at the times as they are. In even steps h of `points` = 2 p + 1 samples it is sum(i y_i)/(h sum(i^2)),
+ * i = -p…p.
  */
 #include <hooke/analysis.h>
 

@@ -302,12 +302,12 @@ COMMAND(load, .row = {"load", "", "read a recording from a file", "", NULL}, .gr
 
 COMMAND(data, .row = {"data", "", "list recordings, choose one, clean it, choose the part in use", "", NULL},
         .group = "DATA",
-        .text = "window: the part that fit, measure and plot use; zero: subtracted from the values. clean shows what is "
-                "wrong (missed and\n"
-                "double echoes, flat tops, a stuck sensor, gaps, rest and release, sway) and what would be done; 'clean "
-                "apply' leaves the bad\n"
-                "samples out and sets the window; restore: the whole file, every sample, zero 0. mass: what hung on the "
-                "spring. join: the\n"
+        .text = "window: the part that fit, measure and plot use; zero: subtracted from the values. clean shows "
+                "what is wrong (missed and\n"
+                "double echoes, flat tops, a stuck sensor, gaps, rest and release, sway) and what would be done; "
+                "'clean apply' leaves the bad\n"
+                "samples out and sets the window; restore: the whole file, every sample, zero 0. mass: what hung on "
+                "the spring. join: the\n"
                 "sensor's own velocities from another recording, by time, for the plots of velocity, phase and energy.",
         .examples = "load disk.txt; data clean; data clean apply\ndata mass 199.9 +- 0.1 g", .see = "load fit measure",
         .flags = COMMAND_CHANGES,

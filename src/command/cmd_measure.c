@@ -409,12 +409,12 @@ HANDLER(measure)
 #endif
 
 COMMAND(measure, .row = {"measure", "", "measure a quantity of a run or a recording", "", NULL}, .group = "MEASURE",
-        .text = "Acts on the position (or first value) of the most recent run or recording unless told; 'period of NAME' on "
-                "another column of a\n"
-                "run. The period comes from line fits at the up-crossings and is given with its standard uncertainty. at= or windows= choose where the amplitude is read; from three readings "
-                "gamma follows.\n"
-                "'period windows=N' tells whether T depends on the amplitude. 'spring' takes every recording whose mass "
-                "is known ('data\n"
+        .text = "Acts on the position (or first value) of the most recent run or recording unless told; 'period of "
+                "NAME' on another column of a\n"
+                "run. The period comes from line fits at the up-crossings and is given with its standard uncertainty. "
+                "at= or windows= choose where the amplitude is read; from three readings gamma follows.\n"
+                "'period windows=N' tells whether T depends on the amplitude. 'spring' takes every recording whose "
+                "mass is known ('data\n"
                 "mass'): T^2 against m gives k and the effective mass of the spring, and each k is held against the "
                 "first.",
         .examples = "run; measure period\nload disk.txt; measure amplitude windows=6", .see = "fit list plot",

@@ -147,8 +147,8 @@ HANDLER(report)
 
 COMMAND(report, .row = {"report", "", "write what the lab asks to hand in into a new folder", "", NULL},
         .group = "OUTPUT",
-        .text = "Figures, values with their uncertainties, methods compared, the data as CSV and the session as a script "
-                "that gives the same\n"
+        .text = "Figures, values with their uncertainties, methods compared, the data as CSV and the session as a "
+                "script that gives the same\n"
                 "numbers again, as report.html and report.md with a place for the answer to each question. It holds "
                 "what the session has, and\n"
                 "says what is missing. --force replaces an older report; what was written into that one is lost, so "

@@ -233,5 +233,7 @@ COMMAND(stress, .row = {"stress", "", "the stiff and the extreme: each method, o
             "duration: steps around each method's limit, parameters 1e6 times smaller and larger, 0 and with the other "
             "sign, initial\n"
             "values of 1e-310, 1e-150 and 1e150.",
-        .examples = "stress euler rk4 radau5\nscene pendulum; stress scene rk4 verlet dop853", .see = "stability compare precision",
-        ARGUMENTS(WORD("scene", TYPE_NONE), PLACE("METHOD", TYPE_CHOICE, .flags = ARG_MANY, .choices = &method_catalog)))
+        .examples = "stress euler rk4 radau5\nscene pendulum; stress scene rk4 verlet dop853",
+        .see = "stability compare precision",
+        ARGUMENTS(WORD("scene", TYPE_NONE),
+                  PLACE("METHOD", TYPE_CHOICE, .flags = ARG_MANY, .choices = &method_catalog)))

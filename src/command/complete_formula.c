@@ -22,15 +22,6 @@ bool value_is_open(struct text value)
     return depth > 0 || (last && strchr("+-*/^", last));
 }
 
-static void offer_units(struct completion *c, enum quantity quantity)
-{
-    for (size_t i = 0; i < unit_catalog.count; i++) {
-        const struct unit *unit = (const struct unit *)(const void *)catalog_row(&unit_catalog, i);
-        if (quantity == QUANTITY_OTHER || unit->quantity == quantity)
-            complete_offer(c, unit->row.name, unit->row.brief);
-    }
-}
-
 static bool is_operator(char c)
 {
     return strchr("+-*/^()<>,", c);
@@ -73,7 +64,7 @@ void complete_value(struct completion *c, struct text value, enum quantity quant
     if (from > 0 || !last || strchr("<>=:,", last) || value_is_open(value))
         names(c);
     else if (last >= '0' && last <= '9')
-        offer_units(c, quantity);
+        complete_units(c, quantity);
 }
 
 /* ---- lines of a scene ---- */
@@ -172,7 +163,8 @@ static void complete_event(struct completion *c, struct text rest)
 void complete_formula(struct completion *c, const struct command *command, struct text rest)
 {
     const char *name = command->row.name;
-    const bool var = strcmp(name, "var") == 0, param = strcmp(name, "param") == 0, observe = strcmp(name, "observe") == 0;
+    const bool var = strcmp(name, "var") == 0, param = strcmp(name, "param") == 0,
+               observe = strcmp(name, "observe") == 0;
     const bool bare = strcmp(name, "force") == 0 || strcmp(name, "potential") == 0;
     struct text value = rest;
     if (strcmp(name, "event") == 0) {

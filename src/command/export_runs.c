@@ -113,7 +113,8 @@ bool export_runs(const struct session *session, const struct given *runs, const 
     struct thinning thinning;
     const struct system *system = &session->run[place[0]]->run->system;
     const struct model *model = system->model;
-    if (!same_model(session, place, count, error) || !thinning_begin(&thinning, every, error) || !keys_begin(&keys, export, error))
+    if (!same_model(session, place, count, error) || !thinning_begin(&thinning, every, error) ||
+        !keys_begin(&keys, export, error))
         return false;
     struct chosen_column *list =
         arena_array(arena, (size_t)column->count + (size_t)(model->n + model_observed(model)) + 2, sizeof *list);

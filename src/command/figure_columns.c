@@ -81,8 +81,8 @@ bool drawing_happenings(struct drawing *d, const struct held_run *held)
     const struct run *run = held->run;
     const struct figure_request *request = d->request;
     const size_t room = run_happenings(run) + 1;
-    const struct chosen_column time = {(const struct observable *)(const void *)catalog_find(&observable_catalog, TEXT("t")),
-                                       -1};
+    const struct chosen_column time = {
+        (const struct observable *)(const void *)catalog_find(&observable_catalog, TEXT("t")), -1};
     double *x = arena_array(d->arena, room, sizeof *x);
     for (int c = 0; c < d->coordinates; c++) {
         double *y = arena_array(d->arena, room, sizeof *y);

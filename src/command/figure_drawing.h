@@ -62,6 +62,10 @@ bool drawing_smooth(struct drawing *d, const struct run *run, const struct chose
 /* Name of the run in a legend; NULL: no memory. */
 const char *drawing_run_label(const struct drawing *d, const struct run *run);
 
+/* Adds the curve of the recording, or of what is left of it (figure_recording.c). */
+bool drawing_recording(struct drawing *d, const struct recording *recording);
+bool drawing_residual(struct drawing *d, const struct recording *recording);
+
 /* [s] that the scene, or the sizes of what moves, lead to expect of a run; NAN: none. */
 double run_rhythm(const struct run *run);
 /* Chooses the window of time; the model and the period are known. */

@@ -24,9 +24,9 @@ enum argument_type {
     TYPE_EXPR,      /* an expression of any quantity, or a string */
     TYPE_CHOICE,    /* a row of `choices` */
     TYPE_SCENE,     /* a struct preset: a built-in scene, or one of the user's own; or `new`, then row is NULL */
-    TYPE_COLUMN,    /* a row of `choices`, if there are any (then index is its place); a state variable or an observable */
-    TYPE_UNIT,      /* the name of a unit */
-    TYPE_RUN,       /* number or name of a run; -1 for `all` where ARG_ALL allows it */
+    TYPE_COLUMN, /* a row of `choices`, if there are any (then index is its place); a state variable or an observable */
+    TYPE_UNIT,   /* the name of a unit */
+    TYPE_RUN,    /* number or name of a run; -1 for `all` where ARG_ALL allows it */
     TYPE_RECORDING, /* name of a recording */
     TYPE_NAME,      /* something that can be set or shown */
     TYPE_PARAM,     /* a name, completed as a parameter of the scene; index: its place there, -1 */
@@ -179,6 +179,9 @@ bool parse_integer(struct parser *parser, const char *what, bool negative, struc
 bool refuse_rest(const struct parser *parser, const struct item *number, struct error *error);
 /* Both sides of a comparison must be of one quantity, where that is known. */
 bool check_condition(struct parser *parser, struct text condition, struct error *error);
+/* One item of this argument, which may end at one of `stops` (items.c). */
+bool read_item(struct parser *parser, const struct argument *argument, const char *stops, struct item *item,
+               struct error *error);
 /* Reads all arguments of a command. */
 bool parse_arguments(struct parser *parser, const struct command *command, struct arguments *arguments,
                      struct error *error);
@@ -195,8 +198,8 @@ bool param_given(const struct scene *scene, const char *name);
 bool is_oscillator(const struct scene *scene); /* also with forces that were typed */
 /* What was typed, a line each after `before`. */
 void scene_lines(const struct scene *scene, const char *before, struct buffer *text);
-/* The same, each before `end`, in an order in which they can be typed: a line may use one that was typed after it, where
- * it has taken the place of another. */
+/* The same, each before `end`, in an order in which they can be typed: a line may use one that was typed after it,
+ * where it has taken the place of another. */
 void scene_script(const struct scene *scene, const char *end, struct buffer *text);
 int model_variable(const struct model *model, struct text name); /* place, -1: none; y' is vy of a typed model */
 int model_observation(const struct model *model, struct text name); /* place of what a typed model observes, -1: none */

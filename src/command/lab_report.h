@@ -67,7 +67,7 @@ bool collect_values(struct report *report, struct error *error);
 void put_values(struct report *report, const char *of, bool parameters);
 const struct report_value *find_value(const struct report *report, const char *name);
 void say_measured(struct document *document, struct measured value, enum quantity quantity);
-/* Of these runs (places) and this recording (place, -1: none), with its caption; nothing where there is no such plot. */
+/* Of these runs (places) and this recording (place, -1: none), with its caption; nothing without such a plot. */
 bool put_figure(struct report *report, enum section section, enum plot_kind kind, const int *run, int runs,
                 int recording, struct error *error);
 /* Place of the recording that a run is to be compared with; -1: none. */

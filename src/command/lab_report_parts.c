@@ -80,7 +80,17 @@ void put_values(struct report *report, const char *of, bool parameters)
 
 /* ---- runs ---- */
 
-enum run_column { RUN_NUMBER, RUN_METHOD, RUN_STEP, RUN_STEPS, RUN_END, RUN_ENERGY, RUN_BALANCE, RUN_ERROR, RUN_STATUS };
+enum run_column {
+    RUN_NUMBER,
+    RUN_METHOD,
+    RUN_STEP,
+    RUN_STEPS,
+    RUN_END,
+    RUN_ENERGY,
+    RUN_BALANCE,
+    RUN_ERROR,
+    RUN_STATUS
+};
 
 static void put_run_cell(struct document *document, const struct run *run, enum run_column column)
 {
@@ -180,9 +190,10 @@ void put_runs(struct report *report, const int *run, int runs, bool distance)
         document_close(document, BLOCK_ROW);
     }
     document_close(document, BLOCK_TABLE);
-    document_put(document, BLOCK_PARAGRAPH,
-                 "E/E0: energy at the end over that at the start. max dE/E0: largest error of the energy, of its balance "
-                 "where drag or drive do work. max error: largest distance from the exact motion, in amplitudes.");
+    document_put(
+        document, BLOCK_PARAGRAPH,
+        "E/E0: energy at the end over that at the start. max dE/E0: largest error of the energy, of its balance "
+        "where drag or drive do work. max error: largest distance from the exact motion, in amplitudes.");
     put_notes(report, run, runs);
 }
 
@@ -233,7 +244,8 @@ static void put_caption(struct report *report, const struct figure_request *requ
     struct document *document = &report->document;
     const struct session *session = report->session;
     document_open(document, BLOCK_PARAGRAPH);
-    document_say(document, "Figure %d: %s of ", report->figures, catalog_row(&plot_catalog, (size_t)request->kind)->name);
+    document_say(document, "Figure %d: %s of ", report->figures,
+                 catalog_row(&plot_catalog, (size_t)request->kind)->name);
     for (int i = 0; i < request->runs; i++) {
         const struct run *run = session->run[request->run[i]]->run;
         document_say(document, "%srun %d (%s)", i ? ", " : "", run->number, run->method->row.name);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * One spring, several masses: omega^2 + gamma^2/4 = k/(m + m_spring), so that T0^2 = (4 pi^2/k)(m + m_spring) is a straight
- * line against m (T0: without damping). m_spring is about a third of the spring's own mass (Rayleigh 1894).
+ * One spring, several masses: omega^2 + gamma^2/4 = k/(m + m_spring), so that T0^2 = (4 pi^2/k)(m + m_spring) is a
+ * straight line against m (T0: without damping). m_spring is about a third of the spring's own mass (Rayleigh 1894).
  */
 #include "measuring.h"
 
@@ -76,7 +76,8 @@ static struct measured ratio(const struct line_fit *line)
 {
     const double s = line->slope.value, value = line->intercept.value / s;
     const double us = line->slope.uncertainty, ui = line->intercept.uncertainty;
-    return (struct measured){value, sqrt(fmax(ui * ui + value * value * us * us - 2 * value * line->covariance, 0)) / s};
+    return (struct measured){value,
+                             sqrt(fmax(ui * ui + value * value * us * us - 2 * value * line->covariance, 0)) / s};
 }
 
 bool measure_spring(struct measuring *m)
@@ -107,7 +108,8 @@ bool measure_spring(struct measuring *m)
     struct buffer text = {0};
     put_each(&text, hung, count);
     if (!line_fit(mass, square, count, &line) || !(line.slope.value > 0)) {
-        buffer_put(&text, TEXT("\nT^2 does not grow with the mass: these were not on one spring, or the masses are wrong"));
+        buffer_put(&text,
+                   TEXT("\nT^2 does not grow with the mass: these were not on one spring, or the masses are wrong"));
         reply_text(m->reply, buffer_text(&text));
         buffer_free(&text);
         return error_set(m->error, ERROR_COMMAND, "no spring constant follows from these masses");

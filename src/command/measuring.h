@@ -20,12 +20,12 @@ void put_measured(struct buffer *text, const char *name, struct measured value, 
 void measure_begin(struct measuring *m, const char *quantity, struct measured value, enum quantity unit,
                    double periods);
 
-/* gamma and 1/e time from readings of the amplitude, as on the sheet: the line through their logarithms, and the time in
- * which the first falls to 1/e. Nothing is said where they do not fall. */
+/* gamma and 1/e time from readings of the amplitude, as on the sheet: the line through their logarithms, and the time
+ * in which the first falls to 1/e. Nothing is said where they do not fall. */
 void measure_fall(struct measuring *m, const struct reading *reading, int count, struct buffer *text);
 /* The period of so many windows, against the amplitude there. */
 bool measure_periods(struct measuring *m, int windows, struct buffer *text);
-/* T^2 against m over all recordings whose mass is known: k and the spring's effective mass; each k against the first. */
+/* T^2 against m over all recordings whose mass is known: k and the spring's effective mass; each k and the first. */
 bool measure_spring(struct measuring *m);
 
 #endif

@@ -8,7 +8,16 @@
 #include <math.h>
 #include <string.h>
 
-enum name_kind { NAME_STATE, NAME_OBSERVED, NAME_OBSERVABLE, NAME_PARAM, NAME_DERIVED, NAME_SETTING, NAME_LET, NAME_RESULT };
+enum name_kind {
+    NAME_STATE,
+    NAME_OBSERVED,
+    NAME_OBSERVABLE,
+    NAME_PARAM,
+    NAME_DERIVED,
+    NAME_SETTING,
+    NAME_LET,
+    NAME_RESULT
+};
 
 #define SLOT_KIND 16 /* slot = kind << SLOT_KIND | place */
 

@@ -169,8 +169,10 @@ bool unknown_parameter(const struct session *session, struct text name, struct e
     }
     if (model_variable(scene->model, name) >= 0) {
         error_at(error, name, "'%.*s' is what moves, not a parameter", shown, name.at);
-        return error_hint(error, "'show scene' lists the parameters, also those of the start; 'change %.*s VALUE' makes "
-                          "the current run jump", shown, name.at);
+        return error_hint(error,
+                          "'show scene' lists the parameters, also those of the start; 'change %.*s VALUE' makes "
+                          "the current run jump",
+                          shown, name.at);
     }
     for (size_t c = 0; c < COUNT_OF(catalogs); c++)
         for (size_t i = 0; i < catalogs[c]->count; i++)

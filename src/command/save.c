@@ -79,7 +79,8 @@ static void save_recording(const struct held_recording *held, bool absolute, str
     buffer_char(text, '\n');
     if (recording->cleaned)
         buffer_put(text, TEXT("data clean apply\n"));
-    if (recording->cleaned || recording->window[0] != recording->t[0] || recording->window[1] != recording->t[recording->rows - 1]) {
+    if (recording->cleaned || recording->window[0] != recording->t[0] ||
+        recording->window[1] != recording->t[recording->rows - 1]) {
         buffer_put(text, TEXT("data window "));
         buffer_real(text, recording->window[0]);
         buffer_char(text, ':');
@@ -154,7 +155,8 @@ static bool joins(const struct session *session)
 
 static void save_current_recording(const struct session *session, bool always, struct buffer *text)
 {
-    if (session->current_recording >= 0 && (always || joins(session) || session->current_recording != session->recordings - 1))
+    if (session->current_recording >= 0 &&
+        (always || joins(session) || session->current_recording != session->recordings - 1))
         buffer_format(text, "data use %s\n", session_recording(session)->name);
 }
 

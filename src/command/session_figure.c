@@ -4,7 +4,6 @@
 #include "precision_text.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -16,31 +15,6 @@ static const struct observable *observable(const char *name)
     return (const struct observable *)(const void *)catalog_find(&observable_catalog, text_of(name));
 }
 
-/* Whether the fit of the session is one of this recording. */
-static bool has_fit_of(const struct session *session, const struct recording *recording)
-{
-    char name[sizeof session->fit_of];
-    snprintf(name, sizeof name, "data %s", recording->name);
-    return session->has_fit && strcmp(name, session->fit_of) == 0;
-}
-
-int figure_recording(const struct session *session, enum plot_kind kind)
-{
-    const struct run *run = session_run(session);
-    const struct recording *recording = session_recording(session);
-    const bool alone = kind == PLOT_SPECTRUM || kind == PLOT_ENVELOPE || plot_needs_motion(kind);
-    if (!recording || (kind != PLOT_POSITION && kind != PLOT_RESIDUAL && (!alone || run)) ||
-        (plot_needs_motion(kind) && recording->column[recording->value].quantity != QUANTITY_LENGTH) ||
-        (kind == PLOT_RESIDUAL && !run && !has_fit_of(session, recording)))
-        return -1;
-    if (!run)
-        return session->current_recording;
-    if (recording->column[recording->value].quantity != system_variable(&run->system, 0).quantity)
-        return -1;
-    const double a = trace_time(run->trace, 0), b = trace_time(run->trace, trace_count(run->trace) - 1);
-    return fmin(a, b) < recording->window[1] && fmax(a, b) > recording->window[0] ? session->current_recording : -1;
-}
-
 /* What all runs of the plot have to be. */
 static bool find_model(struct drawing *d)
 {
@@ -50,8 +24,9 @@ static bool find_model(struct drawing *d)
     for (int i = 1; i < request->runs; i++) {
         const struct run *run = d->session->run[request->run[i]]->run;
         if (!models_alike(run->system.model, d->model))
-            return error_set(d->error, ERROR_COMMAND, "run %d (%s) and run %d (%s) have different variables: no plot shows both",
-                             first->number, first->scene.preset->row.name, run->number, run->scene.preset->row.name);
+            return error_set(d->error, ERROR_COMMAND,
+                             "run %d (%s) and run %d (%s) have different variables: no plot shows both", first->number,
+                             first->scene.preset->row.name, run->number, run->scene.preset->row.name);
     }
     if (request->columns)
         return drawing_columns(d, &first->system);
@@ -160,81 +135,6 @@ static bool add_run(struct drawing *d, const struct run *run)
         if (!d->curve[d->curves++].label)
             return error_memory(d->error);
     }
-    return true;
-}
-
-/* Positions, velocities or energies of the recording. */
-static bool recorded_values(struct drawing *d, const struct recording *recording, struct series *series)
-{
-    const struct data_motion *motion = &d->motion;
-    if (!plot_needs_motion(d->request->kind)) {
-        if (!recording_series(recording, d->arena, 1, series, d->error))
-            return false;
-        *series = series_window(*series, d->window[0], d->window[1]);
-        return true;
-    }
-    return motion_series(motion, d->request->kind == PLOT_ENERGY, d->window[0], d->window[1], d->arena, series,
-                         d->error);
-}
-
-/* v against y: about the equilibrium, in the units of the phase plot. */
-static bool recorded_phase(struct drawing *d, struct series series, struct curve *curve)
-{
-    const struct data_motion *motion = &d->motion;
-    double *x = arena_array(d->arena, series.n, sizeof *x), *y = arena_array(d->arena, series.n, sizeof *y);
-    if (!x || !y)
-        return error_memory(d->error);
-    for (size_t i = 0, row = 0; i < series.n; i++) {
-        while (motion->t[row] < series.t[i])
-            row++;
-        x[i] = motion->y[row] - motion->middle;
-        y[i] = series.y[i] / d->omega0;
-    }
-    curve->x = x;
-    curve->y = y;
-    return true;
-}
-
-static bool add_recording(struct drawing *d, const struct recording *recording)
-{
-    struct series series;
-    struct curve *curve = &d->curve[d->curves];
-    if (!recorded_values(d, recording, &series))
-        return false;
-    *curve = (struct curve){.label = d->request->runs ? "data" : recording->name,
-                            .x = series.t,
-                            .y = series.y,
-                            .n = series.n,
-                            .points = true};
-    d->curves++;
-    if (d->request->kind == PLOT_PHASE)
-        return recorded_phase(d, series, curve);
-    if (d->request->kind == PLOT_ENVELOPE)
-        return data_envelope(&series, d->arena, curve, d->error);
-    if (d->request->kind != PLOT_SPECTRUM)
-        return true;
-    curve->points = false;
-    return data_spectrum(&series, d->arena, curve, d->error);
-}
-
-static bool add_residual(struct drawing *d, const struct recording *recording)
-{
-    const bool fitted = has_fit_of(d->session, recording);
-    const struct run *run = d->request->runs ? d->session->run[d->request->run[0]]->run : NULL;
-    if (!fitted && !run)
-        return error_set(d->error, ERROR_COMMAND, "a residual needs a fit of this recording, or a run beside it");
-    if (!add_recording(d, recording))
-        return false;
-    struct curve *curve = &d->curve[d->curves - 1];
-    double *left = arena_array(d->arena, curve->n + 1, sizeof *left);
-    if (!left)
-        return error_memory(d->error);
-    const double shift = recording->zero - d->session->fit_zero; /* since the fit */
-    for (size_t i = 0; i < curve->n; i++)
-        left[i] =
-            curve->y[i] - (fitted ? session_fit_value(d->session, curve->x[i]) - shift : run_position(run, curve->x[i]));
-    curve->y = left;
-    curve->label = fitted ? "data - fit" : "data - run";
     return true;
 }
 
@@ -433,7 +333,7 @@ bool session_figure(const struct session *session, const struct figure_request *
         if (!(request->at.len ? drawing_happenings(&d, session->run[request->run[i]])
                               : add_run(&d, session->run[request->run[i]]->run)))
             return false;
-    if (recording && !(residual ? add_residual : add_recording)(&d, recording))
+    if (recording && !(residual ? drawing_residual : drawing_recording)(&d, recording))
         return false;
     size_t points = 0;
     for (int i = 0; i < d.curves; i++)

@@ -32,7 +32,8 @@ static const struct item *next_choice(const struct arguments *arguments, struct 
         const struct given *given = &arguments->given[i];
         for (int k = 0; k < given->count && is_choice(&arguments->command->argument[i]); k++) {
             const struct item *item = &given->item[k];
-            if (item->row && is_inside(item->text, statement) && item->text.at >= from && (!next || item->text.at < next->text.at))
+            if (item->row && is_inside(item->text, statement) && item->text.at >= from &&
+                (!next || item->text.at < next->text.at))
                 next = item;
         }
     }

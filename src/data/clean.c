@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * What is wrong with a recording, found without a model for the whole of it. Only single samples that cannot be the motion
- * are masked; everything else is said and left to who uses it. Flat tops are kept: the fit treats them as censored, and
- * could not if only those samples were missing that noise carried one way.
+ * What is wrong with a recording, found without a model for the whole of it. Only single samples that cannot be the
+ * motion are masked; everything else is said and left to who uses it. Flat tops are kept: the fit treats them as
+ * censored, and could not if only those samples were missing that noise carried one way.
  */
 #include "clean.h"
 
@@ -137,8 +137,8 @@ static size_t far_off(const struct cleaning *c, const struct local *local)
 }
 
 /*
- * Stretches at one end that are no free oscillation: the amplitude there is much less than further inside (where it is at
- * least as large as the decay allows), or no sine fits; at the end also where nothing moves any more.
+ * Stretches at one end that are no free oscillation: the amplitude there is much less than further inside (where it is
+ * at least as large as the decay allows), or no sine fits; at the end also where nothing moves any more.
  */
 static size_t bad_stretches(struct cleaning *c, bool end, double fall)
 {

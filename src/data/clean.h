@@ -36,8 +36,8 @@ struct cleaning {
 double sorted_quantile(double *value, size_t n, double q); /* sorts */
 
 /*
- * Fits offset, line, cos, sin and both with an amplitude that changes linearly, over two periods about each whole period,
- * robustly; fills local, residual, model and typical. False: no memory.
+ * Fits offset, line, cos, sin and both with an amplitude that changes linearly, over two periods about each whole
+ * period, robustly; fills local, residual, model and typical. False: no memory.
  */
 bool clean_fit(struct cleaning *cleaning);
 
@@ -50,8 +50,8 @@ static inline void clean_note(struct finding *finding, double t, size_t samples)
     finding->count += samples;
 }
 
-/* Flat tops on one side, three samples at least in each of at least three cycles, none of which holds half of them (that were a rest): noted, and
- * excluded from the local fits. */
+/* Flat tops on one side, three samples at least in each of at least three cycles, none of which holds half of them
+ * (that were a rest): noted, and excluded from the local fits. */
 void clean_clipped(struct cleaning *cleaning, bool upper);
 
 #endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Local robust fits, without a law for the whole: sway, drift and any drag are slow against two periods, what is left is
- * noise and bad echoes. Iteratively reweighted least squares: Huber, then bisquare (Holland & Welsch
- * 1977).
+ * Local robust fits, without a law for the whole: sway, drift and any drag are slow against two periods, what is left
+ * is noise and bad echoes. Iteratively reweighted least squares: Huber, then bisquare (Holland & Welsch 1977).
  */
 #include "clean.h"
 
@@ -148,7 +147,8 @@ static void fit_local(struct cleaning *c, struct local *local, const struct stre
         }
     const double least = fmax(c->quantum / sqrt(12.0), NEAR_ENOUGH * c->swing);
     local->fitted = s.n >= SAMPLES_LEAST && robust_fit(&s, least, parameter, &local->scale);
-    local->scale *= local->fitted ? (double)s.n / (double)(s.n - TERMS) : 1; /* so few samples are followed too closely */
+    /* So few samples are followed too closely. */
+    local->scale *= local->fitted ? (double)s.n / (double)(s.n - TERMS) : 1;
     local->amplitude = local->fitted ? hypot(parameter[2], parameter[3]) : NAN;
     for (size_t i = local->from; i < local->to; i++) {
         terms_at(c->t[i], local->t, c->period, here);

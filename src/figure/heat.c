@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A heat map in text: shades that are told apart without colour, labelled axes, a legend that says what a shade means. */
+/* A heat map in text: shades that are told apart without colour, labelled axes, a legend of the shades. */
 #include "internal.h"
 
 #include <stdlib.h>
@@ -158,7 +158,8 @@ bool heat_print(const struct heat *heat, int width, int height, enum charset cha
         if (line > 0)
             points_of(line - 1, rows, heat->y.count, &below, &end);
         /* One label for each point, at its lowest line, and not on every line. */
-        const bool labelled = below != first && (rows / (rows < 8 ? rows : 8) < 2 || line % (rows / 8) == 0 || line == rows - 1);
+        const bool labelled =
+            below != first && (rows / (rows < 8 ? rows : 8) < 2 || line % (rows / 8) == 0 || line == rows - 1);
         text[0] = '\0';
         if (labelled)
             label(heat->y.value[first], heat->y.factor, text);

@@ -9,6 +9,7 @@
 #include "../scene/model_forces.h"
 #include "../scene/params.h"
 #define FORCE_TERMS "../scene/terms.def"
+#define FORCE_WEIGHT "../scene/weight.def"
 enum { N = 2, MOST = 4, SHAPE_TERMS = 4 };
 #include "march_body.h"
 #include "rows.h"

@@ -365,9 +365,8 @@ int64_t lanes_evals(const struct lanes *lanes, int lane)
         return typed_lanes_evals(lanes->typed, lane);
     const struct tableau *tableau = lanes->method->tableau;
     if (tableau)
-        return lanes->step * (tableau->stages - tableau->fsal) + (tableau->fsal && lanes->step > 0) +
-               lanes->more[lane];
+        return lane_evals(lanes->step, tableau->stages, tableau->fsal) + lanes->more[lane];
     struct split_way way;
     split_choose(&way, lanes->method, lanes->drag);
-    return lanes->step * (way.kicks - way.continues) + (way.continues && lanes->step > 0);
+    return lane_evals(lanes->step, way.kicks, way.continues);
 }

@@ -64,10 +64,11 @@ FAST vector WITH(sine)(vector x)
     return x;
 }
 
-TERM_ADD(weight) /* of the pendulum, as in model_forces.h */
-{
-    a[0] -= c[0] * WITH(sine)(y[0]);
-}
+#undef MODEL_FORCE
+#define MODEL_FORCE TERM_ADD
+#define sin WITH(sine)
+#include FORCE_WEIGHT
+#undef sin
 
 /* What one part of the lanes knows of the forces. */
 struct WITH(known) {
@@ -126,7 +127,7 @@ FAST void WITH(end)(int parts, int from, const vector *x, double *numbers)
         memcpy(numbers + (from + q) * WIDE, &x[q], sizeof x[q]);
 }
 
-/* How the drive is known: not at all (there is none), prepared for all lanes alike, or as the cosine of each at `at`. */
+/* How the drive is known: not at all (there is none), prepared for all lanes alike, as the cosine of each at `at`. */
 struct WITH(drive) {
     bool timed, alike;
     double at;
@@ -227,7 +228,8 @@ FAST void WITH(rk)(bool chain, int parts, int from, WITH(force) *force, struct W
             WITH(slope)(parts, force, known, z, k[s]);
         }
         for (int j = 0; j < 2 && !fsal; j++)
-            WITH(combine)(parts, &march->shares[0], chain ? 4 : march->shares[0].count, chain ? 0 : -1, k, j, y[j], z[j]);
+            WITH(combine)(parts, &march->shares[0], chain ? 4 : march->shares[0].count, chain ? 0 : -1, k, j, y[j],
+                          z[j]);
         if (turns && WITH(turned)(parts, y[1], z[1])) {
             struct lane_step step;
             for (int j = 0; j < 2; j++) {

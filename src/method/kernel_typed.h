@@ -36,7 +36,8 @@ static inline bool sum_take(struct sum *sum, struct known *known, int *room, con
     if (places > *room)
         return false;
     *room -= places;
-    sum->part[sum->parts++] = (struct part){program ? program_code(program) : NULL, program, term, known->frame + *room};
+    sum->part[sum->parts++] =
+        (struct part){program ? program_code(program) : NULL, program, term, known->frame + *room};
     if (program)
         program_prepare(program, known->frame + *room);
     return true;

@@ -23,6 +23,12 @@ static inline void shares_take(struct shares *shares, const double *w, int count
         }
 }
 
+/* Evaluations of `each` a step, one of which is the next step's first: `again`. */
+static inline int64_t lane_evals(int64_t steps, int each, bool again)
+{
+    return steps * (each - again) + (again && steps > 0);
+}
+
 /* ---- turning points: a step across one is taken again alone ---- */
 
 static inline bool lane_turns(double v0, double v1)
@@ -30,8 +36,10 @@ static inline bool lane_turns(double v0, double v1)
     return (v0 < 0 && v1 > 0) || (v0 > 0 && v1 < 0);
 }
 
-/* step: at the start of that step, all but `warm` set; its state becomes that after it, NaN where that fails. slope [n]:
- * the step's first one, afterwards the last. Returns the evaluations beyond those of a step. */
+/*
+ * step: at its start, all but `warm` set; its state becomes that after it, NaN where that fails. slope [n]: the step's
+ * first one, afterwards the last. Returns the evaluations beyond those of a step.
+ */
 static inline int64_t lane_turn(const struct method *method, struct step *step, double *slope)
 {
     const struct tableau *tableau = method->tableau;

@@ -233,7 +233,8 @@ static inline double drag_root(double a, double c, double r)
 
 /*
  * y += increment. low: what rounding took from y so far, it goes along and stays behind again (Kahan 1965, Commun. ACM
- * 8:40, with the exact error of a sum by Knuth, TAOCP 2, 4.2.2, which does not ask for |increment| <= |y|). NULL: plain.
+ * 8:40, with the exact error of a sum by Knuth, TAOCP 2, 4.2.2, which does not ask for |increment| <= |y|).
+ * NULL: plain.
  */
 static inline void step_add(double *y, double *low, double increment)
 {

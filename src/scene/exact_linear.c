@@ -162,8 +162,8 @@ static void dependence(const struct matrix *x, unsigned *on)
  * What one ulp does. In the time scale it moves the state by eps |t| y'. A rate passes through 0 where another of the
  * same motion is largest, so the largest of all that the variable depends on stands for it, in units of the natural
  * sizes. In a coefficient it moves the rate by eps |A| |y|, more than y' where fast motion has come to rest, and the
- * state by the integral of exp(A t) times that; where motion grows it was small while exp(A t) had far to go, so that |t|
- * bounds what takes its place. What has decayed is the difference of 1 and -E: rounding of long double stays.
+ * state by the integral of exp(A t) times that; where motion grows it was small while exp(A t) had far to go, so that
+ * |t| bounds what takes its place. What has decayed is the difference of 1 and -E: rounding of long double stays.
  */
 static void find_floor(const struct system *system, const struct matrix *x, const real *d,
                        const struct matrix *integral, const double *start, real t, const real *y, double *floor)

@@ -8,10 +8,7 @@
 #define MODEL_FORCE(name) static inline void name##_add(const double *c, UNUSED double t, const double *y, double *a)
 
 /* pendulum */
-MODEL_FORCE(weight)
-{
-    a[0] -= c[0] * sin(y[0]);
-}
+#include "weight.def"
 
 /* kepler */
 MODEL_FORCE(attraction)

@@ -160,7 +160,8 @@ bool bound_term_equal(const struct bound_term *a, const struct bound_term *b)
 static bool check_term(const struct system *system, const struct bound_term *term, struct error *error)
 {
     bool fine = true;
-    for (int i = 0; term->row->bind && i < TERM_COEFFICIENTS; i++) /* typed ones: parameters, and what is made of them */
+    /* typed ones: parameters, and what is made of them */
+    for (int i = 0; term->row->bind && i < TERM_COEFFICIENTS; i++)
         fine = fine && isfinite(term->c[i]);
     if (!fine)
         return error_set(error, ERROR_COMMAND, "a coefficient of the %s term overflows", term->row->row.name);

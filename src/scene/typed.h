@@ -29,7 +29,7 @@ struct typed {
     int lines;
     struct term_row *row;      /* [terms of the base + GROUPS] the groups that are there */
     struct catalog params, terms, derived;
-    int initial[LIMIT_VARIABLES]; /* parameter of each state variable; of scenes that are all typed, like the next two */
+    int initial[LIMIT_VARIABLES]; /* parameter of each state variable; where all is typed, like the next two */
     int velocity[LIMIT_VARIABLES]; /* places in the state of a variable and of its velocity, -1: none */
     int t0, mass;                 /* parameters, mass -1: it is 1 */
     int incomplete;               /* line of a variable without an equation, -1: none */

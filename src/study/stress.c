@@ -356,7 +356,8 @@ bool study_stress(const struct stress_scene *scene, const struct method *const *
         collect(stress);
     else if (!stress_scene_cases(stress, scene))
         return stress->count == STRESS_MOST
-                   ? error_set(error, ERROR_COMMAND, "the scene has too many parameters: more than %d cases", STRESS_MOST)
+                   ? error_set(error, ERROR_COMMAND, "the scene has too many parameters: more than %d cases",
+                               STRESS_MOST)
                    : error_memory(error);
     double *limit = malloc(((size_t)count + 1) * sizeof *limit);
     stress->row = calloc((size_t)(stress->count * count) + 1, sizeof *stress->row);

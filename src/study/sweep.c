@@ -90,18 +90,27 @@ static bool bind_end(const struct sweep_request *request, const struct sweep *sw
            scene_bind(&scene, system, &ignored);
 }
 
-/* Along the axis that leaves the drive as it is: what depends on time alone is then computed once for many. */
-static int choose_along(const struct sweep_request *request, const struct sweep *sweep)
+/* The drive at one end of an axis is another one than at its beginning. */
+static bool drives(const struct sweep_request *request, const struct sweep *sweep, int64_t end)
 {
     struct system *a = malloc(sizeof *a), *b = malloc(sizeof *b);
-    const int last = request->axes - 1;
-    bool differs = false;
-    if (a && b && request->axes == 2 && bind_end(request, sweep, 0, a) &&
-        bind_end(request, sweep, request->axis[1].count - 1, b))
-        differs = a->oscillator.omega != b->oscillator.omega || a->oscillator.phase != b->oscillator.phase;
+    const bool differs = a && b && bind_end(request, sweep, 0, a) && bind_end(request, sweep, end, b) &&
+                         (a->oscillator.omega != b->oscillator.omega || a->oscillator.phase != b->oscillator.phase);
     free(a);
     free(b);
-    return differs ? 0 : last;
+    return differs;
+}
+
+/* Along the axis that leaves the drive as it is: what depends on time alone is then computed once for many. Else along
+ * the longer one. */
+static int choose_along(const struct sweep_request *request, const struct sweep *sweep)
+{
+    if (request->axes < 2)
+        return 0;
+    const int count[] = {request->axis[0].count, request->axis[1].count}, longer = count[0] <= count[1];
+    const bool first = drives(request, sweep, (int64_t)(count[0] - 1) * count[1]);
+    const bool second = drives(request, sweep, count[1] - 1);
+    return first == second || count[first] <= SWEEP_FEW ? longer : first;
 }
 
 /* Does the first point go in lanes? */
@@ -266,7 +275,7 @@ void study_sweep_predict(const struct sweep_request *request, double *steps, dou
     struct plan plan;
     place_shard(request, &sweep);
     const struct sweep_job job = job_of(request, &sweep, &plan);
-    const bool lanes = job.in_lanes && lanes_go(request, &sweep);
+    const bool lanes = job.in_lanes && sweep.count > SWEEP_FEW && lanes_go(request, &sweep);
     const double each = lanes ? plan.seconds / LANES_GAIN + NS_IN_LANES * 1e-9 : plan.seconds + NS_ALONE * 1e-9;
     *steps = plan.steps * (double)sweep.count;
     *seconds = each * (double)sweep.count / thread_count(request, sweep.count);

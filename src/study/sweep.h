@@ -31,6 +31,11 @@ static inline bool watch_turns(double v0, double v1)
 
 /* ---- one worker ---- */
 
+enum {
+    SWEEP_ROWS = 64, /* steps between looks at what the lanes do */
+    SWEEP_FEW = 3    /* so many points take less time alone than in lanes, most of which would stand empty */
+};
+
 struct sweep_job {
     const struct sweep_request *request;
     struct sweep *sweep;
@@ -55,7 +60,7 @@ struct sweep_worker {
     struct watch watch[LANES];
     int64_t point[LANES]; /* of each lane: place in the sweep */
     int used;
-    double *work;    /* of a step alone */
+    double *work; /* of a step alone */
     enum drag drag;
     double steps; /* of all points so far */
     int64_t side_by_side;
@@ -72,5 +77,17 @@ void sweep_common(const struct sweep_request *request, struct scene *scene, stru
 /* Makes that, or another point's, the scene and the settings of this point; false: refused, with the reason. */
 bool sweep_point(const struct sweep_request *request, const struct sweep *sweep, int64_t i, struct scene *scene,
                  struct run_settings *settings, struct error *error);
+void sweep_refuse(struct sweep_worker *worker, int64_t i, const struct error *error);
+double *sweep_values(const struct sweep_worker *worker, int64_t i);         /* [measures] results of point i */
+double sweep_speed(const struct system *system, double t, const double *y); /* of the first variable */
+/* What depends on the state at the end and on the way there only; of other kinds NAN. */
+double sweep_measured(const struct sweep_measure *measure, const struct watch *watch, const struct system *system,
+                      double t, const double *y);
+void sweep_alone(struct sweep_worker *worker, int64_t i); /* point i, as a run of its own */
+
+/* ---- in lanes (sweep_lanes.c) ---- */
+
+void sweep_gather(struct sweep_worker *worker, int64_t i); /* point i goes with its neighbours */
+void sweep_flush(struct sweep_worker *worker);             /* what has been gathered goes now */
 
 #endif
