@@ -189,7 +189,7 @@ static void go_alone(struct sweep_worker *worker, int64_t i)
     if (sweep_point(request, job->sweep, i, &worker->scene, &worker->settings, &error)) {
         struct run_settings settings = worker->settings;
         settings.record =
-            needs_trace(job) ? (struct recording_rule){RECORD_AUTO, 1} : (struct recording_rule){RECORD_EVERY, INT64_MAX};
+            needs_trace(job) ? (struct recording_rule){RECORD_AUTO, 1, 0} : (struct recording_rule){RECORD_EVERY, INT64_MAX, 0};
         run = run_create(&worker->scene, request->method, &settings, request->duration, &error);
     }
     if (!run) {
