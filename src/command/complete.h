@@ -14,6 +14,7 @@ struct completion {
 };
 
 void complete_offer(struct completion *c, const char *candidate, const char *brief);
+void complete_events(struct completion *c); /* what is watched for */
 void complete_catalog(struct completion *c, const struct catalog *catalog);
 int count_words(struct text text);
 

@@ -44,6 +44,14 @@ static const struct row sums_rows[] = {
     [SUMS_COMPENSATED] = {"compensated", "", "rounding grows as slowly as chance allows (Brouwer's law)", "Kahan 1965",
                           NULL},
 };
+static const struct row record_rows[] = {
+    [RECORD_AUTO] = {"auto", "", "every step; very long runs are decimated, no peak is lost", "", NULL},
+    [RECORD_ALL] = {"all", "", "every step, if the memory is there", "", NULL},
+    [RECORD_EVERY] = {"every", "", "every N: each so many steps; every TIME: at even times, from inside of steps",
+                      "", NULL},
+};
+static const struct catalog record_catalog = CATALOG("rule", record_rows);
+
 static const struct catalog sums_catalog = CATALOG("kind of sum", sums_rows);
 
 const struct catalog view_choice_catalog = CATALOG("kind of view", view_rows);
@@ -107,7 +115,7 @@ static bool parse_record(struct settings *settings, struct text value, struct er
         return true;
     }
     error_at(error, value, "record is auto, all, every N (steps), or every TIME");
-    return error_hint(error, "for example set record every 10, or set record every 0.1 s");
+    return error_hint(error, "for example: set record every 10; set record every 0.1 s");
 }
 
 static void show_record(const struct settings *settings, struct buffer *text)
@@ -194,7 +202,8 @@ static const struct setting settings_rows[] = {
      .most = 1,
      .parse = parse_tol,
      .show = show_tol},
-    {.row = BRIEF("record", "", "what is kept of a run: auto, all, every N (steps), every TIME (rows at even times)"),
+    {.row = BRIEF("record", "", "what is kept of a run: auto, all, every N (steps), every TIME (even times)"),
+     .choices = &record_catalog,
      .parse = parse_record,
      .show = show_record},
     {.row = BRIEF("digits", "", "significant digits in text"), .parse = parse_digits, .show = show_digits},
