@@ -127,7 +127,7 @@ static enum step_status step_once(struct run *run, const struct leg *leg, double
     if (run->plan.adaptive) {
         *t = step->t = run->t;
         status = method_adapt(run->method, step, &run->controller, leg->target->t);
-        *h = step->t - *t;
+        *h = step->h;
         *end = same_time(step->t, leg->target->t) ? leg->target->t : step->t;
         return status;
     }
