@@ -507,6 +507,7 @@ struct figure_request {
     int columns;
     struct text against;
     struct text at; /* only at the moments of this event, as points; empty: all along */
+    bool next;      /* then the columns at the event after the one where `against` is taken: a return map */
     double window[2]; /* [s] NAN: choose */
     int width;        /* [cell] that will be drawn on */
     bool log;         /* vertical axis */

@@ -15,11 +15,12 @@
  * that no peak is lost. Pointers hold until the run moves.
  */
 
-enum record_rule { RECORD_AUTO, RECORD_ALL, RECORD_EVERY };
+enum record_rule { RECORD_AUTO, RECORD_ALL, RECORD_EVERY, RECORD_TIMES };
 
 struct recording_rule {
     enum record_rule rule;
-    int64_t every; /* RECORD_EVERY: each so many steps */
+    int64_t every;   /* RECORD_EVERY: each so many steps */
+    double interval; /* [s] > 0, RECORD_TIMES: rows at t0 + k interval, inside of steps too, and the present state */
 };
 
 struct trace;
@@ -175,7 +176,8 @@ bool run_advance(struct run *run, const struct run_target *target, int64_t budge
 /*
  * Back by `rows` recorded rows (never integrates backwards); false: fewer are there (goes to the start). Restores time,
  * state and the parameters then in force, not what a multistep method remembers or a step control has learnt: these
- * start again; a propagator does not know the middle of its block any more where the trace is decimated.
+ * start again; a propagator does not know the middle of its block any more where the trace is decimated. A row inside
+ * of a step (RECORD_TIMES) becomes the end of that step.
  */
 bool run_back(struct run *run, int64_t rows);
 /*

@@ -130,9 +130,9 @@ COMMAND(export, .row = {"export", "", "write columns of runs, a recording or mea
                 "observable can be a\n"
                 "column. Several runs stand below each other with a column run. every= takes every N-th row or one "
                 "row each so much\n"
-                "time, as the steps fall; at even times, from inside the steps, an event does: event tick when "
-                "sin(pi*t/0.1) do\n"
-                "record; run; export FILE events. The form follows the end of the name: .csv .tsv .json. 'table' has "
+                "time, as the steps fall; at even times, from inside the steps, are those of: set record every 0.1 s; "
+                "run; export\n"
+                "FILE. The form follows the end of the name: .csv .tsv .json. 'table' has "
                 "one row for each\n"
                 "run. The file - is the output.",
         .examples = "run; export run1.csv t,y,v\nexport - run all every=100ms", .see = "print save plot list",

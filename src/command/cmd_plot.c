@@ -73,6 +73,11 @@ static bool choose_kind(const struct arguments *given, struct figure_request *re
     request->columns = what->count;
     if (at->count)
         request->at = at->item->text;
+    request->next = is_given(given, "next");
+    if (request->next && !(against->count && at->count)) {
+        error_at(error, given_for(given, "next")->where, "--next is for a column against another at an event");
+        return error_hint(error, "for example: plot y against y at top --next");
+    }
     if (against->count) {
         request->against = against->item->text;
         request->trail = HUGE_VAL;
@@ -219,7 +224,8 @@ COMMAND(plot, .row = {"plot", "", "draw position, velocity, phase, orbit, energy
                       "", "p"},
         .group = "PLOT",
         .text = "A kind of plot, or names of what moves and is observed: 'plot x', 'plot x,y', 'plot y against x';\n"
-                "with 'at EVENT' as points where that event happened: a Poincare section.\n"
+                "with 'at EVENT' as points where that event happened, a Poincare section; with --next what is drawn upwards is "
+                "taken where it\nhappened the next time: 'plot z against z at top --next' is a return map.\n"
                 "Of the current run and of the recording where they overlap in time, unless told. Without a window at "
                 "least 8 columns a\n"
                 "period are kept (5 with dots) and the phase plot shows the last 2 periods; the frame says so. A run "
@@ -230,6 +236,7 @@ COMMAND(plot, .row = {"plot", "", "draw position, velocity, phase, orbit, energy
         .examples = "run; plot position; plot momentum against y\ncompare euler symplectic-euler; plot energy run all",
         .see = "set export measure", .flags = COMMAND_ANYTIME,
         ARGUMENTS(PLACE("WHAT", TYPE_COLUMN, .flags = ARG_REQUIRED | ARG_MANY, .choices = &plot_catalog),
-                  WORD("against", TYPE_COLUMN), WORD("at", TYPE_TEXT), WORD("run", TYPE_RUN, .flags = ARG_MANY | ARG_ALL), WORD("data", TYPE_RECORDING),
-                  KEY("window", TYPE_RANGE, .quantity = QUANTITY_TIME), OPTION("log", TYPE_NONE), WORD(">", TYPE_FILE),
+                  WORD("against", TYPE_COLUMN), WORD("at", TYPE_EVENT), WORD("run", TYPE_RUN, .flags = ARG_MANY | ARG_ALL), WORD("data", TYPE_RECORDING),
+                  KEY("window", TYPE_RANGE, .quantity = QUANTITY_TIME), OPTION("log", TYPE_NONE), OPTION("next", TYPE_NONE),
+                  WORD(">", TYPE_FILE),
                   OPTION("force", TYPE_NONE)))

@@ -25,6 +25,7 @@ void complete_operands(struct completion *c); /* these and functions */
 /* State variables and observables of the current run, or of the one that the scene would give; not what stands in
  * `besides`, too (NULL: nothing). */
 void complete_columns(struct completion *c, const struct catalog *besides);
+void complete_events(struct completion *c); /* what is watched for */
 void complete_topics(struct completion *c); /* of help */
 /* One item of this type; before: what stands to the left of the word. */
 void complete_item(struct completion *c, const struct argument *argument, struct text before);

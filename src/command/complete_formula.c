@@ -113,14 +113,19 @@ static bool behind_equals(struct text text, struct text *value)
     return equals;
 }
 
+void complete_events(struct completion *c)
+{
+    const struct events *events = c->session->setup.events;
+    for (int i = 0; events && i < events->count; i++)
+        complete_offer(c, events->line[i].name, events->line[i].when);
+}
+
 /* NAME when EXPR [rising|falling] do stop|record|COMMANDS */
 static void complete_event(struct completion *c, struct text rest)
 {
-    const struct events *events = c->session->setup.events;
     const int words = count_words(rest);
     if (words == 0) {
-        for (int i = 0; events && i < events->count; i++)
-            complete_offer(c, events->line[i].name, events->line[i].when);
+        complete_events(c);
         complete_offer(c, "off", "drop all");
         return;
     }

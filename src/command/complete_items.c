@@ -144,6 +144,9 @@ void complete_item(struct completion *c, const struct argument *argument, struct
     case TYPE_PARAM:
         complete_catalog(c, scene_params(&c->session->setup.scene));
         break;
+    case TYPE_EVENT:
+        complete_events(c);
+        break;
     case TYPE_FILE:
         c->wants_file = true;
         break;

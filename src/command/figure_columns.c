@@ -87,7 +87,7 @@ bool drawing_happenings(struct drawing *d, const struct held_run *held)
     for (int c = 0; c < d->coordinates; c++) {
         double *y = arena_array(d->arena, room, sizeof *y);
         const char *label = d->coordinates > 1 ? drawing_label(d, c) : drawing_run_label(d, run);
-        size_t n = 0;
+        size_t n = 0, seen = 0;
         if (!x || !y || !label)
             return error_memory(d->error);
         for (size_t i = 0; i + 1 < room; i++) {
@@ -95,11 +95,16 @@ bool drawing_happenings(struct drawing *d, const struct held_run *held)
             if (!text_is(request->at, held->events->line[happening->event].name) || happening->t < d->window[0] ||
                 happening->t > d->window[1])
                 continue;
-            if (!value_at(run, request->kind == PLOT_ORBIT ? &d->against : &time, i, &x[n], d->error) ||
-                !value_at(run, &d->column[c], i, &y[n], d->error))
+            double up;
+            if (!value_at(run, request->kind == PLOT_ORBIT ? &d->against : &time, i, &x[seen], d->error) ||
+                !value_at(run, &d->column[c], i, &up, d->error))
                 return false;
-            n++;
+            seen++;
+            if (!request->next || seen > 1) /* of a return map each is the next of the one before */
+                y[n++] = up;
         }
+        if (seen == 1 && n == 0)
+            return error_at(d->error, request->at, "only one of these events happened in this time: no next");
         if (n == 0) {
             error_at(d->error, request->at, "run %d has no event '%.*s' in this time", run->number,
                      (int)(request->at.len < 64 ? request->at.len : 64), request->at.at);

@@ -33,6 +33,7 @@ enum argument_type {
     TYPE_START,     /* after FORM_KEY: stands for any key that no other argument has; text: that name, value */
     TYPE_MODEL,     /* a row of `choices`, or a formula in t: a string, or as it stands (then row is NULL) */
     TYPE_TEXT,      /* a word or a string */
+    TYPE_EVENT,     /* the name of an event, also of one that is watched for no more */
     TYPE_FILE,      /* the same, completed as a file name */
     TYPE_REST,      /* all that is left of the statement, as it is */
     TYPE_FORMULA,   /* the same: an expression in the names of the scene, and what belongs to it */

@@ -259,6 +259,7 @@ bool read_item(struct parser *parser, const struct argument *argument, const cha
     case TYPE_MODEL:
         return read_model(parser, argument, stops, item, error);
     case TYPE_TEXT:
+    case TYPE_EVENT:
     case TYPE_FILE:
         return parse_word(parser, stops, item, error);
     case TYPE_REST:

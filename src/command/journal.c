@@ -64,7 +64,7 @@ bool journal_go_on(struct held_run *held, bool by_event, struct error *error)
 bool journal_back(struct held_run *held, int64_t before, double before_t, int64_t rows, struct error *error)
 {
     const struct run *run = held->run;
-    if (run->plan.adaptive && run->steps > 0)
+    if ((run->plan.adaptive || run->settings.record.rule == RECORD_TIMES) && run->steps > 0)
         return journal_add(
             held, (struct leg){.kind = LEG_BACK, .from = before, .from_t = before_t, .rows = rows, .end = run->steps},
             TEXT(""), error);
@@ -177,8 +177,10 @@ bool journal_restore(struct session *session, struct held_run *held, const struc
     int64_t way = common_way(held, leg, legs);
     way = steps < way ? steps : way;
     if (run->steps != steps || run->t != t || way < steps) {
-        /* What these remember of earlier steps comes back only by doing them again. */
-        if (run->method->flags & (METHOD_MULTISTEP | METHOD_YARDSTICK))
+        /* What these remember of earlier steps comes back only by doing them again; a row at an even time is no step,
+         * and a step control starts anew from any but the first. */
+        if (run->method->flags & (METHOD_MULTISTEP | METHOD_YARDSTICK) || run->settings.record.rule == RECORD_TIMES ||
+            (run->settings.record.rule == RECORD_EVERY && run->plan.adaptive))
             way = 0;
         size_t rows = trace_count(run->trace), back = 0;
         while (back + 1 < rows && trace_step(run->trace, rows - 1 - back) > way)

@@ -253,7 +253,7 @@ static const char *y_label(const struct drawing *d)
     struct buffer text = {0};
     for (int i = 0; i < d->coordinates; i++) {
         const char *name = drawing_label(d, i);
-        buffer_format(&text, "%s%s", i ? ", " : "", name ? name : "");
+        buffer_format(&text, "%s%s%s", i ? ", " : "", d->request->next ? "next " : "", name ? name : "");
     }
     buffer_put(&text, d->omega0 != 1 ? TEXT("/omega0") : TEXT(""));
     const char *label = text.failed ? NULL : arena_text(d->arena, buffer_text(&text));

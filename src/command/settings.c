@@ -44,6 +44,14 @@ static const struct row sums_rows[] = {
     [SUMS_COMPENSATED] = {"compensated", "", "rounding grows as slowly as chance allows (Brouwer's law)", "Kahan 1965",
                           NULL},
 };
+static const struct row record_rows[] = {
+    [RECORD_AUTO] = {"auto", "", "every step; very long runs are decimated, no peak is lost", "", NULL},
+    [RECORD_ALL] = {"all", "", "every step, if the memory is there", "", NULL},
+    [RECORD_EVERY] = {"every", "", "every N: each so many steps; every TIME: at even times, from inside of steps",
+                      "", NULL},
+};
+static const struct catalog record_catalog = CATALOG("rule", record_rows);
+
 static const struct catalog sums_catalog = CATALOG("kind of sum", sums_rows);
 
 const struct catalog view_choice_catalog = CATALOG("kind of view", view_rows);
@@ -90,22 +98,35 @@ static bool parse_record(struct settings *settings, struct text value, struct er
     struct text rest = text_trim((struct text){value.at + word.len, value.len - word.len});
     double every;
     if (rest.len == 0 && (text_is(word, "auto") || text_is(word, "all"))) {
-        settings->record = (struct recording_rule){text_is(word, "all") ? RECORD_ALL : RECORD_AUTO, 1};
+        settings->record = (struct recording_rule){text_is(word, "all") ? RECORD_ALL : RECORD_AUTO, 1, 0};
         return true;
     }
     if (text_is(word, "every") && real_parse(rest, &every) == REAL_OK && every >= 1 && every <= 1e15 &&
         every == floor(every)) {
-        settings->record = (struct recording_rule){RECORD_EVERY, (int64_t)every};
+        settings->record = (struct recording_rule){RECORD_EVERY, (int64_t)every, 0};
         return true;
     }
-    return error_at(error, value, "record is auto, all, or every N (steps)");
+    const struct text number = peek_word(rest, ""), after = {rest.at + number.len, rest.len - number.len};
+    const struct unit *unit = unit_find(text_trim(after));
+    double time;
+    if (text_is(word, "every") && real_parse(number, &every) == REAL_OK && unit && unit->quantity == QUANTITY_TIME &&
+        unit_convert(unit, QUANTITY_TIME, every, &time) && time > 0 && time <= 1e300) {
+        settings->record = (struct recording_rule){RECORD_TIMES, 1, time};
+        return true;
+    }
+    error_at(error, value, "record is auto, all, every N (steps), or every TIME");
+    return error_hint(error, "for example: set record every 10; set record every 0.1 s");
 }
 
 static void show_record(const struct settings *settings, struct buffer *text)
 {
     if (settings->record.rule == RECORD_EVERY)
         buffer_format(text, "every %lld", (long long)settings->record.every);
-    else
+    else if (settings->record.rule == RECORD_TIMES) {
+        buffer_put(text, TEXT("every "));
+        buffer_real(text, settings->record.interval);
+        buffer_put(text, TEXT(" s"));
+    } else
         buffer_put(text, settings->record.rule == RECORD_ALL ? TEXT("all") : TEXT("auto"));
 }
 
@@ -181,7 +202,8 @@ static const struct setting settings_rows[] = {
      .most = 1,
      .parse = parse_tol,
      .show = show_tol},
-    {.row = BRIEF("record", "", "what is kept of a run: auto, all, every N"),
+    {.row = BRIEF("record", "", "what is kept of a run: auto, all, every N (steps), every TIME (even times)"),
+     .choices = &record_catalog,
      .parse = parse_record,
      .show = show_record},
     {.row = BRIEF("digits", "", "significant digits in text"), .parse = parse_digits, .show = show_digits},
@@ -233,7 +255,7 @@ void session_default_settings(struct settings *settings)
     *settings = (struct settings){.dt = 0.01,
                                   .tol = 1e-6,
                                   .duration = 10,
-                                  .record = {RECORD_AUTO, 1},
+                                  .record = {RECORD_AUTO, 1, 0},
                                   .digits = 6,
                                   .timing = TIMING_QUICK,
                                   .fps = 10};

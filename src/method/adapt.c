@@ -126,6 +126,14 @@ static void note_stiffness(const struct method *method, const struct step *step,
         controller->stiffness += MEMORY * (estimate - controller->stiffness);
 }
 
+/* t after the step, as the sum of all steps. */
+static double advance_clock(struct controller *controller, double t, double h)
+{
+    const double by = h + controller->t_low, sum = t + by, part = sum - t;
+    controller->t_low = (t - (sum - part)) + (by - part);
+    return sum;
+}
+
 /* A step that was not good: puts everything back as it was and makes the next attempt smaller. */
 static void take_back(struct step *step, struct controller *controller, double t, const double *y, const double *low)
 {
@@ -143,13 +151,13 @@ enum step_status method_adapt(const struct method *method, struct step *step, st
                               double t_end)
 {
     const double least = 10 * DBL_EPSILON, tol = controller->tol > least ? controller->tol : least;
-    const double t = step->t, span = t_end - t;
+    const double t = step->t, span = t_end - t - controller->t_low;
     const double most = largest_estimate(method, tol);
     const bool turns = method_turns(method, step->system);
     const size_t size = (size_t)step->system->n * sizeof *step->y;
     double before[LIMIT_VARIABLES], low[LIMIT_VARIABLES], own_error[LIMIT_VARIABLES], *asked = step->error;
     assert(method->flags & METHOD_ADAPTIVE);
-    if (span == 0)
+    if (t == t_end)
         return STEP_OK;
     if (method->adapt)
         return method->adapt(method, step, controller, t_end);
@@ -181,8 +189,9 @@ enum step_status method_adapt(const struct method *method, struct step *step, st
             plan_next(method, step, &planned, error / aim(method));
             if (!(last || turned) || fabs(planned.h) > fabs(controller->h))
                 *controller = planned;
+            step->t = last ? t_end : advance_clock(controller, t, step->h);
             if (last)
-                step->t = t_end;
+                controller->t_low = 0;
             controller->rejected = false;
             note_stiffness(method, step, controller);
             return STEP_OK;

@@ -29,7 +29,7 @@ static enum stop leg_begin(struct run *run, const struct run_target *target, str
         run->t = target->t;
         return STOP_END;
     }
-    if (!trace_reserve_grids(run->trace, 2)) /* a turn now, a partial step at the end */
+    if (!trace_reserve_grids(run->trace, 3)) /* a turn now, a partial step at the end, going back into a step */
         return STOP_FULL;
     p->step.kernel = run->settings.kernel == KERNEL_GENERAL ? NULL : method_step_kernel(run->method, &run->system);
     double h = copysign(run->settings.dt, target->t - run->t);
@@ -47,6 +47,10 @@ static enum stop leg_begin(struct run *run, const struct run_target *target, str
         leg->exact = stretch.exact;
         int64_t end = leg->last + (stretch.partial != 0);
         leg->limit = end < leg->limit ? end : leg->limit;
+    }
+    if (run->trace->interval > 0) {
+        trace_aim(run->trace, run->t, h);
+        leg->between = run->plan.adaptive || !trace_in_step(run->trace);
     }
     leg->armed = target->condition && !holds(leg);
     events_begin(run, leg);
@@ -104,6 +108,10 @@ static bool locate(struct run *run, const struct leg *leg, double t, double h)
             low = middle;
         }
     }
+    if (run->trace->interval > 0) { /* rows inside are of this step */
+        restore(run);
+        step_cold(run, t, high);
+    }
     memcpy(run->y, found, size);
     run->t = end;
     forget_rounding(run->private_state, run->system.n);
@@ -119,7 +127,7 @@ static enum step_status step_once(struct run *run, const struct leg *leg, double
     if (run->plan.adaptive) {
         *t = step->t = run->t;
         status = method_adapt(run->method, step, &run->controller, leg->target->t);
-        *h = step->t - *t;
+        *h = step->h;
         *end = same_time(step->t, leg->target->t) ? leg->target->t : step->t;
         return status;
     }
@@ -163,7 +171,7 @@ static enum stop advance_step(struct run *run, struct leg *leg)
         restore(run);
         return STOP_DIVERGED;
     }
-    bool off_grid = run->steps == leg->last, noticed = true;
+    bool off_grid = run->steps == leg->last, cold = !run->plan.adaptive, noticed = true, recorded = true;
     struct crossings crossings;
     run->steps++;
     run->t = end;
@@ -174,21 +182,28 @@ static enum stop advance_step(struct run *run, struct leg *leg)
         bool now = holds(leg);
         if (now && leg->armed) {
             off_grid |= locate(run, leg, t, h);
+            cold = true;
             stop = STOP_CONDITION;
         }
         leg->armed |= !now;
     }
+    if (run->trace->interval > 0)
+        recorded = even_record(run, cold, t, stop == STOP_CONDITION ? run->t - t : h);
     if (leg->target->events > 0) {
         bool stops = false;
         noticed = events_keep(run, leg, &crossings, h, &stops);
         off_grid |= stops;
+        if (stops && run->trace->interval > 0)
+            even_drop(run->trace, run->t);
         stop = stops ? STOP_CONDITION : stop;
     }
-    if (!noticed || !trace_record(run->trace, run->steps, run->t, run->y)) {
+    if (!recorded || !noticed || !trace_record(run->trace, run->steps, run->t, run->y)) {
         restore(run);
         run->steps--;
         run->t = was;
-        happenings_truncate(run);
+        happenings_truncate(run, 0);
+        if (run->trace->interval > 0)
+            even_drop(run->trace, was);
         return STOP_FULL;
     }
     if (off_grid && !run->plan.adaptive) {

@@ -179,16 +179,19 @@ static void describe_record(const struct system *system, const struct run_settin
     key(text, "record");
     for (int i = 0; i < system->n; i++)
         buffer_format(text, "%s%s", i ? ", " : "", system_variable(system, i).name);
-    buffer_format(text, plan->adaptive ? ", t" : "");
+    const bool timed = settings->record.rule == RECORD_TIMES;
+    buffer_format(text, plan->adaptive || timed ? ", t" : "");
     if (settings->record.rule == RECORD_EVERY)
         buffer_format(text, " every %lld steps", (long long)settings->record.every);
+    else if (timed)
+        buffer_format(text, " every %.6g s and at the end, inside of steps on their dense output", settings->record.interval);
     else if (settings->record.rule == RECORD_AUTO && !(plan->steps < LIMIT_SAMPLES))
         buffer_format(text, ", every step up to %u rows, then decimated (no peak is lost)", LIMIT_SAMPLES);
     else
         buffer_format(text, " every step");
     if (!isnan(plan->bytes))
         buffer_format(text, ": %.4g kB", plan->bytes / 1e3);
-    buffer_format(text, plan->adaptive ? "\n" : "; times are computed, not stored\n");
+    buffer_format(text, plan->adaptive || timed ? "\n" : "; times are computed, not stored\n");
 }
 
 static void describe_prediction(const struct system *system, const struct method *method,

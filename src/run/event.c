@@ -85,10 +85,40 @@ bool event_compile(struct text text, const struct expr_scope *scope, struct aren
 struct interval {
     struct run *run;
     const struct event *event;
-    struct method method; /* without a dense output where that would be only of a part of the step */
+    struct inside inside;
     double t, h, end_t;
     double end[LIMIT_VARIABLES];
 };
+
+struct inside inside_of(struct run *run, bool cold, double t, double h)
+{
+    struct inside inside = {run, *run->method, t, h};
+    if (cold && method_turns(run->method, &run->system))
+        inside.method.dense = NULL;
+    return inside;
+}
+
+/* Steps of an adaptive method may be so long that a cubic through their ends says little: a shorter step does. */
+void inside_state(const struct inside *inside, double theta, double *y)
+{
+    struct run *run = inside->run;
+    struct run_private *p = run->private_state;
+    if (p->side) {
+        struct step step = p->step;
+        step.t = inside->t;
+        step.h = theta * inside->h;
+        step.y = y;
+        step.work = p->side;
+        step.error = step.low = NULL;
+        step.warm = step.again = false;
+        copy_state(y, p->before, run->system.n);
+        const enum step_status status = method_turning_step(run->method, &step);
+        p->step.cost = step.cost;
+        if (status == STEP_OK)
+            return;
+    }
+    method_dense(&inside->method, &p->step, p->before, theta, y);
+}
 
 static void state_at(const struct interval *interval, double theta, double *y)
 {
@@ -98,7 +128,7 @@ static void state_at(const struct interval *interval, double theta, double *y)
         copy_state(y, theta <= 0 ? p->before : interval->end, run->system.n);
         return;
     }
-    method_dense(&interval->method, &p->step, p->before, theta, y);
+    inside_state(&interval->inside, theta, y);
 }
 
 static double time_at(const struct interval *interval, double theta)
@@ -228,10 +258,9 @@ static double look_at(const struct interval *interval, struct leg *leg, int even
 
 void events_find(struct run *run, struct leg *leg, double t, double h, struct crossings *crossings)
 {
-    struct interval interval = {.run = run, .method = *run->method, .t = t, .h = h, .end_t = run->t};
+    struct interval interval = {
+        .run = run, .inside = inside_of(run, !run->plan.adaptive, t, h), .t = t, .h = h, .end_t = run->t};
     copy_state(interval.end, run->y, run->system.n);
-    if (!run->plan.adaptive && method_turns(run->method, &run->system))
-        interval.method.dense = NULL;
     crossings->count = 0;
     for (int i = 0; i < leg->target->events; i++) {
         interval.event = &leg->target->event[i];
@@ -283,11 +312,14 @@ bool events_keep(struct run *run, const struct leg *leg, const struct crossings 
     return true;
 }
 
-void happenings_truncate(struct run *run)
+void happenings_truncate(struct run *run, double ahead)
 {
     struct happenings *all = &run->private_state->happenings;
-    while (all->count > 0 && all->at[all->count - 1].step > run->steps)
-        all->count--;
+    for (; all->count > 0; all->count--) {
+        const struct happening *last = &all->at[all->count - 1];
+        if (last->step < run->steps || (last->step == run->steps && (last->t - run->t) * ahead <= 0))
+            break;
+    }
 }
 
 size_t run_happenings(const struct run *run)

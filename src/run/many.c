@@ -74,7 +74,8 @@ bool advance_many(struct run *run, const struct leg *leg, enum stop *stop)
     struct run_private *p = run->private_state;
     const int n = run->system.n;
     const int64_t left = least(leg->limit, leg->last) - run->steps;
-    if (run->plan.adaptive || leg->target->condition || leg->target->events > 0 || p->step.low || left <= 0)
+    if (run->plan.adaptive || leg->target->condition || leg->target->events > 0 || p->step.low || left <= 0 ||
+        leg->between)
         return false;
 
     size_t room = CHUNK_ROWS;

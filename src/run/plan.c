@@ -33,11 +33,14 @@ static bool check_memory(const struct run_settings *settings, double rows, doubl
     double budget = (double)(settings->memory ? settings->memory : MEMORY_DEFAULT);
     if (bytes <= budget)
         return true;
-    double every = ceil(bytes / budget) * (double)(settings->record.rule == RECORD_EVERY ? settings->record.every : 1);
+    const bool timed = settings->record.rule == RECORD_TIMES;
+    double every = ceil(bytes / budget) * (timed                                   ? settings->record.interval
+                                           : settings->record.rule == RECORD_EVERY ? (double)settings->record.every
+                                                                                   : 1);
     error_set(error, ERROR_COMMAND, "recording %.6g rows needs %.4g bytes, the budget is %.4g bytes", rows, bytes,
               budget);
-    return error_hint(error, "'set record auto' keeps every peak in at most %u rows; 'set record every %.0f' fits",
-                      LIMIT_SAMPLES, every);
+    return error_hint(error, "'set record auto' keeps every peak in at most %u rows; 'set record every %.15g%s' fits",
+                      LIMIT_SAMPLES, every, timed ? " s" : "");
 }
 
 static bool check_grid(double t0, double dt, double span, const struct stretch *stretch, struct error *error)
@@ -94,6 +97,10 @@ bool plan_make(const struct system *system, const struct method *method, const s
     if (settings->record.rule == RECORD_EVERY && settings->record.every < 1)
         return error_set(error, ERROR_COMMAND, "record every N needs N >= 1 (got %lld)",
                          (long long)settings->record.every);
+    const bool timed = settings->record.rule == RECORD_TIMES;
+    if (timed && !(settings->record.interval > 0 && isfinite(settings->record.interval)))
+        return error_set(error, ERROR_COMMAND, "record every TIME needs a time > 0 (got %.6g s)",
+                         settings->record.interval);
     enum drag drag = settings->drag;
     if (!method_applies(method, system, &drag, error))
         return false;
@@ -111,9 +118,16 @@ bool plan_make(const struct system *system, const struct method *method, const s
                           .growth = adaptive ? NAN : predicted_growth(system, method, drag, dt),
                           .limit = NAN};
     plan->propagates = settings->kernel == KERNEL_PROPAGATOR && !adaptive && !settings->compensated && system->n == 2 &&
-                       system->linear && system->autonomous && !method->growth;
+                       system->linear && system->autonomous && !method->growth &&
+                       (!timed || fabs(remainder(settings->record.interval, dt)) <= 1e-14 * settings->record.interval);
     if (plan->growth > 1 + GROWTH_MARGIN)
         plan->limit = plan_stable_limit(system, method, drag);
+    double rows = floor(fabs(span) / settings->record.interval) + 2;
+    if (timed && isfinite(span)) {
+        plan->bytes = rows * (double)trace_row_bytes(system->n, true, true);
+        if (!check_memory(settings, rows, plan->bytes, error))
+            return false;
+    }
     if (adaptive || isinf(span))
         return adaptive || check_grid(system->t0, dt, span, &stretch, error);
     if (!check_grid(system->t0, dt, span, &stretch, error))
@@ -124,11 +138,13 @@ bool plan_make(const struct system *system, const struct method *method, const s
     plan->exact_end = stretch.exact;
     plan->steps = (double)stretch.whole + (stretch.partial != 0);
     plan->seconds = plan->steps * step_ns(system, method) * 1e-9;
-    double rows = plan->steps + 1;
+    if (timed)
+        return true;
+    rows = plan->steps + 1;
     if (settings->record.rule == RECORD_AUTO)
         rows = fmin(rows, LIMIT_SAMPLES);
     else if (settings->record.rule == RECORD_EVERY)
         rows = floor(plan->steps / (double)settings->record.every) + 1;
-    plan->bytes = rows * (double)trace_row_bytes(system->n, adaptive);
+    plan->bytes = rows * (double)trace_row_bytes(system->n, adaptive, false);
     return settings->record.rule == RECORD_AUTO || check_memory(settings, rows, plan->bytes, error);
 }

@@ -40,7 +40,8 @@ struct stretch stretch_measure(double from, double to, double dt); /* to may be 
 /* ---- trace ----
  *
  * Row: n state values, then the time if `timed` (adaptive). Row i is step i * every, until the trace is decimated: then
- * the steps stand in `index`. The present state is shown as a last row when it was not recorded itself.
+ * the steps stand in `index`, as they do where rows are at even times: there may be none in a step, or many. The
+ * present state is shown as a last row when it was not recorded itself.
  */
 
 #define CHUNK_SHIFT 12
@@ -61,6 +62,10 @@ struct trace {
     size_t tail, low, high; /* its rows: first, smallest, largest position */
     unsigned generation;    /* changes whenever rows before the tail change */
 
+    double interval, origin; /* [s] rows at origin + k interval; interval 0: by steps */
+    double due;              /* the k of the next one */
+    int ahead;               /* 1: times increase, -1 */
+
     struct grid *grid;
     size_t grids, grid_room;
 
@@ -69,6 +74,8 @@ struct trace {
     int64_t now_step;
 };
 
+/* Another row, which the rule has asked for; false: full or no memory. */
+bool trace_append(struct trace *trace, int64_t step, double t, const double *y);
 struct trace *trace_create(int n, bool timed, struct recording_rule rule, size_t memory); /* NULL: no memory */
 void trace_destroy(struct trace *trace);
 /* Offers the state after `step`; false: full or no memory, nothing recorded. Steps come in order, each once. */
@@ -87,7 +94,7 @@ bool trace_reserve_grids(struct trace *trace, size_t more); /* room for so many 
 void trace_regrid(struct trace *trace, struct grid grid);   /* from here on a new grid */
 const struct grid *trace_grid(const struct trace *trace);   /* the present one */
 size_t trace_settled(const struct trace *trace);            /* rows that only a new generation can change */
-size_t trace_row_bytes(int n, bool timed);
+size_t trace_row_bytes(int n, bool timed, bool indexed);
 
 /* ---- runs ---- */
 
@@ -116,6 +123,7 @@ struct balance {
 /* The state was changed from outside in that step. */
 struct kick {
     int64_t step;
+    double t; /* [s] */
     double energy; /* [J] that it brought */
 };
 
@@ -129,6 +137,7 @@ struct happenings {
 struct run_private {
     struct step step;
     double *work;        /* of the method */
+    double *side;        /* another one, where states inside of a step need steps of their own; NULL */
     double *before;      /* [n] state before the step */
     double *low_before;  /* [n] and what rounding had taken from it; used where step.low is there */
     double *bound;       /* [n] magnitudes that count as diverged */
@@ -161,12 +170,38 @@ struct leg {
     double rest;   /* [s] partial step after it, 0: none */
     bool exact;    /* the whole steps end at the target */
     int64_t limit; /* step index to stop at */
+    bool between;  /* rows at even times are between the steps */
     bool armed;    /* the condition was false since it was last true */
     signed char sign[LIMIT_EVENTS]; /* of each event's value where it was last not 0 */
     bool departs[LIMIT_EVENTS];     /* the leg begins where the value is 0 but for rounding */
 };
 
+/* ---- even.c: rows at even times, where trace->interval is there ---- */
+
+/* The next row is the first beyond t on the way that h goes. */
+void trace_aim(struct trace *trace, double t, double h);
+/* Whether steps of the present grid end where rows are due: each trace->every, from trace->next on. */
+bool trace_in_step(struct trace *trace);
+/* As trace_record_many() there. */
+int64_t trace_record_even(struct trace *trace, int64_t step, const double *row, int64_t count);
+/* Rows of the step just taken from p->before at t over h, the run being at its end. False: full or no memory. */
+bool even_record(struct run *run, bool cold, double t, double h);
+void even_drop(struct trace *trace, double t); /* the rows beyond t */
+/* Is the last row the present state? */
+bool even_present(const struct trace *trace, double row_time);
+
 /* ---- event.c ---- */
+
+/* The state in the step just taken from p->before over h, at its share theta; the run still is at its end. */
+struct inside {
+    struct run *run;
+    struct method method; /* without a dense output where that would be only of a part of the step */
+    double t, h;
+};
+
+/* cold: the step went by method_turning_step(), perhaps in parts. */
+struct inside inside_of(struct run *run, bool cold, double t, double h);
+void inside_state(const struct inside *inside, double theta, double *y);
 
 #define CROSSINGS_MOST (2 * LIMIT_EVENTS) /* in a step: both halves are looked at */
 
@@ -186,7 +221,8 @@ void events_begin(const struct run *run, struct leg *leg); /* signs at the run's
 void events_find(struct run *run, struct leg *leg, double t, double h, struct crossings *crossings);
 /* Keeps those up to the present time; ends at one that stops the run, and puts the run there. False: no memory. */
 bool events_keep(struct run *run, const struct leg *leg, const struct crossings *crossings, double h, bool *stops);
-void happenings_truncate(struct run *run); /* drops those after the present step */
+/* Drops those after the present step; of that step those ahead of the present time. */
+void happenings_truncate(struct run *run, double ahead);
 
 /* The best instructions that the machine has, chosen when the program starts; the same bits with all of them. */
 #if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && !defined(__clang__)

@@ -82,12 +82,14 @@ static bool allocate(struct run *run)
     run->trace = trace_create(run->system.n, run->plan.adaptive, run->settings.record, run->settings.memory);
     if (!p || !run->trace)
         return false;
-    p->work = calloc(work + 4 * n, sizeof *p->work);
+    const bool side = run->plan.adaptive && !run->method->dense;
+    p->work = calloc((side ? 2 : 1) * work + 4 * n, sizeof *p->work);
     if (!p->work || !push_epoch(run, &run->system, run->y) || !trace_reserve_grids(run->trace, 1))
         return false;
     p->before = p->work + work;
     p->bound = p->before + n;
     p->low_before = p->bound + n;
+    p->side = side ? p->low_before + 2 * n : NULL;
     p->batch = 16;
     p->factor = energy_factor(&run->system);
     p->step = (struct step){.system = &run->system, .drag = run->settings.drag, .y = run->y, .work = p->work};
@@ -177,7 +179,7 @@ bool run_back(struct run *run, int64_t rows)
     bool enough = rows <= 0 || (uint64_t)rows <= last;
     size_t row = rows <= 0 ? last : enough ? last - (size_t)rows : 0;
     for (size_t i = p->kicks; i > 0 && row > 0 && rows > 0; i--)
-        row -= p->kick[i - 1].step == trace_step(trace, row) + 1;
+        row -= p->kick[i - 1].step == trace_step(trace, row) + 1 && p->kick[i - 1].t == trace_time(trace, row);
     if (row == last && rows <= 0)
         return true;
     /* Of an adaptive run the size of the step that led here is the next proposal; the controller's memory is not
@@ -187,9 +189,16 @@ bool run_back(struct run *run, int64_t rows)
     run->steps = trace->now_step;
     run->t = trace->now_t;
     memcpy(run->y, trace->now, (size_t)run->system.n * sizeof *run->y);
+    if (trace->interval > 0) {
+        /* Such rows say nothing about steps, and one of them may be where no step of the grid ends. */
+        if (!run->plan.adaptive && !even_present(trace, grid_time(trace_grid(trace), run->steps)))
+            trace_regrid(trace, (struct grid){run->steps, run->t, trace_grid(trace)->h});
+        happenings_truncate(run, h);
+        h = copysign(run->settings.dt, h);
+    }
     run->controller = (struct controller){.tol = run->settings.tol, .h = h};
     run->stop = STOP_NONE;
-    happenings_truncate(run);
+    happenings_truncate(run, 0);
     while (p->kicks > 0 && p->kick[p->kicks - 1].step > run->steps)
         p->kicks--;
     while (p->epochs > 1 && p->epoch[p->epochs - 1].first > run->steps)
@@ -272,7 +281,7 @@ bool run_kick(struct run *run, int i, double value, struct error *error)
         trace_regrid(run->trace, (struct grid){run->steps, run->t, trace_grid(run->trace)->h});
     trace_present(run->trace, run->steps, run->t, run->y);
     p->kick[p->kicks++] =
-        (struct kick){run->steps, system->order == 2 ? system_energy(system, run->y) - before : 0};
+        (struct kick){run->steps, run->t, system->order == 2 ? system_energy(system, run->y) - before : 0};
     /* Another motion: what the step control has learnt of the old one is no guide. */
     run->controller = (struct controller){.tol = run->settings.tol,
                                           .h = copysign(run->settings.dt, run->controller.h)};

@@ -8,9 +8,9 @@
 
 /* ---- rows ---- */
 
-size_t trace_row_bytes(int n, bool timed)
+size_t trace_row_bytes(int n, bool timed, bool indexed)
 {
-    return ((size_t)n + timed) * sizeof(double);
+    return ((size_t)n + timed + indexed) * sizeof(double);
 }
 
 static double *row_at(const struct trace *trace, size_t i)
@@ -18,9 +18,15 @@ static double *row_at(const struct trace *trace, size_t i)
     return trace->chunk[i >> CHUNK_SHIFT] + (i & (CHUNK_ROWS - 1)) * trace->width;
 }
 
+/* Whether rows carry their steps. */
+static bool indexed(const struct trace *trace)
+{
+    return trace->bucket > 1 || trace->interval > 0;
+}
+
 static int64_t row_step(const struct trace *trace, size_t i)
 {
-    return trace->bucket > 1 ? trace->index[i >> CHUNK_SHIFT][i & (CHUNK_ROWS - 1)] : (int64_t)i * trace->every;
+    return indexed(trace) ? trace->index[i >> CHUNK_SHIFT][i & (CHUNK_ROWS - 1)] : (int64_t)i * trace->every;
 }
 
 struct trace *trace_create(int n, bool timed, struct recording_rule rule, size_t memory)
@@ -29,12 +35,12 @@ struct trace *trace_create(int n, bool timed, struct recording_rule rule, size_t
     if (!trace)
         return NULL;
     trace->n = n;
-    trace->timed = timed;
+    trace->interval = rule.rule == RECORD_TIMES ? rule.interval : 0;
+    trace->timed = timed = timed || trace->interval > 0;
     trace->decimates = rule.rule == RECORD_AUTO;
     trace->every = rule.rule == RECORD_EVERY ? rule.every : 1;
     trace->width = (size_t)n + timed;
-    /* Once decimated, a row also has its step. */
-    trace->cap = (memory ? memory : MEMORY_DEFAULT) / ((trace->width + trace->decimates) * sizeof(double));
+    trace->cap = (memory ? memory : MEMORY_DEFAULT) / trace_row_bytes(n, timed, trace->decimates || rule.rule == RECORD_TIMES);
     if (trace->decimates) {
         /* Three rows a bucket must always fit into half of the cap, or decimating would not end. */
         trace->cap = trace->cap > LIMIT_SAMPLES ? LIMIT_SAMPLES : trace->cap < 64 ? 64 : trace->cap;
@@ -92,14 +98,14 @@ static bool make_room(struct trace *trace)
 {
     size_t needed = (trace->count >> CHUNK_SHIFT) + 1;
     return (needed <= trace->chunks || grow(trace)) &&
-           (trace->bucket == 1 || needed <= trace->indices || grow_index(trace));
+           (!indexed(trace) || needed <= trace->indices || grow_index(trace));
 }
 
 static void write_row(struct trace *trace, size_t i, int64_t step, double t, const double *y)
 {
     double *row = row_at(trace, i);
     copy_state(row, y, trace->n);
-    if (trace->bucket > 1)
+    if (indexed(trace))
         trace->index[i >> CHUNK_SHIFT][i & (CHUNK_ROWS - 1)] = step;
     if (trace->timed)
         row[trace->n] = t;
@@ -176,8 +182,17 @@ static bool coarsen(struct trace *trace)
     return true;
 }
 
+bool trace_append(struct trace *trace, int64_t step, double t, const double *y)
+{
+    return trace->count < trace->cap && append(trace, step, t, y);
+}
+
 bool trace_record(struct trace *trace, int64_t step, double t, const double *y)
 {
+    if (trace->interval > 0 && trace->count > 0)
+        return true; /* by even_record() */
+    if (trace->count == 0)
+        trace->origin = t;
     if (!trace->decimates && step != trace->next)
         return true;
     if (trace->count == trace->cap && !(trace->decimates && coarsen(trace)))
@@ -232,6 +247,8 @@ static bool keep_within(struct trace *trace, int64_t step, const double *row, in
 
 int64_t trace_record_many(struct trace *trace, int64_t step, const double *row, int64_t count)
 {
+    if (trace->interval > 0)
+        return trace_record_even(trace, step, row, count);
     for (int64_t i = 0; i < count; i++) {
         const int64_t in_bucket = trace->tail_end - step - i, within = in_bucket < count - i ? in_bucket : count - i;
         if (trace->bucket > 1 && within > 1 && trace->count + 2 < trace->cap) {
@@ -352,7 +369,10 @@ void trace_present(struct trace *trace, int64_t step, double t, const double *y)
 
 size_t trace_count(const struct trace *trace)
 {
-    return trace->count + (row_step(trace, trace->count - 1) != trace->now_step);
+    const size_t last = trace->count - 1;
+    const bool present = row_step(trace, last) == trace->now_step &&
+                         (trace->interval == 0 || even_present(trace, trace_time(trace, last)));
+    return trace->count + !present;
 }
 
 int64_t trace_step(const struct trace *trace, size_t i)
@@ -363,7 +383,7 @@ int64_t trace_step(const struct trace *trace, size_t i)
 double trace_time(const struct trace *trace, size_t i)
 {
     int64_t step = trace_step(trace, i);
-    if (step == trace->now_step)
+    if (trace->interval > 0 ? i >= trace->count : step == trace->now_step)
         return trace->now_t; /* at the end of a span this is the time asked for, to the last bit */
     if (trace->timed)
         return row_at(trace, i)[trace->width - 1];
@@ -385,7 +405,7 @@ const double *trace_state(const struct trace *trace, size_t i)
 
 const double *trace_state_after(const struct trace *trace, int64_t step)
 {
-    const bool recorded = trace->bucket == 1 && step % trace->every == 0 && step / trace->every < (int64_t)trace->count;
+    const bool recorded = !indexed(trace) && step % trace->every == 0 && step / trace->every < (int64_t)trace->count;
     return recorded ? row_at(trace, (size_t)(step / trace->every)) : NULL;
 }
 

@@ -183,8 +183,8 @@ void sweep_alone(struct sweep_worker *worker, int64_t i)
     struct run *run = NULL;
     if (sweep_point(request, job->sweep, i, &worker->scene, &worker->settings, &error)) {
         struct run_settings settings = worker->settings;
-        settings.record = needs_trace(job) ? (struct recording_rule){RECORD_AUTO, 1}
-                                           : (struct recording_rule){RECORD_EVERY, INT64_MAX};
+        settings.record = needs_trace(job) ? (struct recording_rule){.rule = RECORD_AUTO, .every = 1}
+                                           : (struct recording_rule){.rule = RECORD_EVERY, .every = INT64_MAX};
         run = run_create(&worker->scene, request->method, &settings, request->duration, &error);
     }
     if (!run) {

@@ -59,7 +59,7 @@ static inline bool is_there(const struct attempt *attempt)
 
 static inline struct run_settings settings_of(const struct attempt *attempt)
 {
-    struct run_settings settings = {.dt = fabs(attempt->by), .record = {RECORD_EVERY, INT64_MAX}};
+    struct run_settings settings = {.dt = fabs(attempt->by), .record = {RECORD_EVERY, INT64_MAX, 0}};
     if (method_named(attempt->method)->flags & METHOD_ADAPTIVE && attempt->by > 0) {
         settings.dt = 1e-6;
         settings.tol = attempt->by;

@@ -20,7 +20,7 @@ static const struct method *method_at(size_t i)
 static struct run *run_of(const struct scene *scene, const struct method *method, enum drag drag, enum kernel kernel,
                           double dt)
 {
-    const struct run_settings settings = {.dt = dt, .drag = drag, .kernel = kernel, .record = {RECORD_ALL, 1}};
+    const struct run_settings settings = {.dt = dt, .drag = drag, .kernel = kernel, .record = {RECORD_ALL, 1, 0}};
     struct error error;
     return method->flags & METHOD_YARDSTICK ? NULL : run_create(scene, method, &settings, HUGE_VAL, &error);
 }
@@ -210,7 +210,7 @@ static void test_propagator_does_not_drift(void **state)
     (void)state;
     struct scene scene = spring();
     struct run *run = start(&scene, "implicit-midpoint",
-                            (struct run_settings){.dt = 0.01, .record = {RECORD_EVERY, 100000}}, HUGE_VAL);
+                            (struct run_settings){.dt = 0.01, .record = {RECORD_EVERY, 100000, 0}}, HUGE_VAL);
     go_steps(run, 10000000);
     double e0 = system_kinetic(&run->system, run->system.start) + system_potential(&run->system, run->system.start);
     double e = system_kinetic(&run->system, run->y) + system_potential(&run->system, run->y);

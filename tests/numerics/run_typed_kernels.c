@@ -85,7 +85,7 @@ static struct run *run_of(const struct scene *scene, const struct method *by, en
                           enum kernel kernel)
 {
     const struct run_settings settings = {
-        .dt = 0.0123, .tol = tol, .drag = drag, .kernel = kernel, .record = {RECORD_ALL, 1}};
+        .dt = 0.0123, .tol = tol, .drag = drag, .kernel = kernel, .record = {RECORD_ALL, 1, 0}};
     struct error error;
     return run_create(scene, by, &settings, HUGE_VAL, &error);
 }

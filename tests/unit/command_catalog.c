@@ -186,6 +186,9 @@ static void completion_follows_the_type(void **state)
         {"measure period of run ", " 1 ", " data ", 22, false},
         {"plot position run ", " all ", " data ", 18, false},
         {"plot ", " phase ", " m ", 5, false},
+        {"plot y at ", " top ", " phase ", 10, false},
+        {"plot y against v at top --", " --next ", " --kept ", 24, false},
+        {"set record ", " every ", " kg ", 11, false},
         {"help sym", " symplectic-euler ", " run ", 5, false},
         {"list ", " methods ", " euler ", 5, false},
         {"load ", " as= ", " run ", 5, true},
@@ -204,7 +207,7 @@ static void completion_follows_the_type(void **state)
     };
     struct bench b;
     bench_open(&b, true);
-    type_ok(&b, "run 1 s");
+    type_ok(&b, "event top when v falling do record; run 1 s");
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         struct found found;
         size_t start = 0;

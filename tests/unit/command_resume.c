@@ -69,6 +69,11 @@ static void resumed_sessions_export_the_same(void **state)
         "gamma = 0.2; method verlet drag=implicit; run 2 s; record all; set record every 3; run 2 s; set record auto; "
         "run 1 s",
         "run 1 s; reset; change gamma 0.2; continue 2 s",
+        "set record every 70 ms; method dop853 tol=1e-9; run 2 s; continue 0.1 s; back 3; continue 1 s; change k 20; "
+        "step 2; back 1; back 2",
+        "set record every 70 ms; dt = 3 ms; method rk4; run 2 s; back 5; continue 1 s; back 2; change k 20; step 2; "
+        "continue 1 s",
+        "set record every 50 ms; method verlet; run 2.003 s; back 5; continue 1 s",
         "run 5 s; back 100; continue 2 s; back 3",
         "run 1 s; reset",
         "load swing.txt as=x; data window 1:4; data zero 0.2; run 1 s; layout duo; window 5; trail all; focus energy "

@@ -33,7 +33,7 @@ static void test_decimation_equals_brute_force(void **state)
     static double q[COUNT];
     static int64_t kept[COUNT];
     uint64_t seed = 1;
-    struct trace *trace = trace_create(1, false, (struct recording_rule){RECORD_AUTO, 0}, CAP * 2 * sizeof(double));
+    struct trace *trace = trace_create(1, false, (struct recording_rule){RECORD_AUTO, 0, 0}, CAP * 2 * sizeof(double));
     assert_non_null(trace);
     assert_true(trace_reserve_grids(trace, 1));
     trace_regrid(trace, (struct grid){.first = 0, .origin = 3, .h = 0.1});
@@ -75,7 +75,7 @@ static void test_spike_survives(void **state)
     (void)state;
     const int64_t count = 5000000, place[] = {1, 777777, 2500001, 4999998};
     for (size_t k = 0; k < COUNT_OF(place); k++) {
-        struct trace *trace = trace_create(2, false, (struct recording_rule){RECORD_AUTO, 0}, 0);
+        struct trace *trace = trace_create(2, false, (struct recording_rule){RECORD_AUTO, 0, 0}, 0);
         for (int64_t i = 0; i < count; i++) {
             double y[2] = {i == place[k] ? (k % 2 ? 7 : -7) : sin((double)i * 1e-3), 0};
             assert_true(trace_record(trace, i, 0, y));
@@ -115,7 +115,7 @@ static void test_decimated_run(void **state)
     /* Specialised: of a decimated trace a propagator cannot find the beginning of its block again. */
     struct run_settings settings = {.dt = 1e-2, .memory = 200 * 24, .kernel = KERNEL_SPECIALISED};
     struct run *whole = start(&scene, "verlet", settings, 100), *sliced = start(&scene, "verlet", settings, 100);
-    struct run *all = start(&scene, "verlet", (struct run_settings){.dt = 1e-2, .kernel = KERNEL_SPECIALISED, .record = {RECORD_ALL, 0}},
+    struct run *all = start(&scene, "verlet", (struct run_settings){.dt = 1e-2, .kernel = KERNEL_SPECIALISED, .record = {RECORD_ALL, 0, 0}},
                             100);
     go_to(whole, 100);
     go_to(all, 100);
@@ -145,7 +145,7 @@ static void test_record_every(void **state)
 {
     (void)state;
     struct scene scene = spring();
-    struct run_settings settings = {.dt = 0.01, .record = {RECORD_EVERY, 7}};
+    struct run_settings settings = {.dt = 0.01, .record = {RECORD_EVERY, 7, 0}};
     struct run *run = start(&scene, "rk4", settings, 1), *other = start(&scene, "rk4", settings, 1);
     struct run *all = start(&scene, "rk4", (struct run_settings){.dt = 0.01}, 1);
     go_to(all, 1.005);
@@ -177,7 +177,7 @@ static void test_full_trace_keeps_the_state(void **state)
 {
     (void)state;
     struct scene scene = spring();
-    struct run_settings settings = {.dt = 0.01, .record = {RECORD_ALL, 0}, .memory = 500 * 16};
+    struct run_settings settings = {.dt = 0.01, .record = {RECORD_ALL, 0, 0}, .memory = 500 * 16};
     struct run *run = start(&scene, "verlet", settings, HUGE_VAL);
     struct run *other = start(&scene, "verlet", (struct run_settings){.dt = 0.01}, HUGE_VAL);
     go_steps(run, 10000);

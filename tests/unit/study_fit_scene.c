@@ -39,7 +39,7 @@ static struct recorded record(const struct scene *scene, int variable, double ra
 {
     enum { FINER = 8 };
     struct error error = {0};
-    const struct run_settings settings = {.dt = 1 / rate / FINER, .record = {RECORD_EVERY, FINER}};
+    const struct run_settings settings = {.dt = 1 / rate / FINER, .record = {RECORD_EVERY, FINER, 0}};
     struct run *run = run_create(scene, method_named("gauss6"), &settings, span, &error);
     assert_non_null(run);
     while (run_advance(run, &(struct run_target){.t = scene->value[scene_param(scene, "t0")] + span, .steps = -1}, 0,

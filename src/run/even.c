@@ -1,0 +1,92 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Rows at even times: origin + k interval. A row in the middle of a step lies on its dense output; where a step ends at
+ * such a time but for rounding, the row is the state that was computed.
+ */
+#include "private.h"
+
+#include <float.h>
+#include <math.h>
+
+/* Times so near are one: the grid of steps and that of rows are both sums of rounded numbers. */
+static double nearness(const struct trace *trace, double t)
+{
+    return 8 * DBL_EPSILON * fmax(fabs(t), fabs(trace->origin));
+}
+
+static double due_time(const struct trace *trace)
+{
+    return trace->origin + trace->due * trace->interval;
+}
+
+void trace_aim(struct trace *trace, double t, double h)
+{
+    trace->ahead = h < 0 ? -1 : 1;
+    trace->due = trace->ahead * (floor(trace->ahead * ((t - trace->origin) / trace->interval)) - 1);
+    /* Not more often than the quotient's rounding asks for: where the interval is below that of t, it never ends. */
+    for (int i = 0; i < 4 && (due_time(trace) - t) * trace->ahead <= nearness(trace, t); i++)
+        trace->due += trace->ahead;
+}
+
+bool trace_in_step(struct trace *trace)
+{
+    const struct grid *grid = trace_grid(trace);
+    const double every = nearbyint(trace->interval / fabs(grid->h)), due = due_time(trace),
+                 steps = nearbyint((due - grid->origin) / grid->h);
+    if (!(every >= 1 && every < LIMIT_STEPS && steps < LIMIT_STEPS) ||
+        fabs(every * fabs(grid->h) - trace->interval) > 2 * DBL_EPSILON * trace->interval)
+        return false;
+    trace->every = (int64_t)every;
+    trace->next = grid->first + (int64_t)steps;
+    return fabs(grid_time(grid, trace->next) - due) <= nearness(trace, due);
+}
+
+static bool append(struct trace *trace, int64_t step, const double *y)
+{
+    if (!trace_append(trace, step, due_time(trace), y))
+        return false;
+    trace->due += trace->ahead;
+    trace->next += trace->every;
+    return true;
+}
+
+int64_t trace_record_even(struct trace *trace, int64_t step, const double *row, int64_t count)
+{
+    while (trace->next < step + count)
+        if (!append(trace, trace->next, row + (trace->next - step) * trace->n))
+            return trace->next - step;
+    return count;
+}
+
+bool even_record(struct run *run, bool cold, double t, double h)
+{
+    struct trace *trace = run->trace;
+    const double near = nearness(trace, run->t);
+    for (double due; due = due_time(trace), (due - run->t) * trace->ahead <= near;) {
+        double inside[LIMIT_VARIABLES];
+        const bool end = fabs(due - run->t) <= near;
+        if (!end) {
+            const struct inside step = inside_of(run, cold, t, h);
+            inside_state(&step, (due - t) / h, inside);
+        }
+        if (!append(trace, run->steps, end ? run->y : inside))
+            return false;
+    }
+    return true;
+}
+
+void even_drop(struct trace *trace, double t)
+{
+    for (; trace->count > 1; trace->count--) {
+        const double last = trace_time(trace, trace->count - 1);
+        if ((last - t) * trace->ahead <= nearness(trace, t))
+            return;
+        trace->due -= trace->ahead;
+        trace->next -= trace->every;
+    }
+}
+
+bool even_present(const struct trace *trace, double row_time)
+{
+    return fabs(row_time - trace->now_t) <= nearness(trace, trace->now_t);
+}
