@@ -10,7 +10,7 @@ static void put_item(const struct argument *argument, struct buffer *out)
     static const char *const shown[] = {
         [TYPE_VALUE] = "V",   [TYPE_INTEGER] = "N", [TYPE_RANGE] = "FROM:TO", [TYPE_CONDITION] = "COND",
         [TYPE_EXPR] = "EXPR", [TYPE_UNIT] = "UNIT", [TYPE_RUN] = "N",         [TYPE_RECORDING] = "NAME",
-        [TYPE_NAME] = "NAME", [TYPE_SCENE] = "NAME", [TYPE_TEXT] = "TEXT",   [TYPE_FILE] = "FILE",     [TYPE_REST] = "TEXT",
+        [TYPE_NAME] = "NAME", [TYPE_SCENE] = "NAME", [TYPE_TEXT] = "TEXT", [TYPE_EVENT] = "EVENT", [TYPE_FILE] = "FILE",     [TYPE_REST] = "TEXT",
         [TYPE_FORMULA] = "EXPR", [TYPE_COLUMN] = "COLUMN", [TYPE_PARAM] = "NAME", [TYPE_START] = "START"};
     const bool model = argument->type == TYPE_MODEL;
     if (model || (argument->type == TYPE_CHOICE && argument->choices->count <= 8)) {
