@@ -151,13 +151,13 @@ enum step_status method_adapt(const struct method *method, struct step *step, st
                               double t_end)
 {
     const double least = 10 * DBL_EPSILON, tol = controller->tol > least ? controller->tol : least;
-    const double t = step->t, span = t_end - t - controller->t_low;
+    const double t = step->t, span = t_end - t;
     const double most = largest_estimate(method, tol);
     const bool turns = method_turns(method, step->system);
     const size_t size = (size_t)step->system->n * sizeof *step->y;
     double before[LIMIT_VARIABLES], low[LIMIT_VARIABLES], own_error[LIMIT_VARIABLES], *asked = step->error;
     assert(method->flags & METHOD_ADAPTIVE);
-    if (t == t_end)
+    if (span == 0)
         return STEP_OK;
     if (method->adapt)
         return method->adapt(method, step, controller, t_end);
