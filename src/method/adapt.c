@@ -34,7 +34,7 @@ static const struct filter {
 #define LEAST_ERROR 1e-8 /* smaller ones say nothing about the next */
 #define STRETCH 1.01     /* a last step may be this much longer, so that no sliver remains */
 #define FAILURES 20      /* steps in a row that give no number: each makes the next a quarter */
-#define LEAST_ULPS 16    /* of t: a smaller step is only rounding */
+#define LEAST_ULPS 4     /* of t: a smaller step is only rounding, though the clock counts it */
 #define MEMORY 0.4       /* share of the newest estimate in the smoothed stiffness, */
 #define ESTIMATE_EACH 4  /* steps, because the estimate costs as much as a fifth of a step */
 
