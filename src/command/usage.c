@@ -12,7 +12,7 @@ static void put_item(const struct argument *argument, struct buffer *out)
         [TYPE_EXPR] = "EXPR",  [TYPE_UNIT] = "UNIT",    [TYPE_RUN] = "N",         [TYPE_RECORDING] = "NAME",
         [TYPE_NAME] = "NAME",  [TYPE_SCENE] = "NAME",   [TYPE_TEXT] = "TEXT",     [TYPE_FILE] = "FILE",
         [TYPE_REST] = "TEXT",  [TYPE_FORMULA] = "EXPR", [TYPE_COLUMN] = "COLUMN", [TYPE_PARAM] = "NAME",
-        [TYPE_START] = "START"};
+        [TYPE_EVENT] = "EVENT", [TYPE_START] = "START"};
     const bool model = argument->type == TYPE_MODEL;
     if (model || (argument->type == TYPE_CHOICE && argument->choices->count <= 8)) {
         for (size_t i = 0; i < argument->choices->count; i++)

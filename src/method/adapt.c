@@ -34,7 +34,7 @@ static const struct filter {
 #define LEAST_ERROR 1e-8 /* smaller ones say nothing about the next */
 #define STRETCH 1.01     /* a last step may be this much longer, so that no sliver remains */
 #define FAILURES 20      /* steps in a row that give no number: each makes the next a quarter */
-#define LEAST_ULPS 16    /* of t: a smaller step is only rounding */
+#define LEAST_ULPS 4     /* of t: a smaller step is only rounding, though the clock counts it */
 #define MEMORY 0.4       /* share of the newest estimate in the smoothed stiffness, */
 #define ESTIMATE_EACH 4  /* steps, because the estimate costs as much as a fifth of a step */
 
@@ -151,13 +151,13 @@ enum step_status method_adapt(const struct method *method, struct step *step, st
                               double t_end)
 {
     const double least = 10 * DBL_EPSILON, tol = controller->tol > least ? controller->tol : least;
-    const double t = step->t, span = t_end - t - controller->t_low;
+    const double t = step->t, span = t_end - t;
     const double most = largest_estimate(method, tol);
     const bool turns = method_turns(method, step->system);
     const size_t size = (size_t)step->system->n * sizeof *step->y;
     double before[LIMIT_VARIABLES], low[LIMIT_VARIABLES], own_error[LIMIT_VARIABLES], *asked = step->error;
     assert(method->flags & METHOD_ADAPTIVE);
-    if (t == t_end)
+    if (span == 0)
         return STEP_OK;
     if (method->adapt)
         return method->adapt(method, step, controller, t_end);
