@@ -87,60 +87,19 @@ static double *values_of(const struct sweep_worker *worker, int64_t i)
     return worker->job->sweep->value + i * worker->job->sweep->measures;
 }
 
-static double swing(const struct watch *watch)
-{
-    return watch->open ? (watch->high - watch->low) / 2 : NAN;
-}
-
-static double period(const struct watch *watch)
-{
-    return watch->maxima > 1 ? (watch->last - watch->first) / (double)(watch->maxima - 1) : NAN;
-}
-
 /* ---- alone ---- */
 
-/* How fast the first variable changes. */
-static double speed(const struct system *system, double t, const double *y)
-{
-    if (system->order == 2)
-        return y[system->n / 2];
-    double dydt[LIMIT_VARIABLES];
-    system_derivative(system, t, y, dydt);
-    return dydt[0];
-}
-
-static void watch_run(struct watch *watch, const struct run *run, double opens)
-{
-    const struct trace *trace = run->trace;
-    const size_t n = trace_count(trace);
-    double t0 = trace_time(trace, 0), y0 = trace_state(trace, 0)[0];
-    double v0 = speed(&run->system, t0, trace_state(trace, 0));
-    watch_begin(watch, y0);
-    for (size_t i = 0; i < n; i++) {
-        const double *state = trace_state(trace, i);
-        const double t1 = trace_time(trace, i), y1 = state[0], v1 = speed(&run->system, t1, state);
-        if (i > 0 && watch_turns(v0, v1))
-            watch_turn(watch, t0, y0, v0, t1, y1, v1);
-        if (!watch->open && t1 >= opens)
-            watch_open(watch, y1);
-        t0 = t1;
-        y0 = y1;
-        v0 = v1;
-    }
-    watch_end(watch, y0);
-}
-
-static double run_measure(const struct run *run, const struct sweep_measure *measure, const struct watch *watch)
+static double run_measure(const struct run *run, const struct sweep_measure *measure, double opens)
 {
     struct run_errors errors;
     struct ledger ledger;
     switch (measure->kind) {
     case SWEEP_AMPLITUDE:
-        return swing(watch);
     case SWEEP_PERIOD:
-        return period(watch);
+    case SWEEP_MEAN:
     case SWEEP_MAX:
-        return watch->top;
+    case SWEEP_MIN:
+        return watch_run(run, measure, opens);
     case SWEEP_ERROR:
         run_errors(run, &errors);
         return errors.max;
@@ -200,13 +159,10 @@ static void go_alone(struct sweep_worker *worker, int64_t i)
     while (run_advance(run, &target, 0, request->cancel)) {
     }
     if (run->stop != STOP_CANCELLED) {
-        struct watch watch = {0};
-        if (job->watches && run->stop == STOP_END)
-            watch_run(&watch, run, run->system.t0 + job->opens);
         for (int m = 0; m < request->measures; m++) {
             const struct sweep_measure *measure = &request->measure[m];
             const bool there = run->stop == STOP_END || holds_when_failed(measure->kind);
-            values_of(worker, i)[m] = there ? run_measure(run, measure, &watch) : NAN;
+            values_of(worker, i)[m] = there ? run_measure(run, measure, run->system.t0 + job->opens) : NAN;
         }
         job->sweep->status[i] = (signed char)run->stop;
     }
@@ -240,13 +196,9 @@ static double lane_measure(const struct sweep_worker *worker, int lane, const st
     const struct sweep_job *job = worker->job;
     const struct system *system = &worker->system[lane];
     const double end = system->t0 + job->request->duration;
+    if (sweep_watches(measure))
+        return watch_value(&worker->watch[lane], measure->kind);
     switch (measure->kind) {
-    case SWEEP_AMPLITUDE:
-        return swing(&worker->watch[lane]);
-    case SWEEP_PERIOD:
-        return period(&worker->watch[lane]);
-    case SWEEP_MAX:
-        return worker->watch[lane].top;
     case SWEEP_STEPS:
         return (double)(job->whole + (job->rest != 0));
     case SWEEP_EVALS:
@@ -289,7 +241,7 @@ static void speeds_at_end(const struct sweep_worker *worker, double end, double 
     double y[LIMIT_VARIABLES];
     for (int lane = 0; lane < worker->used; lane++) {
         lanes_state(worker->lanes, lane, y);
-        speeds[lane] = speed(&worker->system[lane], end, y);
+        speeds[lane] = watch_speed(&worker->system[lane], 0, end, y);
     }
 }
 
@@ -384,7 +336,7 @@ static void finish_lanes(struct sweep_worker *worker)
                          end = system->t0 + request->duration;
             if (!watch->open && (job->rest == 0 ? end : from) >= system->t0 + job->opens)
                 watch_open(watch, was[0]);
-            const double speed0 = speed(system, from, was), speed1 = speed(system, end, y);
+            const double speed0 = watch_speed(system, 0, from, was), speed1 = watch_speed(system, 0, end, y);
             if (job->rest != 0 && watch_turns(speed0, speed1))
                 watch_turn(watch, from, was[0], speed0, end, y[0], speed1);
             if (!watch->open)
