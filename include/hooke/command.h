@@ -146,6 +146,7 @@ struct setup {
     int owns;
     const struct events *events; /* of the next run; NULL: none */
     const struct method *method;
+    bool method_chosen; /* by name */
     enum drag drag; /* DRAG_DEFAULT: the method's own */
     bool fixed;     /* dt= was given with the method: fixed steps although it could adapt */
     struct settings settings;
@@ -350,6 +351,7 @@ struct session {
     struct held_run *run[LIMIT_RUNS];
     int runs, current_run; /* index, -1: none */
     int next_run;          /* number of the next run */
+    bool told_method;      /* that nobody has chosen one */
     struct held_recording *recording[LIMIT_RECORDINGS];
     int recordings, current_recording; /* index, -1: none */
     bool data_is_latest;               /* the recording is more recent than the run: measure acts on it */

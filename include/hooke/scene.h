@@ -435,8 +435,8 @@ const struct model *typed_new(struct typed_models *models, struct text name, str
  */
 const struct model *typed_add(struct typed_models *models, const struct model *from, const struct typed_line *line,
                               struct error *error);
-/* Without that line: force, potential, observe; what is left may be the built-in model itself. NULL: it is not there,
- * or others use it. */
+/* Without that line; a variable takes its equation and its initial velocity along. What is left may be the built-in
+ * model itself. NULL: it is not there, or others use it. */
 const struct model *typed_remove(struct typed_models *models, const struct model *from, enum typed_kind kind,
                                  struct text name, struct error *error);
 /* The lines as they were typed, in the order in which they can be typed again. 0 of a built-in model. */

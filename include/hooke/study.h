@@ -461,9 +461,12 @@ bool sweep_axis_find(const struct scene *scene, struct text name, struct sweep_a
 double sweep_axis_value(const struct sweep_axis *axis, int i);
 
 enum sweep_kind {
-    SWEEP_AMPLITUDE,    /* half the swing of the first variable in the last third of the duration */
+    /* Watched on the way, of a column: */
+    SWEEP_AMPLITUDE,    /* half its swing in the last third of the duration */
     SWEEP_PERIOD,       /* mean time between its maxima there */
-    SWEEP_MAX,          /* its largest value from the start on */
+    SWEEP_MEAN,         /* over that time */
+    SWEEP_MAX,          /* from the start on */
+    SWEEP_MIN,
     SWEEP_ERROR,        /* as struct run_errors has it */
     SWEEP_ENERGY_ERROR, /* largest, as the ledger has it */
     SWEEP_STEPS,
@@ -477,18 +480,25 @@ enum sweep_kind {
 /* At the end, unless it says otherwise. */
 struct sweep_measure {
     enum sweep_kind kind;
+    enum sweep_kind column;              /* what is watched: one of the last three, else the first variable */
     int variable;                        /* SWEEP_VARIABLE, SWEEP_OBSERVED: which one */
-    char observed[LIMIT_SYMBOL + 1];     /* SWEEP_OBSERVED: its name */
     const struct observable *observable; /* SWEEP_OBSERVABLE */
+    char name[LIMIT_SYMBOL + 16];        /* max(z) */
 };
+
+static inline bool sweep_watches(const struct sweep_measure *measure)
+{
+    return measure->kind <= SWEEP_MIN;
+}
 
 /* struct row at the place of the kind: those with names of their own */
 extern const struct catalog sweep_measure_catalog;
 
-/* A row of that catalog, a state variable, a typed quantity, an observable. */
+/* A row of that catalog, a state variable, a typed quantity, an observable; max(z) for what is watched of another column
+ * than the first. */
 bool sweep_measure_find(const struct model *model, struct text name, struct sweep_measure *measure,
                         struct error *error);
-const char *sweep_measure_name(const struct sweep_measure *measure, const struct model *model);
+const char *sweep_measure_name(const struct sweep_measure *measure);
 enum quantity sweep_measure_quantity(const struct sweep_measure *measure, const struct model *model);
 
 #define SWEEP_MEASURES 16

@@ -84,15 +84,33 @@ static bool add_line(struct session *session, const struct typed_line *line, str
     return true;
 }
 
-static bool remove_line(struct session *session, enum typed_kind kind, struct text name, const char *what,
-                        struct reply *reply, struct error *error)
+/* Do the events of the next run still know all their names? */
+static bool events_know(struct session *session, struct arena *arena, struct error *error)
 {
-    const struct model *model = typed_remove(session->models, session->setup.scene.model, kind, name, error);
-    if (!model && kind == TYPED_OBSERVE && model_observation(session->setup.scene.model, name) >= 0)
-        return error_at(error, name, "%s is used by other lines of the scene", what);
+    const struct names names = {.session = session, .expects_run = true, .saved_only = true};
+    const struct expr_scope scope = names_scope(&names);
+    const struct event *event;
+    int count;
+    return events_compile(session->setup.events, &scope, arena, &event, &count, error);
+}
+
+/* what: how it is called where it has no name. */
+static bool remove_line(struct session *session, const struct arguments *given, enum typed_kind kind, struct text name,
+                        const char *what, struct reply *reply, struct error *error)
+{
+    const struct scene before = session->setup.scene;
+    const struct model *model = typed_remove(session->models, before.model, kind, name, error);
     if (!model || !use_model(session, model, false, reply, error))
         return false;
-    reply_line(reply, "%s is gone", what);
+    if (name.len > 0 && kind != TYPED_FORCE && !events_know(session, given->arena, error)) {
+        const struct error why = *error;
+        struct error ignored;
+        use_model(session, before.model, false, reply, &ignored);
+        session->setup.scene = before;
+        error_at(error, name, "%.*s is used by an event", (int)name.len, name.at);
+        return error_hint(error, "%s", why.hint);
+    }
+    reply_line(reply, "%.*s is gone", what ? (int)strlen(what) : (int)name.len, what ? what : name.at);
     return true;
 }
 
@@ -120,6 +138,8 @@ static bool add_value(struct session *session, const struct arguments *given, en
         line.name.len++;
         rest = after(rest, 1);
     }
+    if (text_is(rest, "off"))
+        return remove_line(session, given, kind, line.name, NULL, reply, error);
     if (!free_name(line.name, error) || !skip_equals(&rest, usage, error))
         return false;
     struct parser parser = {session, given->scope, given->arena, rest};
@@ -139,12 +159,12 @@ static bool add_value(struct session *session, const struct arguments *given, en
 
 HANDLER(var)
 {
-    return add_value(session, given, TYPED_VAR, "var NAME = VALUE", reply, error);
+    return add_value(session, given, TYPED_VAR, "var NAME = VALUE or var NAME off", reply, error);
 }
 
 HANDLER(param)
 {
-    return add_value(session, given, TYPED_PARAM, "param NAME = VALUE", reply, error);
+    return add_value(session, given, TYPED_PARAM, "param NAME = VALUE or param NAME off", reply, error);
 }
 
 /* y' = EXPR in an event: the velocity jumps. */
@@ -200,8 +220,19 @@ static struct text read_left(struct text *rest)
 HANDLER(force)
 {
     struct text rest = given_for(given, "EXPR|off")->item->text;
-    struct typed_line line = {.kind = TYPED_FORCE, .name = read_left(&rest), .expr = rest};
-    return text_is(rest, "off") ? remove_line(session, TYPED_FORCE, line.name, "the force", reply, error)
+    struct text behind = after(rest, peek_name(rest).len);
+    size_t primes = 0;
+    while (primes < behind.len && behind.at[primes] == '\'')
+        primes++;
+    if (primes > 0 && text_starts(after(behind, primes), TEXT("="))) {
+        error_at(error, (struct text){rest.at, (size_t)(behind.at - rest.at) + primes}, "a force is an expression, not an equation");
+        return error_hint(error, "'force x = EXPR' adds to x''; x'' = EXPR alone is an equation of its own");
+    }
+    const struct text name = read_left(&rest);
+    const struct typed_line line = {.kind = TYPED_FORCE, .name = name, .expr = rest};
+    if (peek_name(rest).len > 0 && text_is(after(rest, peek_name(rest).len), "off")) /* force x off */
+        return remove_line(session, given, TYPED_FORCE, peek_name(rest), "the force", reply, error);
+    return text_is(rest, "off") ? remove_line(session, given, TYPED_FORCE, line.name, "the force", reply, error)
                                 : add_line(session, &line, reply, error);
 }
 
@@ -209,7 +240,7 @@ HANDLER(potential)
 {
     const struct text rest = given_for(given, "EXPR|off")->item->text;
     const struct typed_line line = {.kind = TYPED_POTENTIAL, .expr = rest};
-    return text_is(rest, "off") ? remove_line(session, TYPED_POTENTIAL, TEXT(""), "the potential", reply, error)
+    return text_is(rest, "off") ? remove_line(session, given, TYPED_POTENTIAL, TEXT(""), "the potential", reply, error)
                                 : add_line(session, &line, reply, error);
 }
 
@@ -217,11 +248,8 @@ HANDLER(observe)
 {
     struct typed_line line = {.kind = TYPED_OBSERVE, .name = given_for(given, "NAME")->item->text};
     struct text rest = given_for(given, "= EXPR")->item->text;
-    char name[LIMIT_NAME + 1] = "";
-    if (text_is(rest, "off")) {
-        memcpy(name, line.name.at, line.name.len < LIMIT_NAME ? line.name.len : LIMIT_NAME);
-        return remove_line(session, TYPED_OBSERVE, line.name, name, reply, error);
-    }
+    if (text_is(rest, "off"))
+        return remove_line(session, given, TYPED_OBSERVE, line.name, NULL, reply, error);
     if (!free_name(line.name, error) || !skip_equals(&rest, "observe NAME = EXPR", error))
         return false;
     line.expr = rest;
@@ -234,7 +262,7 @@ COMMAND(var, .row = {"var", "", "a variable of a scene of your own, and its init
         .text = "The first one while a built-in scene is there begins an empty scene. The initial value of x is the "
                 "parameter x0; that of\n"
                 "the velocity of y is typed as var y' = 0.5 and is the parameter vy0. 'scene' shows what has been "
-                "typed.",
+                "typed. 'var NAME off' takes\nthe variable and its equation away.",
         .examples = "var y = 1; var y' = 0.5; y'' = -y; run 1 s\nvar x = 5 cm; x' = -x; run 1 s",
         .see = "equation param observe event scene", .flags = COMMAND_CHANGES,
         ARGUMENTS(PLACE("NAME", TYPE_NAME, .flags = ARG_REQUIRED),
@@ -242,7 +270,8 @@ COMMAND(var, .row = {"var", "", "a variable of a scene of your own, and its init
 
 COMMAND(param, .row = {"param", "", "a parameter of a scene of your own", "", NULL}, .group = "EQUATIONS",
         .text = "Equations use it by name: NAME = VALUE changes it at once. On a built-in scene it adds to its "
-                "parameters.",
+                "parameters. 'param NAME off'\n"
+                "takes it away where nothing uses it.",
         .examples = "var x = 1; param rate = 0.5 1/s; x' = -rate*x; run 1 s\nscene spring; param stiff = 40; force -stiff*y^3",
         .see = "var equation set", .flags = COMMAND_CHANGES,
         ARGUMENTS(PLACE("NAME", TYPE_NAME, .flags = ARG_REQUIRED),
@@ -263,7 +292,8 @@ COMMAND(force, .row = {"force", "", "add a force of your own to the scene, or ta
         .group = "EQUATIONS",
         .text = "In newtons: it is divided by the mass. Names are references: changing a parameter acts at once. "
                 "Another force takes its\n"
-                "place. 'force x = EXPR' acts on the coordinate x of several; 'potential' gives its energy.",
+                "place. 'force x = EXPR' acts on the coordinate x of several, 'force x off' takes that away; 'potential' gives "
+                "its energy.",
         .examples = "force -40*y^3 + 0.1*cos(2*t); run 1 s\nforce -40*y^3; force off",
         .see = "potential param equation plan", .flags = COMMAND_CHANGES,
         ARGUMENTS(PLACE("EXPR|off", TYPE_FORMULA, .flags = ARG_REQUIRED)))

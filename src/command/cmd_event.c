@@ -12,16 +12,30 @@ static struct text after(struct text text, size_t by)
     return rest;
 }
 
+static void reply_line_of(const struct event_line *line, struct reply *reply)
+{
+    struct buffer text = {0};
+    event_describe(line, false, &text);
+    reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+}
+
 static void reply_events(const struct session *session, struct reply *reply)
 {
     const struct events *events = session->setup.events;
-    for (int i = 0; events && i < events->count; i++) {
-        struct buffer text = {0};
-        event_describe(&events->line[i], false, &text);
-        reply_text(reply, buffer_text(&text));
-        buffer_free(&text);
-    }
+    for (int i = 0; events && i < events->count; i++)
+        reply_line_of(&events->line[i], reply);
     if (!events)
+        reply_line(reply, "no events");
+}
+
+static void drop_all(struct session *session, struct reply *reply)
+{
+    const int count = session->setup.events ? session->setup.events->count : 0;
+    session->setup.events = NULL;
+    if (count > 0)
+        reply_line(reply, "%d event%s gone", count, count == 1 ? " is" : "s are");
+    else
         reply_line(reply, "no events");
 }
 
@@ -107,17 +121,23 @@ HANDLER(event)
     const struct given *name = given_for(given, "NAME"), *rule = given_for(given, "when EXPR do stop|record|COMMANDS");
     const struct text end = name->count ? after(name->item->text, name->item->text.len) : TEXT("");
     const struct text rest = rule->count ? rule->item->text : end;
-    if (name->count && rule->count == 0 && text_is(name->item->text, "off"))
-        session->setup.events = NULL;
-    else if (name->count && text_is(rest, "off")) {
+    if (name->count == 0) {
+        reply_events(session, reply);
+        return true;
+    }
+    if (rule->count == 0 && text_is(name->item->text, "off")) {
+        drop_all(session, reply);
+    } else if (text_is(rest, "off")) {
         if (!events_without(session, name->item->text, &session->setup.events, error))
             return false;
-    } else if (name->count && !read_event(session, given, name->item->text, rest, error)) {
-        return false;
+        reply_line(reply, "event %.*s is gone", (int)name->item->text.len, name->item->text.at);
+    } else {
+        if (!read_event(session, given, name->item->text, rest, error))
+            return false;
+        const struct events *events = session->setup.events; /* the new one comes last */
+        reply_line_of(&events->line[events->count - 1], reply);
     }
-    if (name->count)
-        session_changed(session);
-    reply_events(session, reply);
+    session_changed(session);
     return true;
 }
 #endif
@@ -127,11 +147,13 @@ COMMAND(event, .row = {"event", "", "watch for a moment on the way of runs", "",
                 "comparison becomes true,\n"
                 "is located inside of the step. 'do record' makes a row for 'list events' and 'export FILE events'; "
                 "'do stop' stops the run\n"
-                "there; a string of commands is executed after it has stopped, and goes on where it ends in "
-                "continue. There NAME = VALUE\n"
-                "changes the run alone, a parameter of it or what moves: v = -0.9*v. It holds for runs that start "
-                "later; compare, sweep and\n"
-                "other studies know no events. 'event NAME off' drops one, 'event off' all, 'event' shows them.",
+                "there, and 'continue' goes on to where it was to end; a string of commands is executed after it has "
+                "stopped, and where\n"
+                "'continue' is its last word the run goes on by itself: do 'print t; continue'. There NAME = VALUE "
+                "changes the run alone, a\n"
+                "parameter of it or what moves: v = -0.9*v. It holds for runs that start later; compare, sweep and "
+                "other studies know no\n"
+                "events. 'event NAME off' drops one, 'event off' all, 'event' shows them.",
         .examples = "event top when v falling do record; run 5 s; list events\nevent wall when y < -1 cm do 'v = -0.9*v; "
                     "continue'; run 5 s",
         .see = "run list export equation", .flags = COMMAND_CHANGES,

@@ -68,6 +68,7 @@ HANDLER(method)
         setup->fixed = dt->count && !tol->count ? true : tol->count || name->count ? false : setup->fixed;
         setup->drag = drag->count ? (enum drag)(drag->item->index + 1) : name->count ? DRAG_DEFAULT : setup->drag;
         setup->method = method;
+        setup->method_chosen |= name->count > 0;
         if (dt->count)
             setup->settings.dt = dt->item->value.value;
         if (tol->count)
@@ -84,7 +85,9 @@ COMMAND(method, .row = {"method", "", "choose the method of integration, or show
         .group = "METHOD",
         .text = "A method with an error estimate adapts its step to tol unless dt= is given here or tol is off. 'list "
                 "methods' shows\n"
-                "them, 'help NAME' the formula, order, stability and source of one.",
+                "them, 'help NAME' the formula, order, stability and source of one. Without a choice it is euler, as in "
+                "the lab: for equations\n"
+                "of your own dop853 is accurate, radau5 where they are stiff.",
         .examples = "method symplectic-euler\nmethod verlet dt=5ms", .see = "list compare plan",
         .flags = COMMAND_CHANGES,
         ARGUMENTS(PLACE("NAME", TYPE_CHOICE, .choices = &method_catalog),

@@ -152,6 +152,7 @@ HANDLER(precision)
     request.contenders = count;
     struct precision precision;
     const int64_t begin = clock_ns();
+    reply_shorter(session, reply);
     ok = study_precision(&request, &precision, error);
     if (precision.curves > 0) {
         reply_study(session, given, &precision, &absentees.text, (double)(clock_ns() - begin) * 1e-9, reply);
@@ -168,7 +169,8 @@ COMMAND(precision,
         .row = {"precision", "", "error against run time of several methods, as table and log-log plot", "", NULL},
         .group = "STUDY",
         .text =
-            "Each method is swept from coarse steps to the floor of rounding: fixed steps of duration/2^k, adaptive "
+            "Each method is swept over the setting 'duration', from coarse steps to the floor of rounding: fixed steps of "
+            "duration/2^k, adaptive "
             "methods by\n"
             "decades of tol. The error is the largest distance from the solution on 257 common times, divided by the "
             "amplitude;\n"

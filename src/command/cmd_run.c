@@ -113,7 +113,8 @@ static void reply_event(const struct held_run *held, const struct event_line *st
 {
     const size_t count = run_happenings(held->run);
     if (stopped)
-        reply_line(reply, "event %s: stopped at t = %.9g s", stopped->name, held->run->t);
+        reply_line(reply, "event %s: stopped at t = %.9g s; 'continue' goes on%s", stopped->name, held->run->t,
+                   stopped->action == EVENT_COMMANDS ? ", as the last word of its commands by itself" : "");
     if (count > (stopped ? 1 : 0))
         reply_line(reply, "%zu event%s noticed so far: 'list events' shows them", count, count == 1 ? "" : "s");
 }
@@ -154,6 +155,13 @@ static bool arrive(struct session *session, const struct journey *journey, const
     return true;
 }
 
+static void reply_running(const struct session *session, struct reply *reply)
+{
+    reply_line(reply, "running... (pause: Ctrl-C or F5; you can keep typing commands)");
+    if (isfinite(session->live.speed))
+        reply_line(reply, "it follows the clock; 'speed max': as fast as possible");
+}
+
 /*
  * On along the last leg. `steps` ends it early on purpose: the run is then as good as paused, what is left of the leg
  * can be done by `continue`.
@@ -170,7 +178,7 @@ static bool advance(struct session *session, const struct arguments *given, int6
     struct run *run = journey.held->run;
     const int64_t last = journey.target.steps < 0 ? -1 : run->steps + journey.target.steps;
     if (clocked && session->typed && session->front.watched && session->front.slice)
-        reply_line(reply, "running... (pause: Ctrl-C or F5; you can keep typing commands)");
+        reply_running(session, reply);
     do {
         journey.target.steps = last < 0 ? -1 : last - run->steps;
         travel(session, run, &journey.target, clocked);
@@ -254,6 +262,7 @@ HANDLER(run)
         run->number = (int)number->item->value.value;
         session->next_run = run->number + 1;
     }
+    reply_unchosen(session, reply);
     reply_coarse(session, run, reply);
     reply_tiny(run, reply);
     return new_leg(session, t, INT64_MAX, until, error) &&
@@ -354,6 +363,8 @@ HANDLER(step)
     struct run *run = session_run(session);
     if (steps > STEPS_MOST)
         return error_at(error, count->where, "more than 1e9 steps: use continue DURATION");
+    if (!run)
+        reply_unchosen(session, reply);
     if (run ? !can_go_on(run, error)
             : !(run = new_run(session, (double)steps * session->setup.settings.dt, -1, true, error)))
         return false;

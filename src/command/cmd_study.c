@@ -257,6 +257,7 @@ HANDLER(compare)
         return false;
     int count = 0;
     struct error study = {0};
+    reply_shorter(session, reply);
     const bool ok = study_compare(&request, rows, &count, &study);
     if (!keep_runs(session, rows, count, error))
         return false;
@@ -276,7 +277,7 @@ HANDLER(compare)
 COMMAND(compare, .row = {"compare", "", "several methods on the same scene: error, energy, time", "", NULL},
         .group = "STUDY",
         .text =
-            "Each method runs for the setting 'duration' with each dt given. The error is the largest distance from "
+            "Each method runs for the setting 'duration', however long the last run was, with each dt given. The error is the largest distance from "
             "the exact\n"
             "solution, divided by the amplitude; without a closed form, from a reference that two methods of different "
             "kinds agree\n"

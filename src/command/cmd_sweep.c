@@ -221,7 +221,7 @@ static void reply_point(const struct swept *swept, int64_t i, struct reply *repl
         reply_real(reply, sweep->axis[a].name,
                    sweep_axis_value(&sweep->axis[a], (int)sweep_number(sweep, a, i)));
     for (int m = 0; m < sweep->measures; m++)
-        reply_real(reply, sweep_measure_name(&swept->measure[m], swept->model), sweep->value[i * sweep->measures + m]);
+        reply_real(reply, sweep_measure_name(&swept->measure[m]), sweep->value[i * sweep->measures + m]);
     reply_string(reply, "status", sweep_status_name(sweep->status[i]));
     /* Only the first shard has the header, so that shards put together are the whole. */
     if (i == 0 && sweep->first > 0) {
@@ -282,9 +282,11 @@ HANDLER(sweep)
     double steps, seconds;
     if (!read_sweep(session, given, &request, &force, error))
         return false;
+    reply_unchosen(session, reply);
     study_sweep_predict(&request, &steps, &seconds);
     if (!allow_long(session, seconds, steps, force, error))
         return false;
+    reply_shorter(session, reply);
     const bool ok = study_sweep(&request, &sweep, error);
     report_sweep(&session->front, 2);
     if (sweep.finished > 0 && (ok || error->code == ERROR_CANCELLED)) {
@@ -303,14 +305,16 @@ COMMAND(sweep, .row = {"sweep", "", "vary one or two parameters: a trajectory fo
             "NAME=FROM:TO:STEP adds STEP each, NAME=FROM:TO:x2 multiplies; without a step 51 points. NAME is a "
             "parameter of the scene,\n"
             "or dt or tol. Each point is the scene with the present method and duration. measure=A,B,.. is one or more "
-            "of amplitude\n"
-            "and period (in the last third of the duration), max, error, energy_error, steps, evals, reached (the time), "
-            "or what print\n"
-            "knows of a run at its end: y, energy .. What diverges is a result. One parameter makes a table and a "
-            "curve, two make a\n"
-            "map. --shard 2/8 computes the second eighth of the points: with -q --format csv (or json) the outputs of all "
-            "shards,\n"
-            "one after another (cat), are the output of the whole. The numbers do not depend on threads or shards.",
+            "of amplitude,\n"
+            "period and mean (in the last third of the duration), max and min, of the first variable or, max(z), of "
+            "any column; error,\n"
+            "energy_error, steps, evals, reached (the time), or what print knows of a run at its end: y, energy .. "
+            "What diverges is a\n"
+            "result. One parameter makes a table and a curve, two make a map. --shard 2/8 computes the second eighth "
+            "of the points: with\n"
+            "-q --format csv (or json) the outputs of all shards, one after another (cat), are the output of the whole. "
+            "The numbers do\n"
+            "not depend on threads or shards.",
         .examples = "scene driven; method rk4; duration = 60 s; sweep omega=6:12:0.1\n"
                     "scene damped; sweep gamma=0.1:10:x2 k=10:20:5 measure=period,energy",
         .see = "compare precision export plot",

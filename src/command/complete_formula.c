@@ -180,7 +180,7 @@ void complete_formula(struct completion *c, const struct command *command, struc
         complete_value(c, value, var || param ? QUANTITY_OTHER : QUANTITY_COUNT, offer_names);
     } else if (count_words(rest) == 0) {
         offer_lines(c, param ? TYPED_PARAM : observe ? TYPED_OBSERVE : TYPED_VAR);
-    } else if (observe && count_words(rest) == 1) {
+    } else if ((var || param || observe) && count_words(rest) == 1) {
         complete_offer(c, "off", "take it away");
     }
 }

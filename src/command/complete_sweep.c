@@ -14,7 +14,11 @@ void complete_sweep(struct completion *c, const struct command *command, struct 
     const bool item = from > 0 && strchr("=,:", before.at[before.len - 1]);
     const struct text name = from > 0 ? last_word((struct text){before.at, from - 1}) : TEXT("");
     if (item && text_is(name, "measure")) {
-        complete_catalog(c, &sweep_measure_catalog);
+        const char *paren = memchr(c->word.at, '(', c->word.len); /* max(z */
+        if (paren)
+            c->word = (struct text){paren + 1, (size_t)(c->word.at + c->word.len - paren - 1)};
+        else
+            complete_catalog(c, &sweep_measure_catalog);
         complete_columns(c, NULL);
         return;
     }

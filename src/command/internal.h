@@ -298,6 +298,10 @@ void reply_run(const struct session *session, const struct run *run, struct repl
 void reply_growth(struct run *run, struct reply *reply);
 /* Warns of a state whose squares underflow. */
 void reply_tiny(const struct run *run, struct reply *reply);
+/* Says once which method a scene of the user's own gets where nobody has chosen one. */
+void reply_unchosen(struct session *session, struct reply *reply);
+/* Of a study: that it takes the setting, although the present run took longer. */
+void reply_shorter(const struct session *session, struct reply *reply);
 /* Warns of a step that is too coarse for the period. */
 void reply_coarse(const struct session *session, const struct run *run, struct reply *reply);
 /* Rms distance of the run from the recording where they overlap in time and hold the same quantity. */

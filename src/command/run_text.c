@@ -97,6 +97,30 @@ void reply_tiny(const struct run *run, struct reply *reply)
                       TINY);
 }
 
+void reply_unchosen(struct session *session, struct reply *reply)
+{
+    const struct setup *setup = &session->setup;
+    if (session->told_method || setup->method_chosen || !typed_preset(setup->scene.model))
+        return;
+    session->told_method = true;
+    struct buffer text = {0};
+    buffer_format(&text, "no method was chosen: %s, dt = ", setup->method->row.name);
+    buffer_measured(&text, (struct measured){setup->settings.dt, 0}, QUANTITY_TIME, 4);
+    reply_warning(reply, "%s; 'method dop853' is accurate, 'method radau5' where the equations are stiff",
+                  buffer_view(&text));
+    buffer_free(&text);
+}
+
+void reply_shorter(const struct session *session, struct reply *reply)
+{
+    const struct run *run = session_run(session);
+    const double span = run ? fabs(run->t - run->system.t0) : 0, duration = session->setup.settings.duration;
+    if (!run || run->system.model != session->setup.scene.model || !(span > (1 + 1e-9) * duration))
+        return;
+    reply_line(reply, "over %.6g s, the setting 'duration'; run %d took %.6g s ('duration = %.6g s' studies that)", duration,
+               run->number, span, span);
+}
+
 void reply_coarse(const struct session *session, const struct run *run, struct reply *reply)
 {
     const double period = derived_value(&session->setup.scene, "T0");

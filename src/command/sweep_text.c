@@ -62,7 +62,7 @@ static bool fill_column(const struct swept *swept, int place, struct arena *aren
     for (int64_t i = 0; value && i < sweep->count; i++)
         value[i] = measure < 0 ? place_at(sweep, place, i) : value_at(sweep, i, measure);
     column->value = value;
-    column->name = measure < 0 ? sweep->axis[place].name : sweep_measure_name(&swept->measure[measure], swept->model);
+    column->name = measure < 0 ? sweep->axis[place].name : sweep_measure_name(&swept->measure[measure]);
     column->quantity = measure < 0 ? sweep->axis[place].quantity : quantity_of(swept, measure);
     column->unit = value ? unit_of(value, (size_t)sweep->count, column->quantity) : NULL;
     return value != NULL;
@@ -145,7 +145,7 @@ static void put_curve(const struct session *session, const struct swept *swept, 
                                         .unit = unit_name(x_unit, across),
                                         .factor = x_unit ? x_unit->factor : 1,
                                         .log = sweep->axis[0].log && x[0] > 0},
-                                  .y = {.label = sweep_measure_name(&swept->measure[measure], swept->model),
+                                  .y = {.label = sweep_measure_name(&swept->measure[measure]),
                                         .unit = unit_name(y_unit, up),
                                         .factor = y_unit ? y_unit->factor : 1,
                                         .log = spans_decades(y, n)},
@@ -177,7 +177,7 @@ static void put_map(const struct session *session, const struct swept *swept, in
     const struct unit *unit = unit_of(value, n, quantity), *x_unit = unit_of(x, (size_t)across->count, across->quantity),
                       *y_unit = unit_of(y, (size_t)up->count, up->quantity);
     const struct heat heat = {
-        .title = sweep_measure_name(&swept->measure[measure], swept->model),
+        .title = sweep_measure_name(&swept->measure[measure]),
         .unit = unit_name(unit, quantity),
         .factor = unit ? unit->factor : 1,
         .x = {across->name, unit_name(x_unit, across->quantity), x_unit ? x_unit->factor : 1, x, across->count},
@@ -193,6 +193,24 @@ static bool has_values(const struct sweep *sweep, int measure)
     for (int64_t i = 0; i < sweep->count; i++)
         some |= isfinite(value_at(sweep, i, measure));
     return some;
+}
+
+/* Of a scene in which more than one thing moves. */
+static void put_watched(const struct swept *swept, struct buffer *text)
+{
+    const struct model *model = swept->model;
+    const int coordinates = model->order == 2 ? model->n / 2 : model->n;
+    const char *first = NULL;
+    for (int m = 0; m < swept->sweep->measures && coordinates > 1; m++) {
+        const char *name = sweep_measure_name(&swept->measure[m]);
+        if (!sweep_watches(&swept->measure[m]) || strchr(name, '('))
+            continue;
+        buffer_format(text, "%s%s", first ? ", " : "", name);
+        first = first ? first : name;
+    }
+    if (first)
+        buffer_format(text, ": of %s, the first variable; 'measure=%s(%s)' of another\n", model->variable[0].name, first,
+                      model->variable[1].name);
 }
 
 void sweep_text(const struct session *session, const struct swept *swept, struct arena *arena, struct buffer *text)
@@ -215,6 +233,7 @@ void sweep_text(const struct session *session, const struct swept *swept, struct
     if (sweep->side_by_side > 0)
         buffer_format(text, ", %lld side by side in lanes", (long long)sweep->side_by_side);
     buffer_format(text, ", %d thread%s\n", sweep->threads, sweep->threads == 1 ? "" : "s");
+    put_watched(swept, text);
     if (sweep->failed > 0)
         buffer_format(text, "%lld did not get to the end (diverged and the like)\n", (long long)sweep->failed);
     if (sweep->refused > 0)
@@ -244,7 +263,7 @@ bool sweep_table(const struct swept *swept, struct export *export, struct error 
             out[c].name = sweep->axis[axis].name;
             out[c].unit = quantity_unit(sweep->axis[axis].quantity);
         } else if (c > 0) {
-            out[c].name = sweep_measure_name(&swept->measure[measure], swept->model);
+            out[c].name = sweep_measure_name(&swept->measure[measure]);
             out[c].unit = quantity_unit(quantity_of(swept, measure));
         }
     }

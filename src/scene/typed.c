@@ -112,15 +112,19 @@ static struct typed *begin(const struct model *from, bool empty, struct error *e
     return NULL;
 }
 
+static const struct model *keep(struct typed_models *models, struct typed *typed)
+{
+    typed->next = models->last;
+    models->last = typed;
+    return &typed->model;
+}
+
 /* Compiles it; what an error points to in the copy of `given` it then points to in the original. */
 static const struct model *finish(struct typed_models *models, struct typed *typed, const struct typed_line *copy,
                                   const struct typed_line *given, struct error *error)
 {
-    if (typed_compile(typed, error)) {
-        typed->next = models->last;
-        models->last = typed;
-        return &typed->model;
-    }
+    if (typed_compile(typed, error))
+        return keep(models, typed);
     bool found = false;
     for (int i = 0; copy && error->where.at && !found && i < 2; i++) {
         const struct text text = i == 0 ? copy->expr : copy->name, original = i == 0 ? given->expr : given->name;
@@ -128,8 +132,9 @@ static const struct model *finish(struct typed_models *models, struct typed *typ
         if (found)
             error->where.at = original.at + (error->where.at - text.at);
     }
+    /* Else it lies in another line, or nowhere: then it is this one that does not go with the others. */
     if (!found)
-        error->where = (struct text){NULL, 0};
+        error->where = !given ? (struct text){NULL, 0} : given->name.len > 0 ? given->name : given->expr;
     destroy(typed);
     return NULL;
 }
@@ -233,14 +238,71 @@ const struct model *typed_add(struct typed_models *models, const struct model *f
     return finish(models, typed, copy, line, error);
 }
 
+/* A line that is left and uses what is gone; NULL: another reason. */
+static const struct typed_line *user_of(const struct typed *typed, const struct error *error)
+{
+    for (int i = 0; i < typed->lines && error->where.at; i++) {
+        const struct text expr = typed->line[i].expr;
+        if (expr.at && error->where.at >= expr.at && error->where.at <= expr.at + expr.len)
+            return &typed->line[i];
+    }
+    return NULL;
+}
+
+static void drop_line(struct typed *typed, enum typed_kind kind, struct text name)
+{
+    const int place = find_line(typed, kind, name);
+    if (place >= 0)
+        drop(typed, place);
+}
+
+/* What is left of the lines without it; a variable takes its equation and its initial velocity along. */
+static void drop_with(struct typed *typed, enum typed_kind kind, struct text name)
+{
+    char primed[LIMIT_SYMBOL + 2];
+    drop_line(typed, kind, name);
+    if (kind == TYPED_FORCE) /* it was that of the forces */
+        drop_line(typed, TYPED_POTENTIAL, TEXT(""));
+    if (kind != TYPED_VAR)
+        return;
+    snprintf(primed, sizeof primed, "%.*s'", (int)name.len, name.at);
+    drop_line(typed, TYPED_VAR, text_of(primed));
+    drop_line(typed, TYPED_EQUATION, name);
+}
+
+static void refuse_used(const struct typed_line *line, struct text name, struct error *error)
+{
+    struct buffer text = {0};
+    typed_describe(line, &text);
+    const struct text used = buffer_text(&text);
+    error_at(error, name, "%.*s is used by: %.*s", (int)name.len, name.at, (int)used.len, used.at);
+    buffer_free(&text);
+}
+
+static const struct model *finish_without(struct typed_models *models, struct typed *typed, enum typed_kind kind,
+                                          struct text name, struct error *error)
+{
+    const int force = kind == TYPED_VAR ? find_line(typed, TYPED_FORCE, name) : -1;
+    const struct typed_line *user = force >= 0 ? &typed->line[force] : NULL;
+    if (!user && typed_compile(typed, error))
+        return keep(models, typed);
+    user = user ? user : user_of(typed, error);
+    error->where = name.len > 0 ? name : (struct text){NULL, 0};
+    if (user)
+        refuse_used(user, name, error);
+    destroy(typed);
+    return NULL;
+}
+
 const struct model *typed_remove(struct typed_models *models, const struct model *from, enum typed_kind kind,
                                  struct text name, struct error *error)
 {
     static const char *const word[] = {"variable", "parameter", "equation", "force", "potential", "observed quantity"};
-    const int place = from->typed ? find_line(from->typed, kind, name) : -1;
-    if (place < 0) {
+    if (!from->typed || find_line(from->typed, kind, name) < 0) {
         error_set(error, ERROR_COMMAND, "there is no typed %s%s%.*s", word[kind], name.len > 0 ? " " : "",
                   (int)name.len, name.at);
+        if (name.len > 0)
+            error->where = name;
         return NULL;
     }
     if (from->typed->lines == 1 && from->typed->base)
@@ -248,16 +310,13 @@ const struct model *typed_remove(struct typed_models *models, const struct model
     struct typed *typed = begin(from, false, error);
     if (!typed)
         return NULL;
-    drop(typed, place);
-    const int potential = find_line(typed, TYPED_POTENTIAL, TEXT(""));
-    if (kind == TYPED_FORCE && potential >= 0)
-        drop(typed, potential);
+    drop_with(typed, kind, name);
     if (typed->lines == 0 && typed->base) {
         const struct model *base = typed->base;
         destroy(typed);
         return base;
     }
-    return finish(models, typed, NULL, NULL, error);
+    return finish_without(models, typed, kind, name, error);
 }
 
 /* ---- scenes ---- */

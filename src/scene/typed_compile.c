@@ -8,13 +8,14 @@
 
 /* ---- expressions ---- */
 
-static bool read_expr(struct compile *c, struct text text, const struct expr **expr)
+static bool read_expr(struct compile *c, const struct typed_line *line, const struct expr **expr)
 {
     const struct expr_scope scope = {c, typed_find, NULL, typed_offer};
+    const struct text text = line->expr;
     size_t used;
     *expr = expr_compile(text, &scope, &c->typed->arena, &used, c->error);
     if (!*expr)
-        return false;
+        return typed_explain(c, line);
     const struct text rest = text_trim((struct text){text.at + used, text.len - used});
     if (rest.len == 0)
         return true;
@@ -34,7 +35,7 @@ static bool read_all(struct compile *c)
             continue;
         if (typed->observes == LIMIT_OBSERVED)
             return error_at(c->error, line->name, "a scene has at most %d observed quantities", LIMIT_OBSERVED);
-        if (!read_expr(c, line->expr, &typed->observe[typed->observes]) ||
+        if (!read_expr(c, line, &typed->observe[typed->observes]) ||
             typed_symbol(c, line->name, SYMBOL_OBSERVED, typed->observes, line->name) < 0)
             return false;
         struct variable *variable = &typed->observed[typed->observes++];
@@ -42,12 +43,12 @@ static bool read_all(struct compile *c)
         memcpy(variable->name, line->name.at, line->name.len);
     }
     for (int i = 0; i < c->unknowns; i++)
-        if (c->unknown[i].equation && !read_expr(c, c->unknown[i].equation->expr, &c->unknown[i].expr))
+        if (c->unknown[i].equation && !read_expr(c, c->unknown[i].equation, &c->unknown[i].expr))
             return false;
     for (int i = 0; i < typed->lines; i++) {
         const struct typed_line *line = &typed->line[i];
-        if ((line->kind == TYPED_FORCE && !read_expr(c, line->expr, &c->force[i])) ||
-            (line->kind == TYPED_POTENTIAL && !read_expr(c, line->expr, &typed->potential)))
+        if ((line->kind == TYPED_FORCE && !read_expr(c, line, &c->force[i])) ||
+            (line->kind == TYPED_POTENTIAL && !read_expr(c, line, &typed->potential)))
             return false;
     }
     return true;

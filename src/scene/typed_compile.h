@@ -45,6 +45,8 @@ static inline struct text symbol_text(const struct symbol *symbol)
     return text_of(symbol->name);
 }
 
+/* The line of that kind and name; NULL: none. */
+const struct typed_line *typed_line_of(const struct typed *typed, enum typed_kind kind, struct text name);
 /* All names but those of observed quantities. */
 bool typed_declare(struct compile *c);
 /* -1: the name is taken. */
@@ -56,5 +58,7 @@ bool typed_start_time(struct compile *c);
 /* The scope of expressions. */
 bool typed_find(const void *context, struct text name, int *slot);
 void typed_offer(const void *context, struct suggestion *suggestion);
+/* False, always: why an unknown name of that line is not known here, where more can be said. */
+bool typed_explain(struct compile *c, const struct typed_line *line);
 
 #endif

@@ -22,6 +22,14 @@ static bool symbol_matches(const struct compile *c, const struct symbol *symbol,
     return text_equal(name, symbol_text(symbol));
 }
 
+const struct typed_line *typed_line_of(const struct typed *typed, enum typed_kind kind, struct text name)
+{
+    for (int i = 0; i < typed->lines; i++)
+        if (typed->line[i].kind == kind && text_equal(typed->line[i].name, name))
+            return &typed->line[i];
+    return NULL;
+}
+
 bool typed_find(const void *context, struct text name, int *slot)
 {
     const struct compile *c = context;
@@ -41,6 +49,25 @@ void typed_offer(const void *context, struct suggestion *suggestion)
     for (int i = 0; i < c->symbols; i++)
         if (!c->symbol[i].hidden)
             suggestion_offer(suggestion, c->symbol[i].name);
+}
+
+bool typed_explain(struct compile *c, const struct typed_line *line)
+{
+    const struct text name = c->error->where;
+    if (!text_starts(text_of(c->error->text), TEXT("unknown name")))
+        return false;
+    const struct typed_line *below = typed_line_of(c->typed, TYPED_OBSERVE, name);
+    if (below == line)
+        return error_at(c->error, name, "%.*s cannot be observed by itself", (int)name.len, name.at);
+    if (below) {
+        error_at(c->error, name, "%.*s comes after %.*s", (int)name.len, name.at, (int)line->name.len, line->name.at);
+        return error_hint(c->error, "what is observed can use what was typed before it ('scene' shows the order)");
+    }
+    if (!is_primed(name) || !typed_line_of(c->typed, TYPED_VAR, unprimed(name)))
+        return false;
+    error_at(c->error, name, "%.*s is not known: %.*s has an equation of first order", (int)name.len, name.at,
+             (int)name.len - 1, name.at);
+    return error_hint(c->error, "in scenes of second order (%.*s' = EXPR) it is the velocity", (int)name.len, name.at);
 }
 
 bool typed_name_fits(struct text name, struct error *error)
@@ -101,6 +128,25 @@ static bool add_param(struct compile *c, struct text name, double value, enum qu
     return c->own[c->owns - 1].row.name || error_memory(c->error);
 }
 
+static bool symbol_named(const struct compile *c, struct text name)
+{
+    for (int i = 0; i < c->symbols; i++)
+        if (text_equal(name, symbol_text(&c->symbol[i])))
+            return true;
+    return false;
+}
+
+/* Its name is taken by another line, which can have another one. */
+static bool refuse_initial(const struct compile *c, struct text name, struct text variable, struct text where)
+{
+    const struct typed_line *param = typed_line_of(c->typed, TYPED_PARAM, name),
+                            *var = typed_line_of(c->typed, TYPED_VAR, name);
+    const struct typed_line *line = param ? param : var;
+    return error_at(c->error, line ? line->name : where, "%.*s is the initial value of %.*s: the %s %.*s needs another name",
+                    (int)name.len, name.at, (int)variable.len, variable.at, param ? "parameter" : "variable",
+                    (int)name.len, name.at);
+}
+
 /* y0 of y, x1_0 of x1. */
 bool typed_initial(struct compile *c, struct text variable, const struct typed_line *line, enum quantity quantity,
                    struct text where)
@@ -112,11 +158,8 @@ bool typed_initial(struct compile *c, struct text variable, const struct typed_l
     buffer_put(&brief, variable);
     buffer_put(&brief, TEXT(" at t0"));
     const char *const about = brief.failed ? NULL : arena_text(&c->typed->arena, buffer_text(&brief));
-    bool taken = false;
-    for (int i = 0; i < c->symbols; i++)
-        taken = taken || text_equal(symbol_text(&c->symbol[i]), buffer_text(&name));
-    const bool fine = taken ? error_at(c->error, where, "%s is the initial value of %.*s: choose another name",
-                                       name.data, (int)variable.len, variable.at)
+    const bool taken = symbol_named(c, buffer_text(&name));
+    const bool fine = taken ? refuse_initial(c, buffer_text(&name), variable, where)
                       : !name.failed && about
                           ? add_param(c, buffer_text(&name), line ? line->value : 0, quantity, about, false, where)
                           : error_memory(c->error);
@@ -137,14 +180,6 @@ bool typed_start_time(struct compile *c)
 
 
 /* ---- declarations ---- */
-
-static const struct typed_line *line_of(const struct typed *typed, enum typed_kind kind, struct text name)
-{
-    for (int i = 0; i < typed->lines; i++)
-        if (typed->line[i].kind == kind && text_equal(typed->line[i].name, name))
-            return &typed->line[i];
-    return NULL;
-}
 
 static bool declare_base(struct compile *c)
 {
@@ -167,7 +202,7 @@ static bool declare_unknown(struct compile *c, const struct typed_line *line)
 {
     struct unknown *u = &c->unknown[c->unknowns];
     *u = (struct unknown){.line = line, .velocity = -1};
-    u->equation = line_of(c->typed, TYPED_EQUATION, line->name);
+    u->equation = typed_line_of(c->typed, TYPED_EQUATION, line->name);
     u->symbol = typed_symbol(c, line->name, SYMBOL_VARIABLE, c->unknowns, line->name);
     if (u->symbol < 0)
         return false;

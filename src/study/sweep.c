@@ -70,9 +70,11 @@ static bool results_create(struct sweep *sweep, struct error *error)
     return true;
 }
 
-/* Whether lanes can measure this. */
+/* Whether lanes can measure this: what they show on the way is the first variable where its velocity changes sign. */
 static bool lane_measures(const struct sweep_measure *measure)
 {
+    if (sweep_watches(measure))
+        return measure->kind != SWEEP_MEAN && measure->column == SWEEP_VARIABLE && measure->variable == 0;
     return measure->kind != SWEEP_ERROR && measure->kind != SWEEP_ENERGY_ERROR &&
            (measure->kind != SWEEP_OBSERVABLE ||
             !(measure->observable->needs & ~(unsigned)(NEED_MECHANICS | NEED_LINE | NEED_POWER)));
@@ -257,8 +259,8 @@ static struct sweep_job job_of(const struct sweep_request *request, struct sweep
 {
     struct sweep_job job = {.request = request, .sweep = sweep, .opens = request->duration * (2.0 / 3)};
     for (int m = 0; m < request->measures; m++) {
-        job.tops |= request->measure[m].kind == SWEEP_MAX;
-        job.watches |= request->measure[m].kind <= SWEEP_MAX;
+        job.tops |= request->measure[m].kind == SWEEP_MAX || request->measure[m].kind == SWEEP_MIN;
+        job.watches |= sweep_watches(&request->measure[m]);
     }
     choose_lanes(&job, plan);
     return job;

@@ -5,17 +5,18 @@
 
 #include <hooke/study.h>
 
-/* ---- watching a trajectory go by ----
+/* ---- watching a trajectory go by (sweep_watch.c) ----
  *
- * Extremes of the first variable are where its velocity changes sign: placed by a line through the velocities, their
- * value by the cubic through both ends.
+ * Extremes of a column are where its velocity changes sign: placed by a line through the velocities, their value by the
+ * cubic through both ends.
  */
 struct watch {
-    double top;         /* largest value so far */
+    double top, bottom; /* largest and smallest value so far */
     bool open;          /* the window has begun; from then on: */
     double low, high;   /* extremes */
     double first, last; /* [s] maxima */
     int64_t maxima;
+    double area, span; /* integral, and over how long [s] */
 };
 
 void watch_begin(struct watch *watch, double y);
@@ -23,6 +24,10 @@ void watch_open(struct watch *watch, double y);
 /* The velocity changed its sign between two states. */
 void watch_turn(struct watch *watch, double t0, double y0, double v0, double t1, double y1, double v1);
 void watch_end(struct watch *watch, double y);
+double watch_value(const struct watch *watch, enum sweep_kind kind);
+double watch_speed(const struct system *system, int variable, double t, const double *y);
+/* A recorded run; the window opens at that time. */
+double watch_run(const struct run *run, const struct sweep_measure *measure, double opens);
 
 static inline bool watch_turns(double v0, double v1)
 {
@@ -39,8 +44,8 @@ enum {
 struct sweep_job {
     const struct sweep_request *request;
     struct sweep *sweep;
-    bool watches;  /* amplitude, period or max is measured */
-    bool tops;     /* max is */
+    bool watches;  /* something is watched on the way */
+    bool tops;     /* from the start on */
     bool in_lanes; /* as far as that does not depend on the point */
     double opens;  /* [s] after t0: where the window begins */
     int64_t whole; /* in lanes: full steps, and the rest [s] */
@@ -78,11 +83,9 @@ void sweep_common(const struct sweep_request *request, struct scene *scene, stru
 bool sweep_point(const struct sweep_request *request, const struct sweep *sweep, int64_t i, struct scene *scene,
                  struct run_settings *settings, struct error *error);
 void sweep_refuse(struct sweep_worker *worker, int64_t i, const struct error *error);
-double *sweep_values(const struct sweep_worker *worker, int64_t i);         /* [measures] results of point i */
-double sweep_speed(const struct system *system, double t, const double *y); /* of the first variable */
-/* What depends on the state at the end and on the way there only; of other kinds NAN. */
-double sweep_measured(const struct sweep_measure *measure, const struct watch *watch, const struct system *system,
-                      double t, const double *y);
+double *sweep_values(const struct sweep_worker *worker, int64_t i); /* [measures] results of point i */
+/* What depends on the state at the end only; of other kinds NAN. */
+double sweep_measured(const struct sweep_measure *measure, const struct system *system, double t, const double *y);
 void sweep_alone(struct sweep_worker *worker, int64_t i); /* point i, as a run of its own */
 
 /* ---- in lanes (sweep_lanes.c) ---- */

@@ -30,6 +30,8 @@ static double lane_measure(const struct sweep_worker *worker, int lane, const st
     const struct sweep_job *job = worker->job;
     const struct system *system = &worker->system[lane];
     const double end = system->t0 + job->request->duration;
+    if (sweep_watches(measure))
+        return watch_value(&worker->watch[lane], measure->kind);
     switch (measure->kind) {
     case SWEEP_STEPS:
         return (double)(job->whole + (job->rest != 0));
@@ -38,7 +40,7 @@ static double lane_measure(const struct sweep_worker *worker, int lane, const st
     case SWEEP_OBSERVABLE:
         return measure->observable->value(&(struct sample){.t = end, .y = y, .system = system});
     default:
-        return sweep_measured(measure, &worker->watch[lane], system, end, y);
+        return sweep_measured(measure, system, end, y);
     }
 }
 
@@ -67,7 +69,7 @@ static void speeds_at_end(const struct sweep_worker *worker, double end, double 
     double y[LIMIT_VARIABLES];
     for (int lane = 0; lane < worker->used; lane++) {
         lanes_state(worker->lanes, lane, y);
-        speeds[lane] = sweep_speed(&worker->system[lane], end, y);
+        speeds[lane] = watch_speed(&worker->system[lane], 0, end, y);
     }
 }
 
@@ -164,7 +166,7 @@ static void finish_lanes(struct sweep_worker *worker)
                          end = system->t0 + request->duration;
             if (!watch->open && (job->rest == 0 ? end : from) >= system->t0 + job->opens)
                 watch_open(watch, was[0]);
-            const double speed0 = sweep_speed(system, from, was), speed1 = sweep_speed(system, end, y);
+            const double speed0 = watch_speed(system, 0, from, was), speed1 = watch_speed(system, 0, end, y);
             if (job->rest != 0 && watch_turns(speed0, speed1))
                 watch_turn(watch, from, was[0], speed0, end, y[0], speed1);
             if (!watch->open)

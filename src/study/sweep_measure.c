@@ -47,7 +47,9 @@ static const struct row rows[] = {
     [SWEEP_AMPLITUDE] = {"amplitude", "", "half the swing of the first variable in the last third of the duration", "",
                          NULL},
     [SWEEP_PERIOD] = {"period", "", "mean time between its maxima there", "", NULL},
-    [SWEEP_MAX] = {"max", "", "its largest value from the start on", "", NULL},
+    [SWEEP_MEAN] = {"mean", "", "its mean over that time", "", NULL},
+    [SWEEP_MAX] = {"max", "", "its largest value from the start on; max(z) of z, and so on", "", NULL},
+    [SWEEP_MIN] = {"min", "", "its smallest", "", NULL},
     [SWEEP_ERROR] = {"error", "", "largest distance from the exact solution, over the amplitude", "", NULL},
     [SWEEP_ENERGY_ERROR] = {"energy_error", "", "largest error of the energy balance", "", "energy-error"},
     [SWEEP_STEPS] = {"steps", "", "steps taken", "", NULL},
@@ -57,36 +59,26 @@ static const struct row rows[] = {
 
 const struct catalog sweep_measure_catalog = CATALOG("measure", rows);
 
-bool sweep_measure_find(const struct model *model, struct text name, struct sweep_measure *measure,
-                        struct error *error)
+/* What print knows of a run. */
+static bool find_column(const struct model *model, struct text name, struct sweep_measure *measure)
 {
-    const struct row *own = catalog_find(&sweep_measure_catalog, name);
-    *measure = (struct sweep_measure){.kind = SWEEP_VARIABLE};
-    if (own) {
-        measure->kind = (enum sweep_kind)(own - rows);
-        return true;
-    }
-    for (int i = 0; i < model->n; i++)
-        if (text_is(name, model->variable[i].name)) {
-            measure->variable = i;
+    measure->column = SWEEP_VARIABLE;
+    for (measure->variable = 0; measure->variable < model->n; measure->variable++)
+        if (text_is(name, model->variable[measure->variable].name))
             return true;
-        }
-    for (int i = 0; i < model_observed(model); i++) {
-        const struct variable quantity = model_observed_variable(model, i);
-        if (text_is(name, quantity.name)) {
-            *measure = (struct sweep_measure){.kind = SWEEP_OBSERVED, .variable = i};
-            memcpy(measure->observed, quantity.name, sizeof quantity.name);
+    measure->column = SWEEP_OBSERVED;
+    for (measure->variable = 0; measure->variable < model_observed(model); measure->variable++)
+        if (text_is(name, model_observed_variable(model, measure->variable).name))
             return true;
-        }
-    }
+    measure->column = SWEEP_OBSERVABLE;
     measure->observable = (const struct observable *)(const void *)catalog_find(&observable_catalog, name);
-    measure->kind = SWEEP_OBSERVABLE;
-    if (measure->observable && (model->order == 2 || !(measure->observable->needs & NEED_MECHANICS)))
-        return true;
-    if (measure->observable)
-        return error_at(error, name, "%.*s needs a scene with positions and velocities", (int)name.len, name.at);
+    return measure->observable;
+}
+
+static bool unknown(const struct model *model, struct text name, bool column, struct error *error)
+{
     struct suggestion near = {.wanted = name};
-    for (size_t i = 0; i < COUNT_OF(rows); i++)
+    for (size_t i = 0; i < COUNT_OF(rows) && !column; i++)
         suggestion_offer(&near, rows[i].name);
     for (size_t i = 0; i < observable_catalog.count; i++)
         suggestion_offer(&near, catalog_row(&observable_catalog, i)->name);
@@ -96,80 +88,71 @@ bool sweep_measure_find(const struct model *model, struct text name, struct swee
         suggestion_offer(&near, model_observed_variable(model, i).name);
     error_at(error, name, "'%.*s' is nothing that a sweep measures", (int)(name.len < 64 ? name.len : 64), name.at);
     suggestion_hint(&near, error);
-    return error_hint(error, "measures are amplitude, period, max, error, energy_error, steps, evals, reached, and what "
-                             "'print' knows of a run: y, energy ...");
+    if (column)
+        return error_hint(error, "in parentheses stands what 'print' knows of a run: y, energy ...");
+    return error_hint(error, "measures are amplitude, period, mean, max, min (of z: max(z)), error, energy_error, steps, "
+                             "evals, reached, and what 'print' knows of a run: y, energy ...");
 }
 
-const char *sweep_measure_name(const struct sweep_measure *measure, const struct model *model)
+/* max(z): the name before the parenthesis is a row that is watched. */
+static bool split_watched(struct text name, const struct row **row, struct text *of)
 {
-    return measure->kind == SWEEP_VARIABLE     ? model->variable[measure->variable].name
-           : measure->kind == SWEEP_OBSERVED   ? measure->observed
-           : measure->kind == SWEEP_OBSERVABLE ? measure->observable->row.name
-                                               : rows[measure->kind].name;
+    const char *paren = memchr(name.at, '(', name.len);
+    if (!paren || name.at[name.len - 1] != ')')
+        return false;
+    const struct text first = {name.at, (size_t)(paren - name.at)};
+    *row = catalog_find(&sweep_measure_catalog, text_trim(first));
+    if (!*row || *row - rows > SWEEP_MIN)
+        return false;
+    *of = text_trim((struct text){paren + 1, name.len - first.len - 2});
+    return true;
+}
+
+bool sweep_measure_find(const struct model *model, struct text name, struct sweep_measure *measure,
+                        struct error *error)
+{
+    const struct row *own = catalog_find(&sweep_measure_catalog, name);
+    struct text of = name;
+    *measure = (struct sweep_measure){.column = SWEEP_VARIABLE};
+    if (own) {
+        measure->kind = (enum sweep_kind)(own - rows);
+        snprintf(measure->name, sizeof measure->name, "%s", own->name);
+        return true;
+    }
+    const bool watched = split_watched(name, &own, &of);
+    if (!find_column(model, of, measure))
+        return unknown(model, of, watched, error);
+    if (measure->column == SWEEP_OBSERVABLE && model->order != 2 && measure->observable->needs & NEED_MECHANICS)
+        return error_at(error, of, "%.*s needs a scene with positions and velocities", (int)of.len, of.at);
+    measure->kind = watched ? (enum sweep_kind)(own - rows) : measure->column;
+    if (watched)
+        snprintf(measure->name, sizeof measure->name, "%s(%.*s)", own->name, (int)of.len, of.at);
+    else
+        snprintf(measure->name, sizeof measure->name, "%s",
+                 measure->column == SWEEP_OBSERVABLE ? measure->observable->row.name : "");
+    if (measure->name[0] == 0)
+        snprintf(measure->name, sizeof measure->name, "%.*s", (int)of.len, of.at);
+    return true;
+}
+
+const char *sweep_measure_name(const struct sweep_measure *measure)
+{
+    return measure->name[0] ? measure->name : rows[measure->kind].name;
 }
 
 enum quantity sweep_measure_quantity(const struct sweep_measure *measure, const struct model *model)
 {
     const struct system system = {.model = model, .n = model->n, .order = model->order};
-    switch (measure->kind) {
-    case SWEEP_AMPLITUDE:
-    case SWEEP_MAX:
-        return model->variable[0].quantity;
-    case SWEEP_PERIOD:
-    case SWEEP_REACHED:
+    if (measure->kind == SWEEP_PERIOD || measure->kind == SWEEP_REACHED)
         return QUANTITY_TIME;
-    case SWEEP_VARIABLE:
-        return model->variable[measure->variable].quantity;
+    if (!sweep_watches(measure) && measure->kind < SWEEP_VARIABLE)
+        return QUANTITY_NUMBER;
+    switch (measure->column) {
     case SWEEP_OBSERVED:
         return model_observed_variable(model, measure->variable).quantity;
     case SWEEP_OBSERVABLE:
         return observable_quantity(measure->observable, &system);
     default:
-        return QUANTITY_NUMBER;
+        return model->variable[measure->variable].quantity;
     }
-}
-
-/* ---- watching ---- */
-
-void watch_begin(struct watch *watch, double y)
-{
-    *watch = (struct watch){.top = y};
-}
-
-void watch_open(struct watch *watch, double y)
-{
-    watch->open = true;
-    watch->low = watch->high = y;
-}
-
-/* Hairer, Norsett, Wanner 1993, eq. II.6.7 */
-static double between(double h, double y0, double v0, double y1, double v1, double theta)
-{
-    const double rise = y1 - y0, rest = 1 - theta;
-    return rest * y0 + theta * y1 + theta * rest * ((1 - 2 * theta) * -rise + rest * h * v0 - theta * h * v1);
-}
-
-void watch_turn(struct watch *watch, double t0, double y0, double v0, double t1, double y1, double v1)
-{
-    if (v0 == v1) /* both 0 */
-        return;
-    const double theta = v0 / (v0 - v1), h = t1 - t0, y = between(h, y0, v0, y1, v1, theta);
-    if (signbit(v0)) {
-        watch->low = y < watch->low ? y : watch->low;
-        return;
-    }
-    watch->top = y > watch->top ? y : watch->top;
-    watch->high = y > watch->high ? y : watch->high;
-    if (watch->open) {
-        watch->last = t0 + theta * h;
-        if (watch->maxima++ == 0)
-            watch->first = watch->last;
-    }
-}
-
-void watch_end(struct watch *watch, double y)
-{
-    watch->top = y > watch->top ? y : watch->top;
-    watch->low = y < watch->low ? y : watch->low;
-    watch->high = y > watch->high ? y : watch->high;
 }

@@ -85,46 +85,9 @@ double *sweep_values(const struct sweep_worker *worker, int64_t i)
     return worker->job->sweep->value + i * worker->job->sweep->measures;
 }
 
-double sweep_speed(const struct system *system, double t, const double *y)
-{
-    if (system->order == 2)
-        return y[system->n / 2];
-    double dydt[LIMIT_VARIABLES];
-    system_derivative(system, t, y, dydt);
-    return dydt[0];
-}
-
-static void watch_run(struct watch *watch, const struct run *run, double opens)
-{
-    const struct trace *trace = run->trace;
-    const size_t n = trace_count(trace);
-    double t0 = trace_time(trace, 0), y0 = trace_state(trace, 0)[0];
-    double v0 = sweep_speed(&run->system, t0, trace_state(trace, 0));
-    watch_begin(watch, y0);
-    for (size_t i = 0; i < n; i++) {
-        const double *state = trace_state(trace, i);
-        const double t1 = trace_time(trace, i), y1 = state[0], v1 = sweep_speed(&run->system, t1, state);
-        if (i > 0 && watch_turns(v0, v1))
-            watch_turn(watch, t0, y0, v0, t1, y1, v1);
-        if (!watch->open && t1 >= opens)
-            watch_open(watch, y1);
-        t0 = t1;
-        y0 = y1;
-        v0 = v1;
-    }
-    watch_end(watch, y0);
-}
-
-double sweep_measured(const struct sweep_measure *measure, const struct watch *watch, const struct system *system,
-                      double t, const double *y)
+double sweep_measured(const struct sweep_measure *measure, const struct system *system, double t, const double *y)
 {
     switch (measure->kind) {
-    case SWEEP_AMPLITUDE:
-        return watch->open ? (watch->high - watch->low) / 2 : NAN;
-    case SWEEP_PERIOD:
-        return watch->maxima > 1 ? (watch->last - watch->first) / (double)(watch->maxima - 1) : NAN;
-    case SWEEP_MAX:
-        return watch->top;
     case SWEEP_REACHED:
         return t;
     case SWEEP_VARIABLE:
@@ -136,10 +99,12 @@ double sweep_measured(const struct sweep_measure *measure, const struct watch *w
     }
 }
 
-static double run_measure(const struct run *run, const struct sweep_measure *measure, const struct watch *watch)
+static double run_measure(const struct run *run, const struct sweep_measure *measure, double opens)
 {
     struct run_errors errors;
     struct ledger ledger;
+    if (sweep_watches(measure))
+        return watch_run(run, measure, opens);
     switch (measure->kind) {
     case SWEEP_ERROR:
         run_errors(run, &errors);
@@ -154,7 +119,7 @@ static double run_measure(const struct run *run, const struct sweep_measure *mea
     case SWEEP_OBSERVABLE:
         return run_observable(run, measure->observable);
     default:
-        return sweep_measured(measure, watch, &run->system, run->t, run->y);
+        return sweep_measured(measure, &run->system, run->t, run->y);
     }
 }
 
@@ -195,13 +160,10 @@ void sweep_alone(struct sweep_worker *worker, int64_t i)
     while (run_advance(run, &target, 0, request->cancel)) {
     }
     if (run->stop != STOP_CANCELLED) {
-        struct watch watch = {0};
-        if (job->watches && run->stop == STOP_END)
-            watch_run(&watch, run, run->system.t0 + job->opens);
         for (int m = 0; m < request->measures; m++) {
             const struct sweep_measure *measure = &request->measure[m];
             const bool there = run->stop == STOP_END || holds_when_failed(measure->kind);
-            sweep_values(worker, i)[m] = there ? run_measure(run, measure, &watch) : NAN;
+            sweep_values(worker, i)[m] = there ? run_measure(run, measure, run->system.t0 + job->opens) : NAN;
         }
         job->sweep->status[i] = (signed char)run->stop;
     }

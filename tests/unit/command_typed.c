@@ -233,6 +233,11 @@ static void names_are_completed(void **state)
     assert_offers(&b, "set angle", " angle0 ", 4);
     assert_offers(&b, "sti", " stiffness ", 0);
     assert_offers(&b, "print spr", " spread ", 6);
+    assert_offers(&b, "param stiffness o", " off ", 16);
+    assert_offers(&b, "var angle of", " off ", 10);
+    assert_offers(&b, "sweep stiffness=1:2 measure=mi", " min ", 28);
+    assert_offers(&b, "sweep stiffness=1:2 measure=max(spr", " spread ", 32);
+    assert_offers(&b, "sweep stiffness=1:2 measure=min,max(vang", " vangle ", 36);
     assert_offers(&b, "run until angl", " angle ", 10);
     type_ok(&b, "method rk4; run 1 s");
     assert_offers(&b, "export f.csv spr", " spread ", 13);

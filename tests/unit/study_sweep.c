@@ -273,6 +273,42 @@ static void test_other_axes(void **state)
     sweep_free(&sweep);
 }
 
+/* ---- columns ---- */
+
+static void test_columns(void **state)
+{
+    (void)state;
+    const struct scene scene = scene_with("spring", NO_SETTINGS);
+    struct sweep_request request = request_of(&scene, "rk4", 0.002, 20,
+                                              "max(v) min(v) amplitude(v) period(v) min max(y) min(y) mean(potential) "
+                                              "amplitude(kinetic) max(kinetic) min(kinetic) period(potential)");
+    request.axis[0] = axis_of(&scene, "k", 5, 20, 2);
+    request.axes = 1;
+    struct sweep sweep = sweep_of(&request);
+    for (int i = 0; i < 2; i++) {
+        const double k = i ? 20 : 5, omega = sqrt(k / 0.2), y = 0.05, v = y * omega, e = k * y * y / 2;
+        const double wanted[] = {v, -v, v, 2 * M_PI / omega, -y, y, -y, e / 2, e / 2, e, 0, M_PI / omega};
+        for (size_t m = 0; m < COUNT_OF(wanted); m++)
+            close_to(sweep.value[(size_t)i * COUNT_OF(wanted) + m], wanted[m],
+                     m == 7 ? 0.1 * e /* not whole periods */ : m == 10 ? 1e-4 * e : 1e-4 * fabs(wanted[m]));
+    }
+    assert_int_equal(sweep.side_by_side, 0);
+    sweep_free(&sweep);
+    /* The means of a decay are known: of y over the last third. */
+    struct scene drifting = scene_with("spring", NO_SETTINGS);
+    struct error error = {0};
+    assert_true(scene_set(&drifting, scene_param(&drifting, "k"), (struct measured){1e-9, 0}, &error));
+    assert_true(scene_set(&drifting, scene_param(&drifting, "v0"), (struct measured){0.3, 0}, &error));
+    request = request_of(&drifting, "rk4", 0.01, 3, "mean mean(y) mean(v) max(y) amplitude");
+    request.axis[0] = axis_of(&drifting, "m", 1, 2, 2);
+    request.axes = 1;
+    sweep = sweep_of(&request);
+    const double wanted[] = {0.05 + 0.3 * 2.5, 0.05 + 0.3 * 2.5, 0.3, 0.05 + 0.3 * 3, 0.15};
+    for (size_t m = 0; m < COUNT_OF(wanted); m++)
+        close_to(sweep.value[m], wanted[m], 1e-2 * 0.3); /* the window opens at a step */
+    sweep_free(&sweep);
+}
+
 /* ---- refusals, cancelling ---- */
 
 static void test_refusals(void **state)
@@ -348,7 +384,8 @@ int main(void)
         cmocka_unit_test(test_lanes_equal_runs), cmocka_unit_test(test_divergence),
         cmocka_unit_test(test_shards_and_threads), cmocka_unit_test(test_resonance),
         cmocka_unit_test(test_pendulum_period),  cmocka_unit_test(test_against_a_run),
-        cmocka_unit_test(test_other_axes),       cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_other_axes),       cmocka_unit_test(test_columns),
+        cmocka_unit_test(test_refusals),
         cmocka_unit_test(test_cancelling),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

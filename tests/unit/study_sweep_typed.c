@@ -81,12 +81,12 @@ static void compare(const struct sweep *whole, const struct sweep *part, const c
 }
 
 static const struct typed_sweep cases[] = {
-    {NULL, "var x = 1;param a = 1;param b = 0.2;x' = -a*x + b*cos(3*t)", "rk4", "x amplitude period max steps evals reached",
+    {NULL, "var x = 1;param a = 1;param b = 0.2;x' = -a*x + b*cos(3*t)", "rk4", "x amplitude period max min steps evals reached",
      0.01, 9, {{"a", 0, 2, 70}, {"b", -0.2, 0.2, 3}}, DRAG_DEFAULT, 150},
-    {NULL, "var x = 1;param a = 1;param b = 0.2;x' = -a*x + b*cos(3*t)", "dopri5", "x amplitude period max evals", 0.01,
+    {NULL, "var x = 1;param a = 1;param b = 0.2;x' = -a*x + b*cos(3*t)", "dopri5", "x amplitude period max min evals", 0.01,
      9.0037, {{"a", 0, 2, 70}}, DRAG_DEFAULT, 69},
     {NULL, "var x = 1;var y = 1;var z = 20;param r = 28;x' = 10*(y - x);y' = x*(r - z) - y;z' = x*y - 8/3*z", "rk4",
-     "x y z amplitude max", 0.01, 7, {{"r", 0, 60, 100}}, DRAG_DEFAULT, 95},
+     "x y z amplitude max min", 0.01, 7, {{"r", 0, 60, 100}}, DRAG_DEFAULT, 95},
     {NULL, "var y = 0.5;param k = 40;param c = 1;y'' = -k*y - c*y'*abs(y')", "rk4", "y vy amplitude period evals energy", 0.02, 6,
      {{"c", 0, 3, 67}, {"k", 10, 60, 2}}, DRAG_DEFAULT, 120},
     {NULL, "var y = 0.5;param k = 40;param c = 1;y'' = -k*y - c*y'*abs(y')", "dopri5", "y amplitude period evals", 0.02,
