@@ -143,7 +143,8 @@ static bool add_value(struct session *session, const struct arguments *given, en
     if (!free_name(line.name, error) || !skip_equals(&rest, usage, error))
         return false;
     struct parser parser = {session, given->scope, given->arena, rest};
-    if (!parse_value(&parser, kind == TYPED_PARAM ? "the parameter" : "the initial value", QUANTITY_OTHER, &item, error) ||
+    if (!parse_value(&parser, kind == TYPED_PARAM ? "the parameter" : "the initial value", QUANTITY_OTHER, &item,
+                     error) ||
         !refuse_rest(&parser, &item, error))
         return false;
     line.value = item.value.value;
@@ -225,7 +226,8 @@ HANDLER(force)
     while (primes < behind.len && behind.at[primes] == '\'')
         primes++;
     if (primes > 0 && text_starts(after(behind, primes), TEXT("="))) {
-        error_at(error, (struct text){rest.at, (size_t)(behind.at - rest.at) + primes}, "a force is an expression, not an equation");
+        error_at(error, (struct text){rest.at, (size_t)(behind.at - rest.at) + primes},
+                 "a force is an expression, not an equation");
         return error_hint(error, "'force x = EXPR' adds to x''; x'' = EXPR alone is an equation of its own");
     }
     const struct text name = read_left(&rest);
@@ -272,31 +274,34 @@ COMMAND(param, .row = {"param", "", "a parameter of a scene of your own", "", NU
         .text = "Equations use it by name: NAME = VALUE changes it at once. On a built-in scene it adds to its "
                 "parameters. 'param NAME off'\n"
                 "takes it away where nothing uses it.",
-        .examples = "var x = 1; param rate = 0.5 1/s; x' = -rate*x; run 1 s\nscene spring; param stiff = 40; force -stiff*y^3",
+        .examples =
+            "var x = 1; param rate = 0.5 1/s; x' = -rate*x; run 1 s\nscene spring; param stiff = 40; force -stiff*y^3",
         .see = "var equation set", .flags = COMMAND_CHANGES,
         ARGUMENTS(PLACE("NAME", TYPE_NAME, .flags = ARG_REQUIRED),
                   PLACE("= VALUE", TYPE_FORMULA, .flags = ARG_REQUIRED)))
 
-COMMAND(equation, .row = {"equation", "", "the law of a variable: x' = EXPR or y'' = EXPR", "", NULL},
-        .group = "EQUATIONS",
-        .text = "The word 'equation' may be left out. Names are t, variables, velocities (y' or vy), parameters and "
-                "what is observed;\n"
-                "each has to be there already. Inside of parentheses < and > compare, to 1 or 0. Another equation of "
-                "the same variable takes\n"
-                "its place. 'list functions' shows the functions.",
-        .examples = "var y = 1; y'' = -y - 0.1*y'; run 1 s\nvar x = 2; var z = 0; x' = z; z' = (1 - x^2)*z - x; run 1 s",
-        .see = "var param force scene", .flags = COMMAND_CHANGES,
-        ARGUMENTS(PLACE("NAME' = EXPR", TYPE_FORMULA, .flags = ARG_REQUIRED)))
+COMMAND(
+    equation, .row = {"equation", "", "the law of a variable: x' = EXPR or y'' = EXPR", "", NULL}, .group = "EQUATIONS",
+    .text = "The word 'equation' may be left out. Names are t, variables, velocities (y' or vy), parameters and "
+            "what is observed;\n"
+            "each has to be there already. Inside of parentheses < and > compare, to 1 or 0. Another equation of "
+            "the same variable takes\n"
+            "its place. 'list functions' shows the functions.",
+    .examples = "var y = 1; y'' = -y - 0.1*y'; run 1 s\nvar x = 2; var z = 0; x' = z; z' = (1 - x^2)*z - x; run 1 s",
+    .see = "var param force scene", .flags = COMMAND_CHANGES,
+    ARGUMENTS(PLACE("NAME' = EXPR", TYPE_FORMULA, .flags = ARG_REQUIRED)))
 
-COMMAND(force, .row = {"force", "", "add a force of your own to the scene, or take it away", "", NULL},
-        .group = "EQUATIONS",
-        .text = "In newtons: it is divided by the mass. Names are references: changing a parameter acts at once. "
-                "Another force takes its\n"
-                "place. 'force x = EXPR' acts on the coordinate x of several, 'force x off' takes that away; 'potential' gives "
-                "its energy.",
-        .examples = "force -40*y^3 + 0.1*cos(2*t); run 1 s\nforce -40*y^3; force off",
-        .see = "potential param equation plan", .flags = COMMAND_CHANGES,
-        ARGUMENTS(PLACE("EXPR|off", TYPE_FORMULA, .flags = ARG_REQUIRED)))
+COMMAND(
+    force, .row = {"force", "", "add a force of your own to the scene, or take it away", "", NULL},
+    .group = "EQUATIONS",
+    .text =
+        "In newtons: it is divided by the mass. Names are references: changing a parameter acts at once. "
+        "Another force takes its\n"
+        "place. 'force x = EXPR' acts on the coordinate x of several, 'force x off' takes that away; 'potential' gives "
+        "its energy.",
+    .examples = "force -40*y^3 + 0.1*cos(2*t); run 1 s\nforce -40*y^3; force off",
+    .see = "potential param equation plan", .flags = COMMAND_CHANGES,
+    ARGUMENTS(PLACE("EXPR|off", TYPE_FORMULA, .flags = ARG_REQUIRED)))
 
 COMMAND(potential, .row = {"potential", "", "the energy of the forces of your own", "", NULL}, .group = "EQUATIONS",
         .text = "In joules, of the forces that depend on positions only. It is checked against them. Without it they "

@@ -154,7 +154,8 @@ COMMAND(event, .row = {"event", "", "watch for a moment on the way of runs", "",
                 "parameter of it or what moves: v = -0.9*v. It holds for runs that start later; compare, sweep and "
                 "other studies know no\n"
                 "events. 'event NAME off' drops one, 'event off' all, 'event' shows them.",
-        .examples = "event top when v falling do record; run 5 s; list events\nevent wall when y < -1 cm do 'v = -0.9*v; "
-                    "continue'; run 5 s",
+        .examples =
+            "event top when v falling do record; run 5 s; list events\nevent wall when y < -1 cm do 'v = -0.9*v; "
+            "continue'; run 5 s",
         .see = "run list export equation", .flags = COMMAND_CHANGES,
         ARGUMENTS(PLACE("NAME", TYPE_NAME), PLACE("when EXPR do stop|record|COMMANDS", TYPE_FORMULA)))

@@ -81,15 +81,14 @@ HANDLER(method)
 }
 #endif
 
-COMMAND(method, .row = {"method", "", "choose the method of integration, or show the present one", "", NULL},
-        .group = "METHOD",
-        .text = "A method with an error estimate adapts its step to tol unless dt= is given here or tol is off. 'list "
-                "methods' shows\n"
-                "them, 'help NAME' the formula, order, stability and source of one. Without a choice it is euler, as in "
-                "the lab: for equations\n"
-                "of your own dop853 is accurate, radau5 where they are stiff.",
-        .examples = "method symplectic-euler\nmethod verlet dt=5ms", .see = "list compare plan",
-        .flags = COMMAND_CHANGES,
-        ARGUMENTS(PLACE("NAME", TYPE_CHOICE, .choices = &method_catalog),
-                  KEY("dt", TYPE_VALUE, .quantity = QUANTITY_TIME), KEY("tol", TYPE_VALUE, .quantity = QUANTITY_NUMBER),
-                  KEY("drag", TYPE_CHOICE, .choices = &drag_catalog)))
+COMMAND(
+    method, .row = {"method", "", "choose the method of integration, or show the present one", "", NULL},
+    .group = "METHOD",
+    .text = "A method with an error estimate adapts its step to tol unless dt= is given here or tol is off. 'list "
+            "methods' shows\n"
+            "them, 'help NAME' the formula, order, stability and source of one. Without a choice it is euler, as in "
+            "the lab: for equations\n"
+            "of your own dop853 is accurate, radau5 where they are stiff.",
+    .examples = "method symplectic-euler\nmethod verlet dt=5ms", .see = "list compare plan", .flags = COMMAND_CHANGES,
+    ARGUMENTS(PLACE("NAME", TYPE_CHOICE, .choices = &method_catalog), KEY("dt", TYPE_VALUE, .quantity = QUANTITY_TIME),
+              KEY("tol", TYPE_VALUE, .quantity = QUANTITY_NUMBER), KEY("drag", TYPE_CHOICE, .choices = &drag_catalog)))

@@ -37,17 +37,17 @@ static bool choose_runs(struct session *session, const struct arguments *given, 
     }
     if (runs->count == 0 && data->count == 0 && session->current_run >= 0)
         place[request->runs++] = session->current_run;
-    request->recording = data->count                                     ? data->item->index
-                         : (runs->count && request->kind != PLOT_RESIDUAL) || request->columns ? -1
-                                                                         : figure_recording(session, request->kind);
+    request->recording = data->count ? data->item->index
+                         : (runs->count && request->kind != PLOT_RESIDUAL) || request->columns
+                             ? -1
+                             : figure_recording(session, request->kind);
     if (request->runs == 0 && request->recording >= 0 && (request->kind == PLOT_ORBIT || request->kind == PLOT_ERROR))
         return error_at(error, data->where, "of a recording there is no plot of %s",
                         catalog_row(&plot_catalog, (size_t)request->kind)->name);
     if (request->runs > 0 || request->recording >= 0)
         return true;
     if (session_recording(session)) {
-        error_at(error, given_for(given, "WHAT")->where,
-                 "this needs a run, or a recording of positions");
+        error_at(error, given_for(given, "WHAT")->where, "this needs a run, or a recording of positions");
         return error_hint(error, "type: run");
     }
     error_set(error, ERROR_COMMAND, "there is nothing to plot: no run and no recording");
@@ -220,23 +220,26 @@ HANDLER(plot)
 }
 #endif
 
-COMMAND(plot, .row = {"plot", "", "draw position, velocity, phase, orbit, energy, error, residual, spectrum, precision; or any columns",
-                      "", "p"},
-        .group = "PLOT",
-        .text = "A kind of plot, or names of what moves and is observed: 'plot x', 'plot x,y', 'plot y against x';\n"
-                "with 'at EVENT' as points where that event happened, a Poincare section; with --next what is drawn upwards is "
-                "taken where it\nhappened the next time: 'plot z against z at top --next' is a return map.\n"
-                "Of the current run and of the recording where they overlap in time, unless told. Without a window at "
-                "least 8 columns a\n"
-                "period are kept (5 with dots) and the phase plot shows the last 2 periods; the frame says so. A run "
-                "that grows out of\n"
-                "bounds leaves the frame and does not flatten the others. A file that ends in .svg, .pdf or .png "
-                "becomes a picture, one\n"
-                "that ends in .txt holds the text.",
-        .examples = "run; plot position; plot momentum against y\ncompare euler symplectic-euler; plot energy run all",
-        .see = "set export measure", .flags = COMMAND_ANYTIME,
-        ARGUMENTS(PLACE("WHAT", TYPE_COLUMN, .flags = ARG_REQUIRED | ARG_MANY, .choices = &plot_catalog),
-                  WORD("against", TYPE_COLUMN), WORD("at", TYPE_EVENT), WORD("run", TYPE_RUN, .flags = ARG_MANY | ARG_ALL), WORD("data", TYPE_RECORDING),
-                  KEY("window", TYPE_RANGE, .quantity = QUANTITY_TIME), OPTION("log", TYPE_NONE), OPTION("next", TYPE_NONE),
-                  WORD(">", TYPE_FILE),
-                  OPTION("force", TYPE_NONE)))
+COMMAND(
+    plot,
+    .row = {"plot", "",
+            "draw position, velocity, phase, orbit, energy, error, residual, spectrum, precision; or any columns", "",
+            "p"},
+    .group = "PLOT",
+    .text =
+        "A kind of plot, or names of what moves and is observed: 'plot x', 'plot x,y', 'plot y against x';\n"
+        "with 'at EVENT' as points where that event happened, a Poincare section; with --next what is drawn upwards is "
+        "taken where it\nhappened the next time: 'plot z against z at top --next' is a return map.\n"
+        "Of the current run and of the recording where they overlap in time, unless told. Without a window at "
+        "least 8 columns a\n"
+        "period are kept (5 with dots) and the phase plot shows the last 2 periods; the frame says so. A run "
+        "that grows out of\n"
+        "bounds leaves the frame and does not flatten the others. A file that ends in .svg, .pdf or .png "
+        "becomes a picture, one\n"
+        "that ends in .txt holds the text.",
+    .examples = "run; plot position; plot momentum against y\ncompare euler symplectic-euler; plot energy run all",
+    .see = "set export measure", .flags = COMMAND_ANYTIME,
+    ARGUMENTS(PLACE("WHAT", TYPE_COLUMN, .flags = ARG_REQUIRED | ARG_MANY, .choices = &plot_catalog),
+              WORD("against", TYPE_COLUMN), WORD("at", TYPE_EVENT), WORD("run", TYPE_RUN, .flags = ARG_MANY | ARG_ALL),
+              WORD("data", TYPE_RECORDING), KEY("window", TYPE_RANGE, .quantity = QUANTITY_TIME),
+              OPTION("log", TYPE_NONE), OPTION("next", TYPE_NONE), WORD(">", TYPE_FILE), OPTION("force", TYPE_NONE)))

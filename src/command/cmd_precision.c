@@ -165,23 +165,24 @@ HANDLER(precision)
 }
 #endif
 
-COMMAND(precision,
-        .row = {"precision", "", "error against run time of several methods, as table and log-log plot", "", NULL},
-        .group = "STUDY",
-        .text =
-            "Each method is swept over the setting 'duration', from coarse steps to the floor of rounding: fixed steps of "
-            "duration/2^k, adaptive "
-            "methods by\n"
-            "decades of tol. The error is the largest distance from the solution on 257 common times, divided by the "
-            "amplitude;\n"
-            "the solution is the closed form or what two methods of different kinds agree on, and the report says how "
-            "well. Times\n"
-            "(unless 'timing off') are of solves that record nothing, 15 samples interleaved at random. Without METHOD "
-            "a dozen\n"
-            "that suit the scene.",
-        .examples = "duration = 5 s; precision rk4 verlet dt=5ms:100ms\n"
-                    "timing off; duration = 5 s; precision dopri5 rk4 tol=1e-9:1e-3",
-        .see = "compare method plot timing export",
-        ARGUMENTS(PLACE("METHOD", TYPE_CHOICE, .flags = ARG_MANY, .choices = &method_catalog),
-                  KEY("dt", TYPE_RANGE, .quantity = QUANTITY_TIME), KEY("tol", TYPE_RANGE, .quantity = QUANTITY_NUMBER),
-                  KEY("drag", TYPE_CHOICE, .choices = &drag_catalog), OPTION("recording", TYPE_NONE)))
+COMMAND(
+    precision,
+    .row = {"precision", "", "error against run time of several methods, as table and log-log plot", "", NULL},
+    .group = "STUDY",
+    .text =
+        "Each method is swept over the setting 'duration', from coarse steps to the floor of rounding: fixed steps of "
+        "duration/2^k, adaptive "
+        "methods by\n"
+        "decades of tol. The error is the largest distance from the solution on 257 common times, divided by the "
+        "amplitude;\n"
+        "the solution is the closed form or what two methods of different kinds agree on, and the report says how "
+        "well. Times\n"
+        "(unless 'timing off') are of solves that record nothing, 15 samples interleaved at random. Without METHOD "
+        "a dozen\n"
+        "that suit the scene.",
+    .examples = "duration = 5 s; precision rk4 verlet dt=5ms:100ms\n"
+                "timing off; duration = 5 s; precision dopri5 rk4 tol=1e-9:1e-3",
+    .see = "compare method plot timing export",
+    ARGUMENTS(PLACE("METHOD", TYPE_CHOICE, .flags = ARG_MANY, .choices = &method_catalog),
+              KEY("dt", TYPE_RANGE, .quantity = QUANTITY_TIME), KEY("tol", TYPE_RANGE, .quantity = QUANTITY_NUMBER),
+              KEY("drag", TYPE_CHOICE, .choices = &drag_catalog), OPTION("recording", TYPE_NONE)))

@@ -277,7 +277,8 @@ HANDLER(compare)
 COMMAND(compare, .row = {"compare", "", "several methods on the same scene: error, energy, time", "", NULL},
         .group = "STUDY",
         .text =
-            "Each method runs for the setting 'duration', however long the last run was, with each dt given. The error is the largest distance from "
+            "Each method runs for the setting 'duration', however long the last run was, with each dt given. The error "
+            "is the largest distance from "
             "the exact\n"
             "solution, divided by the amplitude; without a closed form, from a reference that two methods of different "
             "kinds agree\n"

@@ -93,7 +93,8 @@ static bool read_axis(struct parser *parser, struct text name, struct sweep_axis
         return refuse_rest(parser, NULL, error);
     }
     struct item step = {0};
-    axis->log = text_starts(parser->rest, TEXT("x")) && parser->rest.len > 1 && strchr("0123456789.", parser->rest.at[1]);
+    axis->log =
+        text_starts(parser->rest, TEXT("x")) && parser->rest.len > 1 && strchr("0123456789.", parser->rest.at[1]);
     if (axis->log)
         parser->rest = (struct text){parser->rest.at + 1, parser->rest.len - 1};
     if (!parse_value(parser, axis->name, axis->log ? QUANTITY_NUMBER : axis->quantity, &step, error) ||
@@ -218,8 +219,7 @@ static void reply_point(const struct swept *swept, int64_t i, struct reply *repl
     reply_begin(reply, "sweep");
     reply_int(reply, "point", sweep->first + i);
     for (int a = 0; a < sweep->axes; a++)
-        reply_real(reply, sweep->axis[a].name,
-                   sweep_axis_value(&sweep->axis[a], (int)sweep_number(sweep, a, i)));
+        reply_real(reply, sweep->axis[a].name, sweep_axis_value(&sweep->axis[a], (int)sweep_number(sweep, a, i)));
     for (int m = 0; m < sweep->measures; m++)
         reply_real(reply, sweep_measure_name(&swept->measure[m]), sweep->value[i * sweep->measures + m]);
     reply_string(reply, "status", sweep_status_name(sweep->status[i]));
@@ -299,24 +299,24 @@ HANDLER(sweep)
 }
 #endif
 
-COMMAND(sweep, .row = {"sweep", "", "vary one or two parameters: a trajectory for each value", "", NULL},
-        .group = "STUDY",
-        .text =
-            "NAME=FROM:TO:STEP adds STEP each, NAME=FROM:TO:x2 multiplies; without a step 51 points. NAME is a "
-            "parameter of the scene,\n"
-            "or dt or tol. Each point is the scene with the present method and duration. measure=A,B,.. is one or more "
-            "of amplitude,\n"
-            "period and mean (in the last third of the duration), max and min, of the first variable or, max(z), of "
-            "any column; error,\n"
-            "energy_error, steps, evals, reached (the time), or what print knows of a run at its end: y, energy .. "
-            "What diverges is a\n"
-            "result. One parameter makes a table and a curve, two make a map. --shard 2/8 computes the second eighth "
-            "of the points: with\n"
-            "-q --format csv (or json) the outputs of all shards, one after another (cat), are the output of the whole. "
-            "The numbers do\n"
-            "not depend on threads or shards.",
-        .examples = "scene driven; method rk4; duration = 60 s; sweep omega=6:12:0.1\n"
-                    "scene damped; sweep gamma=0.1:10:x2 k=10:20:5 measure=period,energy",
-        .see = "compare precision export plot",
-        ARGUMENTS(PLACE("NAME=RANGE", TYPE_REST, .flags = ARG_REQUIRED), KEY("measure", TYPE_TEXT, .flags = ARG_MANY),
-                  OPTION("threads", TYPE_INTEGER), OPTION("shard", TYPE_TEXT), OPTION("force", TYPE_NONE)))
+COMMAND(
+    sweep, .row = {"sweep", "", "vary one or two parameters: a trajectory for each value", "", NULL}, .group = "STUDY",
+    .text =
+        "NAME=FROM:TO:STEP adds STEP each, NAME=FROM:TO:x2 multiplies; without a step 51 points. NAME is a "
+        "parameter of the scene,\n"
+        "or dt or tol. Each point is the scene with the present method and duration. measure=A,B,.. is one or more "
+        "of amplitude,\n"
+        "period and mean (in the last third of the duration), max and min, of the first variable or, max(z), of "
+        "any column; error,\n"
+        "energy_error, steps, evals, reached (the time), or what print knows of a run at its end: y, energy .. "
+        "What diverges is a\n"
+        "result. One parameter makes a table and a curve, two make a map. --shard 2/8 computes the second eighth "
+        "of the points: with\n"
+        "-q --format csv (or json) the outputs of all shards, one after another (cat), are the output of the whole. "
+        "The numbers do\n"
+        "not depend on threads or shards.",
+    .examples = "scene driven; method rk4; duration = 60 s; sweep omega=6:12:0.1\n"
+                "scene damped; sweep gamma=0.1:10:x2 k=10:20:5 measure=period,energy",
+    .see = "compare precision export plot",
+    ARGUMENTS(PLACE("NAME=RANGE", TYPE_REST, .flags = ARG_REQUIRED), KEY("measure", TYPE_TEXT, .flags = ARG_MANY),
+              OPTION("threads", TYPE_INTEGER), OPTION("shard", TYPE_TEXT), OPTION("force", TYPE_NONE)))

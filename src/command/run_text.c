@@ -117,8 +117,8 @@ void reply_shorter(const struct session *session, struct reply *reply)
     const double span = run ? fabs(run->t - run->system.t0) : 0, duration = session->setup.settings.duration;
     if (!run || run->system.model != session->setup.scene.model || !(span > (1 + 1e-9) * duration))
         return;
-    reply_line(reply, "over %.6g s, the setting 'duration'; run %d took %.6g s ('duration = %.6g s' studies that)", duration,
-               run->number, span, span);
+    reply_line(reply, "over %.6g s, the setting 'duration'; run %d took %.6g s ('duration = %.6g s' studies that)",
+               duration, run->number, span, span);
 }
 
 void reply_coarse(const struct session *session, const struct run *run, struct reply *reply)

@@ -101,7 +101,9 @@ static void put_table(const struct session *session, const struct swept *swept, 
     text_table_put(&table, text);
     if (every > 1)
         buffer_format(text, "(every %lld%s point; all of them: export FILE table)\n", (long long)every,
-                      every == 2 ? "nd" : every == 3 ? "rd" : "th");
+                      every == 2   ? "nd"
+                      : every == 3 ? "rd"
+                                   : "th");
 }
 
 static double *axis_values(const struct sweep_axis *axis, struct arena *arena)
@@ -164,8 +166,7 @@ static void put_map(const struct session *session, const struct swept *swept, in
     const size_t n = (size_t)sweep->total;
     if (n > MAP_MOST)
         return;
-    double *value = arena_array(arena, n, sizeof *value), *x = axis_values(across, arena),
-           *y = axis_values(up, arena);
+    double *value = arena_array(arena, n, sizeof *value), *x = axis_values(across, arena), *y = axis_values(up, arena);
     int width, height;
     if (!value || !x || !y)
         return;
@@ -174,7 +175,8 @@ static void put_map(const struct session *session, const struct swept *swept, in
     for (int64_t i = 0; i < sweep->count; i++)
         value[sweep->first + i] = value_at(sweep, i, measure);
     const enum quantity quantity = quantity_of(swept, measure);
-    const struct unit *unit = unit_of(value, n, quantity), *x_unit = unit_of(x, (size_t)across->count, across->quantity),
+    const struct unit *unit = unit_of(value, n, quantity),
+                      *x_unit = unit_of(x, (size_t)across->count, across->quantity),
                       *y_unit = unit_of(y, (size_t)up->count, up->quantity);
     const struct heat heat = {
         .title = sweep_measure_name(&swept->measure[measure]),
@@ -209,8 +211,8 @@ static void put_watched(const struct swept *swept, struct buffer *text)
         first = first ? first : name;
     }
     if (first)
-        buffer_format(text, ": of %s, the first variable; 'measure=%s(%s)' of another\n", model->variable[0].name, first,
-                      model->variable[1].name);
+        buffer_format(text, ": of %s, the first variable; 'measure=%s(%s)' of another\n", model->variable[0].name,
+                      first, model->variable[1].name);
 }
 
 void sweep_text(const struct session *session, const struct swept *swept, struct arena *arena, struct buffer *text)
@@ -222,8 +224,9 @@ void sweep_text(const struct session *session, const struct swept *swept, struct
         if (has_values(sweep, m))
             (sweep->axes == 1 ? put_curve : put_map)(session, swept, m, arena, text);
         else if (swept->measure[m].kind == SWEEP_PERIOD && sweep->finished > sweep->failed + sweep->refused)
-            buffer_put(text, TEXT("no period: the last third of the duration has fewer than two maxima; give it a longer "
-                                  "duration\n"));
+            buffer_put(text,
+                       TEXT("no period: the last third of the duration has fewer than two maxima; give it a longer "
+                            "duration\n"));
     buffer_format(text, "%lld of %lld point%s", (long long)sweep->finished, (long long)sweep->count,
                   sweep->count == 1 ? "" : "s");
     if (sweep->count < sweep->total)

@@ -184,7 +184,8 @@ static void describe_record(const struct system *system, const struct run_settin
     if (settings->record.rule == RECORD_EVERY)
         buffer_format(text, " every %lld steps", (long long)settings->record.every);
     else if (timed)
-        buffer_format(text, " every %.6g s and at the end, inside of steps on their dense output", settings->record.interval);
+        buffer_format(text, " every %.6g s and at the end, inside of steps on their dense output",
+                      settings->record.interval);
     else if (settings->record.rule == RECORD_AUTO && !(plan->steps < LIMIT_SAMPLES))
         buffer_format(text, ", every step up to %u rows, then decimated (no peak is lost)", LIMIT_SAMPLES);
     else

@@ -265,7 +265,8 @@ bool run_kick(struct run *run, int i, double value, struct error *error)
     const struct system *system = &run->system;
     const double was = run->y[i], before = system->order == 2 ? system_energy(system, run->y) : 0;
     if (run->method->flags & METHOD_YARDSTICK)
-        return error_set(error, ERROR_COMMAND, "%s keeps what it knows to itself: its state cannot be changed on the way",
+        return error_set(error, ERROR_COMMAND,
+                         "%s keeps what it knows to itself: its state cannot be changed on the way",
                          run->method->row.name);
     if (!(fabs(value) <= p->bound[i]))
         return error_set(error, ERROR_COMMAND, "%s cannot become %g", system_variable(system, i).name, value);
@@ -283,8 +284,7 @@ bool run_kick(struct run *run, int i, double value, struct error *error)
     p->kick[p->kicks++] =
         (struct kick){run->steps, run->t, system->order == 2 ? system_energy(system, run->y) - before : 0};
     /* Another motion: what the step control has learnt of the old one is no guide. */
-    run->controller = (struct controller){.tol = run->settings.tol,
-                                          .h = copysign(run->settings.dt, run->controller.h)};
+    run->controller = (struct controller){.tol = run->settings.tol, .h = copysign(run->settings.dt, run->controller.h)};
     p->factor = 1;
     p->settled = (struct balance){0};
     p->step.warm = false;

@@ -40,7 +40,8 @@ struct trace *trace_create(int n, bool timed, struct recording_rule rule, size_t
     trace->decimates = rule.rule == RECORD_AUTO;
     trace->every = rule.rule == RECORD_EVERY ? rule.every : 1;
     trace->width = (size_t)n + timed;
-    trace->cap = (memory ? memory : MEMORY_DEFAULT) / trace_row_bytes(n, timed, trace->decimates || rule.rule == RECORD_TIMES);
+    trace->cap =
+        (memory ? memory : MEMORY_DEFAULT) / trace_row_bytes(n, timed, trace->decimates || rule.rule == RECORD_TIMES);
     if (trace->decimates) {
         /* Three rows a bucket must always fit into half of the cap, or decimating would not end. */
         trace->cap = trace->cap > LIMIT_SAMPLES ? LIMIT_SAMPLES : trace->cap < 64 ? 64 : trace->cap;

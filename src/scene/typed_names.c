@@ -119,12 +119,12 @@ static bool add_param(struct compile *c, struct text name, double value, enum qu
     const int symbol = typed_symbol(c, name, SYMBOL_PARAM, c->bases + c->owns, where);
     if (symbol < 0)
         return false;
-    c->own[c->owns++] = (struct param_row){
-        .row = {arena_text(&c->typed->arena, name), quantity_unit(quantity), brief, "", NULL},
-        .quantity = quantity,
-        .initial = value,
-        .least = positive ? 0 : -HUGE_VAL,
-        .least_excluded = positive};
+    c->own[c->owns++] =
+        (struct param_row){.row = {arena_text(&c->typed->arena, name), quantity_unit(quantity), brief, "", NULL},
+                           .quantity = quantity,
+                           .initial = value,
+                           .least = positive ? 0 : -HUGE_VAL,
+                           .least_excluded = positive};
     return c->own[c->owns - 1].row.name || error_memory(c->error);
 }
 
@@ -142,9 +142,9 @@ static bool refuse_initial(const struct compile *c, struct text name, struct tex
     const struct typed_line *param = typed_line_of(c->typed, TYPED_PARAM, name),
                             *var = typed_line_of(c->typed, TYPED_VAR, name);
     const struct typed_line *line = param ? param : var;
-    return error_at(c->error, line ? line->name : where, "%.*s is the initial value of %.*s: the %s %.*s needs another name",
-                    (int)name.len, name.at, (int)variable.len, variable.at, param ? "parameter" : "variable",
-                    (int)name.len, name.at);
+    return error_at(c->error, line ? line->name : where,
+                    "%.*s is the initial value of %.*s: the %s %.*s needs another name", (int)name.len, name.at,
+                    (int)variable.len, variable.at, param ? "parameter" : "variable", (int)name.len, name.at);
 }
 
 /* y0 of y, x1_0 of x1. */
@@ -177,7 +177,6 @@ bool typed_start_time(struct compile *c)
     c->symbol[c->symbols - 1].hidden = true;
     return true;
 }
-
 
 /* ---- declarations ---- */
 
@@ -218,8 +217,7 @@ static bool declare_unknown(struct compile *c, const struct typed_line *line)
     struct buffer name = {0};
     buffer_char(&name, 'v');
     buffer_put(&name, line->name);
-    u->velocity = name.failed ? -1
-                              : typed_symbol(c, buffer_text(&name), SYMBOL_VELOCITY, c->unknowns - 1, line->name);
+    u->velocity = name.failed ? -1 : typed_symbol(c, buffer_text(&name), SYMBOL_VELOCITY, c->unknowns - 1, line->name);
     if (name.failed)
         error_memory(c->error);
     buffer_free(&name);

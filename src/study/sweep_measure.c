@@ -90,8 +90,9 @@ static bool unknown(const struct model *model, struct text name, bool column, st
     suggestion_hint(&near, error);
     if (column)
         return error_hint(error, "in parentheses stands what 'print' knows of a run: y, energy ...");
-    return error_hint(error, "measures are amplitude, period, mean, max, min (of z: max(z)), error, energy_error, steps, "
-                             "evals, reached, and what 'print' knows of a run: y, energy ...");
+    return error_hint(error,
+                      "measures are amplitude, period, mean, max, min (of z: max(z)), error, energy_error, steps, "
+                      "evals, reached, and what 'print' knows of a run: y, energy ...");
 }
 
 /* max(z): the name before the parenthesis is a row that is watched. */
@@ -108,8 +109,7 @@ static bool split_watched(struct text name, const struct row **row, struct text 
     return true;
 }
 
-bool sweep_measure_find(const struct model *model, struct text name, struct sweep_measure *measure,
-                        struct error *error)
+bool sweep_measure_find(const struct model *model, struct text name, struct sweep_measure *measure, struct error *error)
 {
     const struct row *own = catalog_find(&sweep_measure_catalog, name);
     struct text of = name;

@@ -82,9 +82,14 @@ double watch_speed(const struct system *system, int variable, double t, const do
 static double column_speed(const struct trace *trace, const double *column, size_t n, size_t i)
 {
     const size_t a = i > 0 ? i - 1 : 0, b = i + 1 < n ? i + 1 : n - 1;
-    const double before = trace_time(trace, i) - trace_time(trace, a), behind = trace_time(trace, b) - trace_time(trace, i);
-    const double rise = i > a ? (column[i] - column[a]) / before : 0, next = b > i ? (column[b] - column[i]) / behind : 0;
-    return before + behind > 0 ? i == a ? next : i == b ? rise : (rise * behind + next * before) / (before + behind) : 0;
+    const double before = trace_time(trace, i) - trace_time(trace, a),
+                 behind = trace_time(trace, b) - trace_time(trace, i);
+    const double rise = i > a ? (column[i] - column[a]) / before : 0,
+                 next = b > i ? (column[b] - column[i]) / behind : 0;
+    return before + behind > 0 ? i == a   ? next
+                                 : i == b ? rise
+                                          : (rise * behind + next * before) / (before + behind)
+                               : 0;
 }
 
 /* What is no state variable, at all rows; NULL: it is one, or there is none of it. */
@@ -120,8 +125,8 @@ double watch_run(const struct run *run, const struct sweep_measure *measure, dou
     for (size_t i = 0; there && i < n; i++) {
         const double *state = trace_state(trace, i);
         const double t1 = trace_time(trace, i), y1 = column ? column[i] : state[measure->variable];
-        const double v1 = column ? column_speed(trace, column, n, i)
-                                 : watch_speed(&run->system, measure->variable, t1, state);
+        const double v1 =
+            column ? column_speed(trace, column, n, i) : watch_speed(&run->system, measure->variable, t1, state);
         if (i == 0)
             watch_begin(&watch, y1);
         else if (watch_turns(v0, v1))
