@@ -193,6 +193,8 @@ static void extend_expected(const struct session *session, const struct figure *
             extend(extent, system_kinetic(system, system->start) + system_potential(system, system->start));
         return;
     }
+    if (system->model->typed && system->oscillator.whole && !(system->oscillator.stiffness > 0))
+        return; /* it falls: an event may catch it */
     bool speed = pane == PANE_VELOCITY || (pane == PANE_PHASE && vertical && !figure->equal);
     double size = system->scale[speed ? system->n / 2 : 0];
     extend(extent, size);
