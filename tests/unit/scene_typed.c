@@ -6,36 +6,10 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "unit/scene_typing.h"
+#include "unit/scene_fixture.h"
 
 #include <pthread.h>
 #include <stdlib.h>
-
-#define LINES(...) (const char *const[]){__VA_ARGS__, NULL}
-
-struct fixture {
-    struct typed_models *models;
-    struct scene scene;
-    struct system system;
-    struct error error;
-};
-
-static int set_up(void **state)
-{
-    struct fixture *f = calloc(1, sizeof *f);
-    *state = f;
-    f->models = typed_create(&f->error);
-    scene_init(&f->scene, NULL);
-    return f->models ? 0 : -1;
-}
-
-static int tear_down(void **state)
-{
-    struct fixture *f = *state;
-    typed_destroy(f->models);
-    free(f);
-    return 0;
-}
 
 static void type(struct fixture *f, const char *const *lines)
 {
