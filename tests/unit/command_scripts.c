@@ -4,7 +4,8 @@
  * (or on lines of their own directly below) say what has to come of it: # expect: TEXT    some line of its output
  * contains TEXT # error: TEXT     it fails, and the message contains TEXT # warning: TEXT   a message that is no error
  * contains TEXT # never: TEXT     neither output nor messages contain TEXT A line without `# error:` has to succeed.
- * Every line starts where the one before left the session. Files are written in a folder of their own.
+ * Every line starts where the one before left the session. Files are written in a folder of their own. A file with the line `# needs: METHOD` is skipped where the
+ * build is without that method.
  */
 #include <hooke/command.h>
 
@@ -141,7 +142,23 @@ static void run_lines(struct scenario *s, struct text content)
     }
 }
 
-static bool run_file(const char *folder, const char *name)
+/* Stands for an optional library that this build is without; text_of(NULL) where nothing is missing. */
+static struct text missing_method(struct text content)
+{
+    static const char needs[] = "# needs: ";
+    for (struct text line; content.len > 0 && text_split(&content, '\n', &line);) {
+        if (!text_starts(line, text_of(needs)))
+            continue;
+        const size_t len = strlen(needs);
+        const struct text name = text_trim((struct text){line.at + len, line.len - len});
+        if (!catalog_find(&method_catalog, name))
+            return name;
+    }
+    return (struct text){NULL, 0};
+}
+
+/* Prints its line of TAP. Returns whether nothing failed. */
+static bool run_file(const char *folder, const char *name, int number)
 {
     struct buffer path = {0}, content = {0};
     struct error error;
@@ -149,10 +166,15 @@ static bool run_file(const char *folder, const char *name)
     buffer_format(&path, "%s/%s", folder, name);
     reply_init(&s.reply, (struct sink){take_out, take_err, &s.capture});
     s.session = session_create(&(struct front){.width = 80, .height = 24});
+    struct text missing = {NULL, 0};
     if (!s.session || !file_read(path.data, 1 << 20, &content, &error))
         s.failed = true;
-    else
+    else if (!(missing = missing_method(buffer_text(&content))).at)
         run_lines(&s, buffer_text(&content));
+    if (missing.at)
+        printf("ok %d - cli/%s # SKIP built without %.*s\n", number, name, (int)missing.len, missing.at);
+    else
+        printf("%s %d - cli/%s\n", s.failed ? "not ok" : "ok", number, name);
     session_destroy(s.session);
     reply_free(&s.reply);
     buffer_free(&s.capture.out);
@@ -197,9 +219,7 @@ int main(void)
     const int count = scandir(folder, &entries, is_script, alphasort);
     printf("1..%d\n", count < 0 ? 0 : count);
     for (int i = 0; i < count; i++) {
-        const bool ok = run_file(folder, entries[i]->d_name);
-        printf("%s %d - cli/%s\n", ok ? "ok" : "not ok", i + 1, entries[i]->d_name);
-        failures += !ok;
+        failures += !run_file(folder, entries[i]->d_name, i + 1);
         free(entries[i]);
     }
     if (count >= 0)
