@@ -215,14 +215,19 @@ static enum step_status iterate(const struct newton *equations, struct step *ste
     return last <= STANDSTILL ? STEP_OK : STEP_NO_SOLUTION;
 }
 
-/* Until what is left, by the rate at which increments shrink, is `enough`. */
+/*
+ * Until what is left, by the rate at which increments shrink, is `enough`. The rate is the one of this solution: a
+ * single increment is accepted only if it is itself that small, because what earlier steps needed says nothing about
+ * this one (Hairer and Wanner carry a rate over, but let it age). Parts that shrink slowly may still hide behind
+ * faster ones, as across a kink: hence the caution.
+ */
 static enum step_status approach(const struct newton *equations, struct step *step, double t, double h, const double *y,
                                  double *z, const double *weight, double enough, struct room *room)
 {
     const struct implicit_tableau *tableau = equations->tableau;
     const int n = step->system->n, stages = tableau->stages;
-    double last = 0, root = sqrt(fmax(*room->rate, DBL_EPSILON));
-    double left = root * sqrt(root); /* of an increment: at first by the last solution's rate, with some caution */
+    double last = 0, left = 1; /* left: of an increment */
+    *room->rate = sqrt(*room->rate); /* it ages, so that factors are not kept for ever without being seen to be good */
     for (int iteration = 0; iteration < ADAPTIVE_ITERATIONS; iteration++) {
         equations->rest(tableau, step, t, h, y, z, room->slope, room->rest);
         solve(tableau, step, room, room->rest);
@@ -241,6 +246,7 @@ static enum step_status approach(const struct newton *equations, struct step *st
                 end *= rate;
             if (end > enough)
                 return STEP_NO_SOLUTION;
+            left = sqrt(left);
         }
         if (left * size <= enough)
             return STEP_OK;
