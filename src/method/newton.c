@@ -246,7 +246,7 @@ static enum step_status approach(const struct newton *equations, struct step *st
                 end *= rate;
             if (end > enough)
                 return STEP_NO_SOLUTION;
-            left = sqrt(left);
+            left = sqrt(left * sqrt(left)); /* with caution */
         }
         if (left * size <= enough)
             return STEP_OK;
