@@ -42,15 +42,24 @@ GSL_CFLAGS  := $(shell $(PKG) --cflags gsl 2>/dev/null)
 GSL_LIBS    := $(shell $(PKG) --libs gsl 2>/dev/null || echo -lgsl -lgslcblas -lm)
 LINE_CFLAGS := $(shell $(PKG) --cflags readline ncursesw 2>/dev/null)
 LINE_LIBS   := $(shell $(PKG) --libs readline ncursesw 2>/dev/null || echo -lreadline -lncursesw -ltinfo)
+TEST_LIBS   := $(shell $(PKG) --libs cmocka 2>/dev/null || echo -lcmocka)
+
+# Optional libraries are used where they are installed; OPTIONAL=no leaves them all out.
+OPTIONAL ?= yes
+ifneq ($(OPTIONAL),no)
 # Never linked: loaded when a picture is drawn.
 CAIRO_CFLAGS := $(shell $(PKG) --exists cairo-svg cairo-pdf cairo-png 2>/dev/null && echo -DHAVE_CAIRO $$($(PKG) --cflags cairo))
-# A yardstick, where it is installed (SUNDIALS=no: left out). Its archives, so that the program does not start more slowly.
-SUNDIALS ?= yes
+# CVODE to compare with: its archives, so that the program does not start more slowly.
 SUNDIALS_LIBS := $(foreach l,cvode sunlinsoldense sunnonlinsolfixedpoint sunmatrixdense nvecserial,-l:libsundials_$(l).a)
-SUNDIALS_LIBS := $(if $(filter no,$(SUNDIALS)),,$(shell \
+SUNDIALS_LIBS := $(shell \
   echo '_Static_assert(SUNDIALS_VERSION_MAJOR == 6, ""); int main(void) { return !CVodeCreate(CV_BDF, 0); }' | \
-  $(CC) -include cvode/cvode.h -x c -o /dev/null - $(SUNDIALS_LIBS) -lm >/dev/null 2>&1 && echo '$(SUNDIALS_LIBS)'))
-TEST_LIBS   := $(shell $(PKG) --libs cmocka 2>/dev/null || echo -lcmocka)
+  $(CC) -include cvode/cvode.h -x c -o /dev/null - $(SUNDIALS_LIBS) -lm >/dev/null 2>&1 && echo '$(SUNDIALS_LIBS)')
+endif
+OPTIONAL_CPPFLAGS := $(CAIRO_CFLAGS) $(if $(SUNDIALS_LIBS),-DHOOKE_SUNDIALS)
+# What is compiled with them.
+OPTIONAL_SOURCES := $(wildcard src/figure/*.c tests/unit/figure_*.c) src/method/catalog.c src/method/cvode.c
+# Tests that say something else with them than without.
+OPTIONAL_TESTS = $(shell grep -liE 'cairo|cvode|"\# needs' $(TEST_SOURCES) $(TEST_SCRIPTS))
 
 CPPFLAGS += -D_GNU_SOURCE -DHOOKE_VERSION='"$(VERSION)"' -Iinclude -Ibuild
 CFLAGS   := -std=c11 $(OPT_$(CONFIG)) $(WARNINGS) $(NUMBERS) $(HARDEN) -fPIE $(CFLAGS_EXTRA)
@@ -59,10 +68,14 @@ LIBS     := $(SUNDIALS_LIBS) $(GSL_LIBS) -lm -ldl
 
 # ---- what there is ----------------------------------------------------------------------------------------------------
 
+# D: programs, and the objects that optional libraries change. All other objects are shared, in B.
 B   := build/$(CONFIG)
-TOP := $(if $(filter release,$(CONFIG)),build,$(B))
+D   := $(if $(filter no,$(OPTIONAL)),build/plain$(if $(filter release,$(CONFIG)),,-$(CONFIG)),$(B))
+TOP := $(if $(filter build/release,$(D)),build,$(D))
 
-objects  = $(patsubst src/%.c,$(B)/%.o,$(sort $(wildcard src/$(1)/*.c)))
+# Objects of sources: src/layer/name.c is $(B)/layer/name.o, tests/kind/name.c is $(B)/tests/kind/name.o.
+object   = $(foreach s,$(1),$(if $(filter $(OPTIONAL_SOURCES),$(s)),$(D),$(B))/$(patsubst src/%,%,$(s:.c=.o)))
+objects  = $(call object,$(sort $(wildcard src/$(1)/*.c)))
 upto     = $(if $(filter $(1),$(firstword $(2))),$(1),$(firstword $(2)) $(call upto,$(1),$(wordlist 2,99,$(2))))
 
 # A format is one file: src/data/NAME.def with its functions and its row. The list of them follows from the folder.
@@ -75,7 +88,7 @@ PROGRAM_OBJECTS := $(foreach l,$(PROGRAM_LAYERS),$(call objects,$(l))) $(B)/main
 
 TEST_SOURCES := $(sort $(wildcard tests/unit/*.c tests/numerics/*.c tests/data/*.c tests/faults/*.c tests/terminal/*.c \
   tests/fuzz/*.c))
-TEST_PROGRAMS := $(patsubst tests/%.c,$(B)/tests/%,$(TEST_SOURCES))
+TEST_PROGRAMS := $(patsubst tests/%.c,$(D)/tests/%,$(TEST_SOURCES))
 TEST_SCRIPTS := $(sort $(wildcard tests/*/*.sh))
 FUZZERS      := $(patsubst tests/fuzz/%.c,%,$(sort $(wildcard tests/fuzz/*.c)))
 
@@ -107,41 +120,66 @@ $(patsubst src/%.c,$(B)/%.o,$(wildcard src/method/kernel*.c)): CFLAGS += $(if $(
 # Packing position and velocity into one register lengthens the chain from step to step.
 $(patsubst src/%.c,$(B)/%.o,$(wildcard src/method/kernel*.c)): CFLAGS += $(call probe,-fno-tree-slp-vectorize)
 
+compile_source = $(CC) $(CPPFLAGS) $(if $(filter terminal,$(notdir $(@D))),$(LINE_CFLAGS)) $(GSL_CFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
+
 $(B)/%.o: src/%.c Makefile
 	$(call say,CC,$<)
 	@mkdir -p $(@D)
-	$(Q)$(CC) $(CPPFLAGS) $(if $(filter terminal,$(notdir $(@D))),$(LINE_CFLAGS)) $(if $(filter figure,$(notdir $(@D))),$(CAIRO_CFLAGS)) $(GSL_CFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
+	$(Q)$(compile_source)
 
-# What is known of SUNDIALS: changes here build again what depends on it.
-WITH_SUNDIALS := $(B)/with-sundials-$(if $(SUNDIALS_LIBS),yes,no)
-$(WITH_SUNDIALS):
-	@mkdir -p $(@D) && rm -f $(B)/with-sundials-* && touch $@
-$(B)/method/catalog.o $(B)/method/cvode.o: $(WITH_SUNDIALS)
-$(B)/method/catalog.o $(B)/method/cvode.o: CPPFLAGS += $(if $(SUNDIALS_LIBS),-DHOOKE_SUNDIALS)
+# What is known of optional libraries: where one appears or goes, what depends on it is built again.
+OPTIONAL_STAMP := $(D)/optional
+$(shell mkdir -p $(D) && echo '$(OPTIONAL_CPPFLAGS) $(SUNDIALS_LIBS)' | cmp -s - $(OPTIONAL_STAMP) || \
+  echo '$(OPTIONAL_CPPFLAGS) $(SUNDIALS_LIBS)' >$(OPTIONAL_STAMP))
+OPTIONAL_OBJECTS := $(call object,$(OPTIONAL_SOURCES))
+$(OPTIONAL_OBJECTS): CPPFLAGS += $(OPTIONAL_CPPFLAGS)
+$(OPTIONAL_OBJECTS): $(OPTIONAL_STAMP)
+ifneq ($(D),$(B))
+$(filter-out $(D)/tests/%,$(OPTIONAL_OBJECTS)): $(D)/%.o: src/%.c Makefile
+	$(call say,CC,$<)
+	@mkdir -p $(@D)
+	$(Q)$(compile_source)
+endif
+
+optional: ## the optional libraries that this build uses
+	@echo $(strip $(if $(CAIRO_CFLAGS),cairo) $(if $(SUNDIALS_LIBS),sundials))
 
 # ---- tests ------------------------------------------------------------------------------------------------------------
 # tests/<kind>/<layer>_<subject>.c is linked with the layers up to <layer> only.
 
+compile_test = $(CC) $(CPPFLAGS) -Itests $(GSL_CFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
+
 $(B)/tests/%.o: tests/%.c Makefile
 	$(call say,CC,$<)
 	@mkdir -p $(@D)
-	$(Q)$(CC) $(CPPFLAGS) -Itests $(if $(filter figure,$(call layer_of,$*)),$(CAIRO_CFLAGS)) $(GSL_CFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
+	$(Q)$(compile_test)
+
+ifneq ($(D),$(B))
+$(filter $(D)/tests/%,$(OPTIONAL_OBJECTS)): $(D)/tests/%.o: tests/%.c Makefile
+	$(call say,CC,$<)
+	@mkdir -p $(@D)
+	$(Q)$(compile_test)
+endif
 
 layer_of = $(if $(findstring fuzz/,$(1)),command,$(firstword $(subst _, ,$(notdir $(1)))))
 
 .SECONDEXPANSION:
-$(TEST_PROGRAMS): $(B)/tests/%: $(B)/tests/%.o \
+$(TEST_PROGRAMS): $(D)/tests/%: $$(call object,tests/%.c) \
   $$(foreach l,$$(call upto,$$(call layer_of,$$*),$(LAYERS)),$$(call objects,$$l))
 	$(call say,LINK,$@)
+	@mkdir -p $(@D)
 	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(if $(filter terminal,$(call layer_of,$*)),$(LINE_LIBS)) $(TEST_LIBS) $(LIBS)
 
 tests-build: $(TOP)/hooke $(TOP)/libhooke.a $(TEST_PROGRAMS)
 
-RUN_TESTS = HOOKE=$(TOP)/hooke LIBHOOKE=$(TOP)/libhooke.a OBJECTS=$(B) HOOKE_DATA='$(HOOKE_DATA)' HOOKE_NIST='$(HOOKE_NIST)' \
+RUN_TESTS = HOOKE=$(TOP)/hooke LIBHOOKE=$(TOP)/libhooke.a HOOKE_DATA='$(HOOKE_DATA)' HOOKE_NIST='$(HOOKE_NIST)' \
   CONFIG=$(CONFIG) LONG=$(LONG) scripts/run-tests
 
 check: tests-build ## the quick tests
 	$(Q)$(RUN_TESTS) $(TEST_PROGRAMS) $(TEST_SCRIPTS)
+
+check-optional: tests-build ## the tests that depend on optional libraries (OPTIONAL=no: a build without them)
+	$(Q)$(RUN_TESTS) $(foreach t,$(OPTIONAL_TESTS),$(if $(filter %.c,$(t)),$(t:tests/%.c=$(D)/tests/%),$(t)))
 
 check-all: ## the long forms: every allocation, every system call, many synthetic recordings
 	$(Q)$(MAKE) --no-print-directory check LONG=1
@@ -150,7 +188,7 @@ check-asan: ## the quick tests under AddressSanitizer and UBSan
 	$(Q)$(MAKE) --no-print-directory check CONFIG=asan
 
 check-valgrind: all tests-build ## the unit tests under valgrind
-	$(Q)$(RUN_TESTS) --under 'valgrind -q --error-exitcode=9 --leak-check=full' $(filter $(B)/tests/unit/%,$(TEST_PROGRAMS))
+	$(Q)$(RUN_TESTS) --under 'valgrind -q --error-exitcode=9 --leak-check=full' $(filter $(D)/tests/unit/%,$(TEST_PROGRAMS))
 
 coverage: ## line coverage of the quick tests
 	$(Q)$(MAKE) --no-print-directory check CONFIG=coverage
@@ -191,7 +229,7 @@ clean: ## remove build/
 help: ## this list
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  %-16s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
-.PHONY: all tests-build check check-all check-asan check-valgrind coverage bench fuzz lint format reference screens-update install uninstall clean help
+.PHONY: all optional tests-build check check-optional check-all check-asan check-valgrind coverage bench fuzz lint format reference screens-update install uninstall clean help
 .SECONDARY:
 
--include $(LIBRARY_OBJECTS:.o=.d) $(PROGRAM_OBJECTS:.o=.d) $(TEST_PROGRAMS:=.d)
+-include $(LIBRARY_OBJECTS:.o=.d) $(PROGRAM_OBJECTS:.o=.d) $(patsubst %.o,%.d,$(call object,$(TEST_SOURCES)))

@@ -48,8 +48,12 @@ if command -v xmllint >/dev/null; then
     xmllint --html --noout expected/report.html 2>err.txt
     ! grep 'error :' err.txt | grep -qvE 'Tag (figure|section) invalid' # HTML 5, which it does not know
     ok "the HTML is well formed" $? "$(head -n 3 err.txt)"
-    xmllint --noout expected/*.svg 2>err.txt
-    ok "the pictures are XML" $? "$(head -n 3 err.txt)"
+    if grep -q 'text only' expected/report.md; then
+        n=$((n + 1)); echo "ok $n - the pictures are XML # SKIP built without cairo"
+    else
+        xmllint --noout expected/*.svg 2>err.txt
+        ok "the pictures are XML" $? "$(head -n 3 err.txt)"
+    fi
 else
     n=$((n + 1)); echo "ok $n - the HTML is well formed # SKIP no xmllint"
 fi
