@@ -113,7 +113,7 @@ struct settings {
 struct setting {
     struct row row;
     enum quantity quantity;
-    size_t offset;                 /* of the field in struct settings */
+    size_t offset, bytes;          /* of the field in struct settings */
     bool display;                  /* how results look, not part of the experiment: neither saved nor undone */
     const struct catalog *choices; /* the field is an int at the choice's place; NULL: a double */
     double least, most;            /* of a number: allowed are least < x <= most; most 0: not a number */

@@ -277,12 +277,16 @@ void session_keep_fit(struct session *session, const struct kept_fit *fit);
 void session_set_result(struct session *session, const char *name, struct measured value, enum quantity quantity);
 struct write_policy session_policy(const struct session *session, bool force);
 void session_default_settings(struct settings *settings);
+/* Those that only show become as in `from`: no undo, no run depends on them. */
+void settings_display(struct settings *settings, const struct settings *from);
 /* Settings of a new run: dt, tol (0 unless the method adapts), drag, recording. */
 struct run_settings session_run_settings(const struct session *session);
 void session_size(const struct session *session, int *width, int *height);
 
 struct snapshot *snapshot_take(const struct session *session, const char *label); /* NULL: no memory */
 void snapshot_free(struct snapshot *snapshot);
+/* Whether going back to it would change anything. */
+bool undo_matters(const struct session *session, const struct snapshot *before);
 void undo_push(struct session *session, struct snapshot *before);
 void undo_clear(struct session *session);
 

@@ -5,6 +5,7 @@
 #include "reply.h"
 #include "story.h"
 
+#include <stdio.h>
 #include <string.h>
 
 /* NAME = value; not NAME == …, not NAME' = … */
@@ -61,22 +62,36 @@ static bool find_command(struct session *session, struct parser *parser, const s
     return *command || unknown_command(session, word, error);
 }
 
+/* What `undo` calls it: the statement as it was typed, as much of it as fits. */
+static void label_of(struct text statement, char label[LIMIT_NAME + 1])
+{
+    struct buffer text = {0};
+    safe_text(&text, text_trim(statement), false);
+    size_t len = text.len <= LIMIT_NAME ? text.len : LIMIT_NAME - 3;
+    while (len < text.len && len > 0 && ((unsigned char)text.data[len] & 0xc0) == 0x80)
+        len--;
+    snprintf(label, LIMIT_NAME + 1, "%.*s%s", (int)len, text.data ? text.data : "", len < text.len ? "..." : "");
+    buffer_free(&text);
+}
+
 /* Runs the handler between a snapshot and what follows from success. */
-static bool run_handler(struct session *session, const struct arguments *arguments, struct reply *reply,
-                        struct error *error)
+static bool run_handler(struct session *session, const struct arguments *arguments, struct text statement,
+                        struct reply *reply, struct error *error)
 {
     const struct command *command = arguments->command;
     struct snapshot *before = NULL;
     /* What changes while a run goes on, or by its events, is undone with the run. */
     if ((command->flags & COMMAND_CHANGES) && session->live.state != LIVE_RUNNING && !session->reacting) {
-        before = snapshot_take(session, command->row.name);
+        char label[LIMIT_NAME + 1];
+        label_of(statement, label);
+        before = snapshot_take(session, label);
         if (!before)
             return error_memory(error);
     }
     const uint64_t changes = session->changes;
     const bool ok = command->handler(session, arguments, reply, error);
     /* A run that diverged is an error, and a change all the same. */
-    if (before && session->changes != changes)
+    if (before && session->changes != changes && undo_matters(session, before))
         undo_push(session, before);
     else
         snapshot_free(before);
@@ -144,7 +159,7 @@ static bool exec_statement(struct session *session, struct text statement, const
     const size_t told = session->story.len;
     const uint64_t changes = session->changes;
     session->confirmed = false;
-    const bool ok = run_handler(session, arguments, reply, error);
+    const bool ok = run_handler(session, arguments, statement, reply, error);
     if ((ok || session->changes != changes) && !session->reacting)
         story_tell(session, arguments, statement, running != NULL, ok, told);
     reply_command_end(reply, arguments->command->row.name);

@@ -182,7 +182,9 @@ static void show_fps(const struct settings *settings, struct buffer *text)
     buffer_real(text, settings->fps);
 }
 
-#define FIELD(name) offsetof(struct settings, name)
+#define FIELD(name) offsetof(struct settings, name), .bytes = sizeof((struct settings *)0)->name
+#define FIELDS(first, count)                                                                                           \
+    offsetof(struct settings, first), .bytes = (count) * sizeof((struct settings *)0)->first
 #define BRIEF(name, unit, brief)                                                                                       \
     {                                                                                                                  \
         name, unit, brief, "", NULL                                                                                    \
@@ -204,14 +206,18 @@ static const struct setting settings_rows[] = {
      .show = show_tol},
     {.row = BRIEF("record", "", "what is kept of a run: auto, all, every N (steps), every TIME (even times)"),
      .choices = &record_catalog,
+     .offset = FIELD(record),
      .parse = parse_record,
      .show = show_record},
-    {.row = BRIEF("digits", "", "significant digits in text"), .parse = parse_digits, .show = show_digits},
+    {.row = BRIEF("digits", "", "significant digits in text"),
+     .offset = FIELD(digits),
+     .parse = parse_digits, .show = show_digits},
     {.row = BRIEF("format", "", "form of results: text, csv, json"),
      .offset = FIELD(format),
      .display = true,
      .choices = &format_choice_catalog},
     {.row = BRIEF("size", "", "size of plots, WIDTHxHEIGHT, or auto"),
+     .offset = FIELDS(width, 2), /* and height */
      .display = true,
      .parse = parse_size,
      .show = show_size},
@@ -224,6 +230,7 @@ static const struct setting settings_rows[] = {
      .display = true,
      .choices = &color_choice_catalog},
     {.row = BRIEF("fps", "", "frames a second of the live view"),
+     .offset = FIELD(fps),
      .display = true,
      .parse = parse_fps,
      .show = show_fps},
@@ -249,6 +256,15 @@ static const struct setting settings_rows[] = {
      .choices = &sums_catalog},
 };
 const struct catalog setting_catalog = CATALOG("setting", settings_rows);
+
+void settings_display(struct settings *settings, const struct settings *from)
+{
+    for (size_t i = 0; i < setting_catalog.count; i++) {
+        const struct setting *setting = &settings_rows[i];
+        if (setting->display)
+            memcpy((char *)settings + setting->offset, (const char *)from + setting->offset, setting->bytes);
+    }
+}
 
 void session_default_settings(struct settings *settings)
 {

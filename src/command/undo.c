@@ -119,6 +119,38 @@ static void return_run(struct session *session, const struct run_mark *mark)
     memcpy(run->name, mark->name, sizeof run->name);
 }
 
+static bool same_run(const struct held_run *held, const struct run_mark *mark)
+{
+    const struct run *run = held->run;
+    return held == mark->held && run->steps == mark->steps && run->t == mark->t && run->stop == mark->stop &&
+           held->legs == mark->legs && strcmp(run->name, mark->name) == 0;
+}
+
+static bool same_recording(const struct held_recording *held, const struct recording_mark *mark)
+{
+    const struct recording *now = held->recording;
+    return held == mark->held && memcmp(now->window, mark->window, sizeof mark->window) == 0 &&
+           now->zero == mark->zero && now->cleaned == mark->cleaned && now->mass.value == mark->mass.value &&
+           now->mass.uncertainty == mark->mass.uncertainty && strcmp(now->velocity, mark->velocity) == 0;
+}
+
+bool undo_matters(const struct session *session, const struct snapshot *before)
+{
+    if (session->runs != before->runs || session->recordings != before->recordings ||
+        session->current_run != before->current_run || session->current_recording != before->current_recording ||
+        session->data_is_latest != before->data_is_latest)
+        return true;
+    for (int i = 0; i < session->runs; i++)
+        if (!same_run(session->run[i], &before->run[i]))
+            return true;
+    for (int i = 0; i < session->recordings; i++)
+        if (!same_recording(session->recording[i], &before->recording[i]))
+            return true;
+    struct setup setup = before->setup;
+    settings_display(&setup.settings, &session->setup.settings);
+    return memcmp(&setup, &session->setup, sizeof setup) != 0; /* padding was copied with the rest */
+}
+
 /* Puts the session into the state of the snapshot, which stays valid. */
 static void go_to(struct session *session, const struct snapshot *snapshot)
 {
@@ -152,14 +184,7 @@ static void go_to(struct session *session, const struct snapshot *snapshot)
     /* What the front end was told (form of results, characters) is not part of the experiment. */
     const struct settings now = session->setup.settings;
     session->setup = snapshot->setup;
-    session->setup.settings.format = now.format;
-    session->setup.settings.charset = now.charset;
-    session->setup.settings.color = now.color;
-    session->setup.settings.width = now.width;
-    session->setup.settings.height = now.height;
-    session->setup.settings.fps = now.fps;
-    session->setup.settings.sync = now.sync;
-    session->setup.settings.view = now.view;
+    settings_display(&session->setup.settings, &now);
     for (int i = 0; i < snapshot->runs; i++)
         return_run(session, &snapshot->run[i]);
     session_changed(session);
@@ -197,8 +222,10 @@ bool undo_move(struct session *session, bool back, char label[LIMIT_NAME + 1], s
 {
     struct snapshot **from = back ? session->undo : session->redo, **to = back ? session->redo : session->undo;
     int *count = back ? &session->undos : &session->redos, *other = back ? &session->redos : &session->undos;
-    if (*count == 0)
-        return error_set(error, ERROR_COMMAND, "nothing to %s", back ? "undo" : "redo");
+    if (*count == 0) {
+        error_set(error, ERROR_COMMAND, "nothing to %s", back ? "undo" : "redo");
+        return error_hint(error, "settings that only show are not undone: 'unset NAME' gives one its default");
+    }
     struct snapshot *target = from[*count - 1];
     struct snapshot *now = snapshot_take(session, target->label);
     if (!now)

@@ -246,6 +246,75 @@ static void a_run_dropped_lives_as_long_as_undo_needs_it(void **state)
     bench_close(&b);
 }
 
+static const char *field(const struct bench *b, const struct setting *setting)
+{
+    assert_true(setting->bytes > 0);
+    return (const char *)&b->session->setup.settings + setting->offset;
+}
+
+/* Sets it to something else, in one statement. */
+static void change_setting(struct bench *b, const struct setting *setting)
+{
+    static const char *const values[] = {"0.37", "7", "33x11", "every 7"};
+    const struct settings before = b->session->setup.settings;
+    char line[160];
+    for (size_t i = 0; i < 16; i++) {
+        const bool choice = setting->choices && i < setting->choices->count;
+        snprintf(line, sizeof line, "set %s %s", setting->row.name,
+                 choice ? catalog_row(setting->choices, i)->name : values[i % COUNT_OF(values)]);
+        type(b, line);
+        if (memcmp(field(b, setting), (const char *)&before + setting->offset, setting->bytes) != 0)
+            return;
+    }
+    fail_msg("no other value of %s was found", setting->row.name);
+}
+
+/* undo gives a setting its value back, or, where it only shows, passes it over and says what it took back instead. */
+static void undo_of_every_setting_does_what_it_says(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < setting_catalog.count; i++) {
+        const struct setting *setting = (const struct setting *)(const void *)catalog_row(&setting_catalog, i);
+        const bool is_format = setting->choices == &format_choice_catalog; /* it is set back to read the answers */
+        struct bench b;
+        bench_open(&b, false);
+        type_ok(&b, "k = 20");
+        const struct settings before = b.session->setup.settings;
+        change_setting(&b, setting);
+        const struct settings after = b.session->setup.settings;
+        type_ok(&b, "set format text; undo");
+        assert_says(&b.out, setting->display ? "undone: k = 20" : "undone: set ");
+        const double k = b.session->setup.scene.value[scene_param(&b.session->setup.scene, "k")];
+        if (k != (setting->display ? 15 : 20))
+            fail_msg("%s: k = %g after undo", setting->row.name, k);
+        const struct settings *wanted = setting->display ? &after : &before;
+        if (!is_format && memcmp(field(&b, setting), (const char *)wanted + setting->offset, setting->bytes) != 0)
+            fail_msg("%s is not what it should be after undo", setting->row.name);
+        type_ok(&b, "redo");
+        if (!is_format && memcmp(field(&b, setting), (const char *)&after + setting->offset, setting->bytes) != 0)
+            fail_msg("%s is not what it was after redo", setting->row.name);
+        bench_close(&b);
+    }
+}
+
+/* Nothing to go back to: no entry, whatever the command. */
+static void what_changes_nothing_is_no_step_of_undo(void **state)
+{
+    (void)state;
+    static const char *const lines[] = {"set charset ascii", "unset charset", "note x", "use 1", "set k 20",
+                                        "set duration 10", "method euler"};
+    struct bench b;
+    bench_open(&b, false);
+    type_ok(&b, "method euler; k = 20; set duration 10; run 1 s");
+    const int undos = b.session->undos;
+    for (size_t i = 0; i < COUNT_OF(lines); i++) {
+        type_ok(&b, lines[i]);
+        if (b.session->undos != undos)
+            fail_msg("'%s' made an entry", lines[i]);
+    }
+    bench_close(&b);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -255,6 +324,8 @@ int main(void)
         cmocka_unit_test(save_recreates_the_setup_exactly),
         cmocka_unit_test(failed_statements_change_nothing),
         cmocka_unit_test(undo_keeps_the_last_levels),
+        cmocka_unit_test(undo_of_every_setting_does_what_it_says),
+        cmocka_unit_test(what_changes_nothing_is_no_step_of_undo),
         cmocka_unit_test(a_run_dropped_lives_as_long_as_undo_needs_it),
     };
     return cmocka_run_group_tests(tests, enter_folder, leave_folder);
