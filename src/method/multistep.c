@@ -3,8 +3,8 @@
  * One step of a linear multistep method, and its growth. Source: Hairer, Norsett, Wanner 1993, Solving ODEs I, III.1.
  *
  * A step that has no history of its own length h behind it (the first ones, a last shorter one) is one step of a
- * one-step method of higher order: rodas5p for backward differentiation, because it survives what is stiff, dop853 for
- * the others. So the beginning never limits the order.
+ * one-step method of higher order: radau5 for backward differentiation, because it survives what is stiff, dop853 for
+ * the others; in shorter steps where that one has no solution. So the beginning never limits the order or the step.
  */
 #include "step.h"
 
@@ -18,9 +18,14 @@ enum { DEGREE_MAX = 6, ITERATIONS = 100 };
 
 static const double ARRIVED = 1e-9; /* the order is 3: what remains after such a move is below rounding */
 
+/* Substeps of a start: the shortest, and how many there may be. */
+static const double SHORTEST = 1e-9; /* of h */
+enum { SUBSTEPS = 1000 };
+static const double SENSIBLE = 1e-4; /* estimated error, relative to the values */
+
 static const struct method *starter(const struct method *method)
 {
-    const char *name = method->multistep->values ? "rodas5p" : "dop853";
+    const char *name = method->multistep->values ? "radau5" : "dop853";
     return (const struct method *)(const void *)catalog_find(&method_catalog, text_of(name));
 }
 
@@ -30,15 +35,74 @@ size_t multistep_work(const struct method *method, int n)
     return HEAD + (size_t)(method->multistep->steps + 2) * (size_t)n + (start > solve ? start : solve);
 }
 
+/* What a step may change, to take it back. */
+struct before {
+    double y[LIMIT_VARIABLES], low[LIMIT_VARIABLES];
+};
+
+static void keep(const struct step *step, struct before *before)
+{
+    const size_t size = (size_t)step->system->n * sizeof *step->y;
+    memcpy(before->y, step->y, size);
+    if (step->low)
+        memcpy(before->low, step->low, size);
+}
+
+static void take_back(struct step *step, const struct before *before)
+{
+    const size_t size = (size_t)step->system->n * sizeof *step->y;
+    memcpy(step->y, before->y, size);
+    if (step->low)
+        memcpy(step->low, before->low, size);
+}
+
+/*
+ * One step of the starter where that succeeds; else a quarter of it, and so on, and after each success twice as much.
+ * Success: the estimated error, relative to the values, is at most `most`, because a step far beyond the limit of
+ * stability comes out finite, but as nonsense.
+ */
+static enum step_status substeps(const struct method *one_step, struct step *one, double t, double h, double most)
+{
+    const double limit = most * most * one->system->n;
+    double done = 0, length = 1; /* shares of h */
+    enum step_status failure = STEP_NO_SOLUTION;
+    for (int i = 0; i < SUBSTEPS && done < 1 && length >= SHORTEST; i++) {
+        const double share = fmin(length, 1 - done);
+        struct before before;
+        keep(one, &before);
+        one->t = t + done * h;
+        one->h = share * h;
+        one->warm = false;
+        const enum step_status status = method_step(one_step, one);
+        if (status == STEP_OK && scaled_square(one->system, one->error, before.y, one->y) <= limit) {
+            done = share < 1 - done ? done + share : 1;
+            length = 2 * share;
+            continue;
+        }
+        failure = status == STEP_OK ? STEP_NONFINITE : status;
+        length = share / 4;
+        take_back(one, &before);
+    }
+    return done < 1 ? failure : STEP_OK;
+}
+
 static enum step_status start(const struct method *method, struct step *step, double *work)
 {
+    double error[LIMIT_VARIABLES];
     struct step one = *step;
-    one.error = NULL;
+    struct before before;
+    one.error = error;
     one.work = work;
-    one.warm = false;
     if (method->multistep->values) /* differences of states know nothing of compensated sums */
         one.low = NULL;
-    enum step_status status = starter(method)->step(starter(method), &one);
+    keep(&one, &before);
+    enum step_status status = substeps(starter(method), &one, step->t, step->h, SENSIBLE);
+    if (status != STEP_OK) { /* in as many steps there is nothing better */
+        take_back(&one, &before);
+        status = substeps(starter(method), &one, step->t, step->h, HUGE_VAL);
+    }
+    if (status != STEP_OK)
+        take_back(&one, &before);
     step->cost = one.cost;
     return status;
 }
