@@ -499,6 +499,12 @@ enum plot_kind {
 
 extern const struct catalog plot_catalog;
 
+/* The part of the time that plots over each other share. */
+struct figure_window {
+    struct axis axis;    /* of all of them, fixed */
+    double shown, total; /* [s] of what there is: how long the window is, and all of it */
+};
+
 struct figure_request {
     enum plot_kind kind;
     const int *run; /* places in the session */
@@ -522,7 +528,12 @@ struct figure_request {
     double span;  /* [s] of time shown, 0: as much as the width can show */
     int pages;    /* the window moves on by span / pages */
     double until; /* [s] the axis reaches to here at least, where known; NAN */
+    const struct figure_window *shared; /* of all time plots of a screen; NULL: chosen for this one */
 };
+
+/* Chooses the window for such a time plot and all that share it; false: there is nothing to show, or no memory. */
+bool session_window(const struct session *session, const struct figure_request *request, struct arena *arena,
+                    struct figure_window *window);
 
 /* Builds the figure; all memory from the arena. */
 bool session_figure(const struct session *session, const struct figure_request *request, struct arena *arena,

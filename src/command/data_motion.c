@@ -15,6 +15,12 @@ static bool fitted(const struct session *session, const struct recording *record
            text_is((struct text){of.at + 5, of.len - 5}, recording->name);
 }
 
+double motion_frequency(const struct session *session, const struct recording *recording, const struct series *series,
+                        struct arena *arena)
+{
+    return fitted(session, recording) ? session->fit.omega.value : series_peak_frequency(series, arena);
+}
+
 /* ---- velocities ---- */
 
 /* Those of the sensor, between its samples by straight lines. MotionSensor.vi writes backward differences, which belong
@@ -110,14 +116,12 @@ bool data_motion(const struct session *session, const struct recording *recordin
     motion->energy = energy ? arena_array(arena, s->n, sizeof *motion->energy) : NULL;
     if (!motion->v || (energy && !motion->energy))
         return error_memory(error);
-    if (fitted(session, recording)) {
-        motion->omega = session->fit.omega.value;
+    motion->omega = motion_frequency(session, recording, s, arena);
+    if (fitted(session, recording))
         motion->middle = session->fit.offset.value - (recording->zero - session->fit_zero);
-    } else {
-        motion->omega = series_peak_frequency(s, arena);
+    else
         for (size_t i = 0; i < s->n; i++)
             motion->middle += s->y[i] / (double)s->n;
-    }
     if (!(recording->velocity[0] ? joined_velocity(session, recording, arena, motion, error)
                                  : own_velocity(s, arena, motion, error)))
         return false;

@@ -21,6 +21,9 @@ struct data_motion {
 /* series: of the recording; NULL: its window. */
 bool data_motion(const struct session *session, const struct recording *recording, const struct series *series,
                  bool energy, struct arena *arena, struct data_motion *motion, struct error *error);
+/* [rad/s] of the oscillation: of the fit, else of the largest peak of the spectrum; NAN: it has none. */
+double motion_frequency(const struct session *session, const struct recording *recording, const struct series *series,
+                        struct arena *arena);
 /* The rows where v (energy: the energy) is known, as a series; from, to [s]. */
 bool motion_series(const struct data_motion *motion, bool energy, double from, double to, struct arena *arena,
                    struct series *series, struct error *error);

@@ -41,6 +41,7 @@ struct drawing {
 
 bool plot_needs_motion(enum plot_kind kind); /* velocities, of a recording too */
 bool plot_is_plane(enum plot_kind kind); /* one part of the state against another */
+bool plot_is_timed(enum plot_kind kind); /* against the time */
 /* On the vertical axis: the first of the coordinates that are drawn. */
 const struct variable *vertical_variable(const struct model *model, enum plot_kind kind);
 
@@ -68,6 +69,9 @@ bool drawing_residual(struct drawing *d, const struct recording *recording);
 
 /* [s] that the scene, or the sizes of what moves, lead to expect of a run; NAN: none. */
 double run_rhythm(const struct run *run);
+/* In the unit that a value of this size is shown in; its range is automatic. */
+struct axis quantity_axis(const char *label, enum quantity quantity, double size);
+struct axis time_axis(const double window[2]); /* [s] fixed */
 /* Chooses the window of time; the model and the period are known. */
 void drawing_window(struct drawing *d);
 double drawing_trail(const struct drawing *d); /* periods */

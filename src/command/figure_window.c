@@ -4,6 +4,7 @@
 
 #include <math.h>
 
+#define TWO_PI 6.28318530717958647692
 #define TRAIL_PERIODS 2 /* of the phase plot */
 
 const struct plot_row plot_rows[] = {
@@ -38,6 +39,11 @@ const struct catalog plot_catalog = CATALOG("plot", plot_rows);
 bool plot_needs_motion(enum plot_kind kind)
 {
     return kind == PLOT_VELOCITY || kind == PLOT_PHASE || kind == PLOT_ENERGY;
+}
+
+bool plot_is_timed(enum plot_kind kind)
+{
+    return !plot_is_plane(kind) && kind != PLOT_SPECTRUM && kind != PLOT_PRECISION;
 }
 
 bool plot_is_plane(enum plot_kind kind)
@@ -78,7 +84,7 @@ double run_rhythm(const struct run *run)
     const double period = scene_period(&run->scene);
     if (isfinite(period) || system->model == &oscillator_model || system->order != 2)
         return period;
-    return 6.283185307179586 * system->scale[0] / system->scale[system->n / 2];
+    return TWO_PI * system->scale[0] / system->scale[system->n / 2];
 }
 
 static void span_of(const struct drawing *d, double *from, double *to)
@@ -127,10 +133,33 @@ double drawing_trail(const struct drawing *d)
     return d->request->trail > 0 ? d->request->trail : TRAIL_PERIODS;
 }
 
+struct axis quantity_axis(const char *label, enum quantity quantity, double size)
+{
+    const struct unit *unit = unit_display(quantity, quantity == QUANTITY_TIME ? fmax(size, 1) : size);
+    return (struct axis){
+        .label = label, .unit = unit ? unit->row.name : quantity_unit(quantity), .factor = unit ? unit->factor : 1};
+}
+
+struct axis time_axis(const double window[2])
+{
+    struct axis axis = quantity_axis("t", QUANTITY_TIME, window[1]);
+    axis.fixed = true;
+    axis.from = window[0];
+    axis.to = window[1];
+    return axis;
+}
+
 void drawing_window(struct drawing *d)
 {
     const struct figure_request *request = d->request;
     double from, to;
+    if (request->shared && plot_is_timed(request->kind)) {
+        d->window[0] = request->shared->axis.from;
+        d->window[1] = request->shared->axis.to;
+        d->shown = request->shared->shown;
+        d->total = request->shared->total;
+        return;
+    }
     span_of(d, &from, &to);
     const double now = to;
     const bool asked = !isnan(request->window[0]) || !isnan(request->window[1]), phase = plot_is_plane(request->kind);
@@ -154,4 +183,29 @@ void drawing_window(struct drawing *d)
         d->window[1] = from + most;
     }
     d->shown = d->window[1] - d->window[0];
+}
+
+/* Of a recording without a run the rhythm it has been seen to have. */
+static double window_rhythm(const struct drawing *d)
+{
+    const struct recording *recording = recording_of(d);
+    struct series series;
+    struct error ignored;
+    if (d->request->runs > 0)
+        return run_rhythm(d->session->run[d->request->run[0]]->run);
+    if (!recording || !recording_series(recording, d->arena, 2, &series, &ignored))
+        return NAN;
+    return TWO_PI / motion_frequency(d->session, recording, &series, d->arena);
+}
+
+bool session_window(const struct session *session, const struct figure_request *request, struct arena *arena,
+                    struct figure_window *window)
+{
+    struct drawing d = {.session = session, .request = request, .arena = arena};
+    if (request->runs == 0 && request->recording < 0)
+        return false;
+    d.period = window_rhythm(&d);
+    drawing_window(&d);
+    *window = (struct figure_window){time_axis(d.window), d.shown, d.total};
+    return d.window[0] < d.window[1];
 }

@@ -191,13 +191,6 @@ static bool mark_unbounded(struct drawing *d)
 
 /* ---- axes ---- */
 
-static struct axis make_axis(const char *label, enum quantity quantity, double size)
-{
-    const struct unit *unit = unit_display(quantity, quantity == QUANTITY_TIME ? fmax(size, 1) : size);
-    return (struct axis){
-        .label = label, .unit = unit ? unit->row.name : quantity_unit(quantity), .factor = unit ? unit->factor : 1};
-}
-
 static double size_of(const struct drawing *d, bool x)
 {
     double size = 0;
@@ -358,11 +351,11 @@ bool session_figure(const struct session *session, const struct figure_request *
                               .zero_line = request->kind != PLOT_ENERGY && request->kind != PLOT_ENVELOPE && !spectrum,
                               .equal = (phase && d.omega0 != 1) || (request->kind == PLOT_ORBIT && !request->columns),
                               .note = make_note(&d)};
-    figure->x = plane      ? make_axis(x_name, across.quantity, size_of(&d, true))
+    figure->x = plane      ? quantity_axis(x_name, across.quantity, size_of(&d, true))
                 : spectrum ? (struct axis){.label = "f", .unit = "Hz"}
-                           : make_axis("t", QUANTITY_TIME, d.window[1]);
+                           : quantity_axis("t", QUANTITY_TIME, d.window[1]);
     figure->y =
-        make_axis(y_label(&d), y_quantity(&d), size_of(&d, false));
+        quantity_axis(y_label(&d), y_quantity(&d), size_of(&d, false));
     if (!figure->y.label)
         return error_memory(error);
     if (request->columns && figure->y.unit[0] == 0)
@@ -372,11 +365,9 @@ bool session_figure(const struct session *session, const struct figure_request *
         figure->y.factor = figure->x.factor;
         figure->y.unit = figure->x.unit;
     }
-    if (request->follow && !plane && !spectrum) {
-        figure->x.fixed = true;
-        figure->x.from = d.window[0];
-        figure->x.to = d.window[1];
-    } else if (spectrum && d.curve[0].n > 0) {
+    if (request->follow && plot_is_timed(request->kind))
+        figure->x = request->shared ? request->shared->axis : time_axis(d.window);
+    else if (spectrum && d.curve[0].n > 0) {
         const double nyquist = d.curve[0].x[d.curve[0].n - 1];
         figure->x.fixed = true;
         figure->x.to = isfinite(d.period) ? fmin(nyquist, HARMONICS / d.period) : nyquist;

@@ -41,8 +41,20 @@ int screen_places(const struct session *session, struct rectangle area, struct p
 bool pane_is_timed(enum pane pane); /* its horizontal axis is the time */
 bool pane_is_plane(enum pane pane); /* one part of the state against another: phase, orbit */
 
+/* ---- ranges.c ---- */
+
+bool run_in_progress(const struct session *session);
+/* The horizontal range of a focused time plot holds for all panes, so that they stay aligned. */
+bool view_has_time_range(const struct view *view);
+/* Moves the end of a time axis of so many cells to the next label where that is near. */
+void ranges_reach_label(struct axis *axis, int columns);
+void ranges_settle(const struct screen *screen, const struct place *place, struct figure *figure);
+
 /* ---- panes.c ---- */
 
+/* One figure for each place, all time plots with the same time axis, as they will be drawn; false: no memory. */
+bool panes_figures(struct screen *screen, const struct place *place, int places, struct figure *figure);
+int pane_drawn_height(const struct place *place); /* of its figure: the lowest rows may lie under the pane below */
 bool panes_draw(struct screen *screen, const struct place *place, int places); /* false: no memory */
 /* [s] from, to of the time axis of the focused time plot, else of the first. Returns its columns, 0: there is none. */
 int panes_time_axis(struct screen *screen, const struct place *place, int places, double span[2]);

@@ -1,0 +1,140 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Ranges of panes: axes that stay where they are while a curve grows, and the one time axis of a screen. */
+#include "internal.h"
+
+#define TOUCH 0.01 /* of a range: so much more does not widen it */
+#define NEAR 0.06  /* of a time axis: so far it is extended to the next label */
+
+bool run_in_progress(const struct session *session)
+{
+    return session->live.state == LIVE_RUNNING || session->live.state == LIVE_PAUSED;
+}
+
+static bool is_range(const double range[2])
+{
+    return range[0] < range[1];
+}
+
+bool view_has_time_range(const struct view *view)
+{
+    return is_range(view->x) && pane_is_timed(view->focus);
+}
+
+/* Zero belongs to the vertical range. */
+static bool from_zero(enum pane pane)
+{
+    return pane == PANE_ENERGY || pane == PANE_SPECTRUM;
+}
+
+struct extent {
+    double low, high; /* low > high: nothing */
+};
+
+static void extend(struct extent *extent, double value)
+{
+    if (isfinite(value)) {
+        extent->low = fmin(extent->low, value);
+        extent->high = fmax(extent->high, value);
+    }
+}
+
+static struct extent extent_of(const struct figure *figure, bool vertical)
+{
+    struct extent extent = {HUGE_VAL, -HUGE_VAL};
+    for (int c = 0; c < figure->curves; c++) {
+        const struct curve *curve = &figure->curve[c];
+        for (size_t i = 0; i < curve->n && !curve->unbounded; i++)
+            if (!vertical || !figure->x.fixed || (curve->x[i] >= figure->x.from && curve->x[i] <= figure->x.to))
+                extend(&extent, vertical ? curve->y[i] : curve->x[i]);
+    }
+    return extent;
+}
+
+/*
+ * Outward to quarter steps of the labels: the range jumps now and then instead of creeping. About zero an oscillation
+ * gets as much room below as above. What varies by rounding only is left as it is.
+ */
+static void settle(struct axis *axis, struct extent extent, int rows)
+{
+    if (extent.low < 0 && extent.high > 0 && fmin(-extent.low, extent.high) > 0.5 * fmax(-extent.low, extent.high)) {
+        extent.high = fmax(-extent.low, extent.high);
+        extent.low = -extent.high;
+    }
+    double size = fmax(fabs(extent.low), fabs(extent.high)), factor = axis->factor > 0 ? axis->factor : 1;
+    if (axis->log || axis->fixed || !(extent.high - extent.low > 1e-6 * size))
+        return;
+    struct ticks ticks = ticks_linear(extent.low / factor, extent.high / factor, 2 + rows / 4, larger(rows / 2, 3));
+    double step = ticks.count > 1 ? ticks.step * factor / 4 : 0, touch = TOUCH * (extent.high - extent.low);
+    if (!(step > 0))
+        return;
+    axis->fixed = true;
+    axis->from = floor((extent.low + touch) / step) * step;
+    axis->to = ceil((extent.high - touch) / step) * step;
+}
+
+void ranges_reach_label(struct axis *axis, int columns)
+{
+    double span = axis->to - axis->from, factor = axis->factor > 0 ? axis->factor : 1;
+    struct ticks ticks = ticks_linear(axis->from / factor, axis->to / factor, 2 + columns / 12, larger(columns / 4, 2));
+    double next = (ticks.first + ticks.count * ticks.step) * factor;
+    if (ticks.count > 1 && next > axis->to && next - axis->to < NEAR * span)
+        axis->to = next;
+}
+
+/* While a run goes on the range holds the amplitude the scene is expected to have, from the first frame on. */
+static void extend_expected(const struct session *session, const struct figure *figure, enum pane pane, bool vertical,
+                            struct extent *extent)
+{
+    const struct run *run = session_run(session);
+    if (!run || !run_in_progress(session) || pane == PANE_ERROR || pane == PANE_RESIDUAL || pane == PANE_SPECTRUM)
+        return;
+    const struct system *system = &run->system;
+    if (pane == PANE_ENERGY) {
+        if (system->order == 2)
+            extend(extent, system_kinetic(system, system->start) + system_potential(system, system->start));
+        return;
+    }
+    if (system->model->typed && system->oscillator.whole && !(system->oscillator.stiffness > 0))
+        return; /* it falls: an event may catch it */
+    bool speed = pane == PANE_VELOCITY || (pane == PANE_PHASE && vertical && !figure->equal);
+    double size = system->scale[speed ? system->n / 2 : 0];
+    extend(extent, size);
+    extend(extent, system->order == 2 ? -size : 0);
+}
+
+static void fix_axis(struct axis *axis, const double range[2])
+{
+    if (!is_range(range))
+        return;
+    axis->fixed = true;
+    axis->from = range[0];
+    axis->to = range[1];
+}
+
+void ranges_settle(const struct screen *screen, const struct place *place, struct figure *figure)
+{
+    const struct view *view = &screen->session->view;
+    struct extent extent = extent_of(figure, true);
+    if (from_zero(place->pane) && extent.low <= extent.high)
+        extend(&extent, 0);
+    extend_expected(screen->session, figure, place->pane, true, &extent);
+    if (view->focus == place->pane) {
+        fix_axis(&figure->y, view->y);
+        if (!pane_is_timed(place->pane))
+            fix_axis(&figure->x, view->x);
+    }
+    settle(&figure->y, extent, place->at.height);
+    if (!pane_is_plane(place->pane))
+        return;
+    struct extent across = extent_of(figure, false);
+    extend_expected(screen->session, figure, place->pane, false, &across);
+    settle(&figure->x, across, place->at.height);
+    if (figure->equal && (!figure->x.fixed || !figure->y.fixed)) { /* at rest */
+        double room = 0.1 * fmax(fabs(across.low), fabs(across.high));
+        figure->x.fixed = figure->y.fixed = room > 0 && isfinite(room);
+        figure->x.from = across.low - room;
+        figure->x.to = across.high + room;
+        figure->y.from = extent.low - room;
+        figure->y.to = extent.high + room;
+    }
+}
