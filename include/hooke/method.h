@@ -154,10 +154,11 @@ struct march {
 };
 
 /*
- * Kernels: the same steps, to the bit, in code made for one method and one kind of scene; nothing is checked on the
- * way, so states may come out infinite or NaN. They stay only while `make bench` shows their gain.
+ * Kernels: the same steps, to the bit, in code made for one method and one kind of scene. They return how many steps
+ * they took: fewer than `count` where the next one has no solution; otherwise nothing is checked on the way, so states
+ * may come out infinite or NaN. They stay only while `make bench` shows their gain.
  */
-typedef void march_function(const struct march *march);
+typedef int64_t march_function(const struct march *march);
 
 march_function *method_kernel(const struct method *method, const struct system *system, enum drag drag); /* or NULL */
 /* The same for single steps with an error estimate, whatever the drag variant. */

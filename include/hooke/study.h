@@ -30,6 +30,16 @@ struct timing_result {
 
 #define TIMING_SPREAD 0.1 /* above it a time is flagged */
 
+double timing_step_ns(const struct timing_result *time, int64_t steps); /* [ns] of the minimum; NAN: not timed */
+
+/*
+ * The code that a study solves and times with: KERNEL_SPECIALISED, made for the method and these forces, or
+ * KERNEL_GENERAL. Never the propagator: methods are compared, not powers of their matrices. Times by different code say
+ * nothing about the methods, so nothing ranks them against each other.
+ */
+enum kernel study_path(const struct system *system, const struct method *method, const struct run_settings *settings);
+const char *path_name(enum kernel path); /* as in kernel_catalog */
+
 /* tol > 0: adaptive. Solves from system->t0 over `span`. */
 void time_solve(const struct system *system, const struct method *method, const struct run_settings *settings,
                 double span, enum timing timing, const struct cancel *cancel, struct timing_result *result);
@@ -103,6 +113,7 @@ struct precision_point {
     double order;      /* log(error ratio)/log(dt or tol ratio) to the point before, NAN for the first */
     bool below;        /* below the accuracy of the reference */
     bool asymptotic;   /* takes part in the fit */
+    enum kernel path; /* as study_path() */
     struct timing_result time;
     double recording; /* [s] the same with all rows recorded, shortest of three; NAN: not asked for */
 };
@@ -148,12 +159,17 @@ bool precision_meaningful(const struct precision_point *point);
 /* What an error costs, read off a curve between its points (straight lines in logarithms); false: not reached. */
 struct precision_cost {
     int curve;
+    enum kernel path;
     double evals, minimum, median; /* [s], NAN without times */
     bool tied;                     /* [minimum, median] overlaps that of the fastest */
 };
 bool precision_cost_at(const struct precision *precision, int curve, double error, struct precision_cost *cost);
-/* All curves that reach this error, the fastest first (without times: by evaluations); returns how many. */
-int precision_fastest(const struct precision *precision, double error, struct precision_cost *costs);
+/*
+ * The curves that reach this error, the fastest first (without times: by evaluations); returns how many are ranked.
+ * Those with general code that are not ahead of all specialised ones follow, *others: code of their own might bring
+ * them anywhere ahead. (One that is ahead stays there: it would only gain.) costs [curves]; others may be NULL.
+ */
+int precision_fastest(const struct precision *precision, double error, struct precision_cost *costs, int *others);
 
 /*
  * Force evaluations that an error needs on an undamped linear oscillator, predicted from the method's amplification
@@ -196,6 +212,7 @@ struct comparison {           /* one method at one setting */
     double order;         /* log(error ratio)/log(dt ratio) to the row before of the same method, NAN for the first */
     double energy_factor; /* E/E0 at the end */
     double predicted_factor; /* what the method's amplification matrix says of E/E0; NAN where it does not apply */
+    enum kernel path;        /* as study_path() */
     struct timing_result time;
     char verdict[200]; /* in words: "energy x 1.76e+03 in 10 s, as predicted: 1.0075 a step" */
 };

@@ -177,7 +177,9 @@ COMMAND(
         "amplitude;\n"
         "the solution is the closed form or what two methods of different kinds agree on, and the report says how "
         "well. Times\n"
-        "(unless 'timing off') are of solves that record nothing, 15 samples interleaved at random. Without METHOD "
+        "(unless 'timing off') are of solves that record nothing, 15 samples interleaved at random; ns/step is the shortest divided by the steps. Methods "
+        "without\n"
+        "code of their own for these forces are timed by the general code and not ranked against the others. Without METHOD "
         "a dozen\n"
         "that suit the scene.",
     .examples = "duration = 5 s; precision rk4 verlet dt=5ms:100ms\n"

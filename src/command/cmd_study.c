@@ -50,7 +50,8 @@ static void setting_cell(struct text_table *table, const struct run *run)
 
 /* Which columns say something: of a scene that does not swing, and without a recording, some do not. */
 struct columns {
-    bool energy, data, period, phase;
+    bool energy, data, period, phase, timed;
+    bool mixed; /* not all of them timed by the same code */
 };
 
 static struct columns columns_for(const struct session *session, const struct comparison *rows, int count,
@@ -61,9 +62,39 @@ static struct columns columns_for(const struct session *session, const struct co
         period[i] = run_period(rows[i].run, arena);
         columns.period |= isfinite(period[i].value);
         columns.phase |= isfinite(rows[i].errors.phase);
+        columns.timed |= isfinite(rows[i].time.minimum);
+        columns.mixed |= rows[i].path != rows[0].path;
         columns.energy |= isfinite(rows[i].ledger.error_max) || rows[i].run->stop == STOP_DIVERGED;
     }
     return columns;
+}
+
+/* Marked where the times of other rows are by other code. */
+static void step_time_cell(struct text_table *table, const struct comparison *row, bool mixed)
+{
+    struct buffer text = {0};
+    buffer_step_time(&text, &row->time, row->run->steps);
+    if (mixed && row->path == KERNEL_GENERAL)
+        buffer_put(&text, TEXT(" (!)"));
+    cell_take(table, &text);
+}
+
+/* Which rows have times that do not compare with the rest. */
+static void put_general(const struct comparison *rows, int count, struct buffer *out)
+{
+    struct buffer names = {0};
+    const struct method *last = NULL;
+    for (int i = 0; i < count; i++) {
+        if (rows[i].path == KERNEL_GENERAL && rows[i].run->method != last)
+            buffer_format(&names, "%s%s", names.len ? ", " : "", rows[i].run->method->row.name);
+        last = rows[i].run->method;
+    }
+    buffer_format(out,
+                  "(!) timed by the general code: %s\n"
+                  "    The others have code made for the method and these forces: do not rank by time\n"
+                  "    what is marked against what is not.\n",
+                  buffer_view(&names));
+    buffer_free(&names);
 }
 
 static void reply_table(const struct session *session, const struct comparison *rows, int count, struct arena *arena,
@@ -77,7 +108,7 @@ static void reply_table(const struct session *session, const struct comparison *
     int width, height;
     session_size(session, &width, &height);
     struct text_table table = {.arena = arena,
-                               .columns = 5 + columns.energy + columns.data + columns.period + columns.phase,
+                               .columns = 5 + columns.timed + columns.energy + columns.data + columns.period + columns.phase,
                                .gap = 3,
                                .most = width};
     /* The setting is part of a row's name where one method has several. */
@@ -95,7 +126,8 @@ static void reply_table(const struct session *session, const struct comparison *
                    {"rms(y-data)", columns.data},
                    {"period T", columns.period},
                    {"phase err", columns.phase},
-                   {"time", true}};
+                   {"time", true},
+                   {"ns/step", columns.timed}};
     for (size_t c = 0; c < COUNT_OF(heading); c++)
         if (heading[c].shown)
             cell_text(&table, heading[c].name);
@@ -117,9 +149,13 @@ static void reply_table(const struct session *session, const struct comparison *
         if (columns.phase)
             angle_cell(&table, rows[i].errors.phase);
         cell_seconds(&table, rows[i].time.minimum);
+        if (columns.timed)
+            step_time_cell(&table, &rows[i], columns.mixed);
     }
     struct buffer text = {0};
     text_table_put(&table, &text);
+    if (columns.timed && columns.mixed)
+        put_general(rows, count, &text);
     for (int i = 0; i < count; i++)
         if (rows[i].verdict[0])
             buffer_format(&text, "%s%s%s: %s\n", rows[i].run->method->row.name, several ? " " : "",
@@ -150,6 +186,8 @@ static void reply_comparison(const struct comparison *row, struct reply *reply)
     reply_real(reply, "order", row->order);
     reply_real(reply, "time_min", row->time.minimum);
     reply_real(reply, "time_median", row->time.median);
+    reply_real(reply, "ns_per_step", timing_step_ns(&row->time, row->run->steps));
+    reply_string(reply, "path", path_name(row->path));
     reply_string(reply, "status", stop_name(run->stop));
     reply_string(reply, "verdict", row->verdict[0] ? row->verdict : NULL);
     reply_int(reply, "run", run->number);
@@ -282,7 +320,9 @@ COMMAND(compare, .row = {"compare", "", "several methods on the same scene: erro
             "the exact\n"
             "solution, divided by the amplitude; without a closed form, from a reference that two methods of different "
             "kinds agree\n"
-            "on. The runs are kept; a method that diverges is a result, not a failure.",
+            "on. ns/step is the shortest time of a solve that records nothing, by its steps; what is timed by the "
+            "general code is\n"
+            "marked, where others have code of their own. The runs are kept; a method that diverges is a result, not a failure.",
         .examples = "compare euler symplectic-euler\ncompare euler verlet rk4 dt=10ms,5ms",
         .see = "precision method runs plot timing", .flags = COMMAND_CHANGES,
         ARGUMENTS(PLACE("METHOD", TYPE_CHOICE, .flags = ARG_REQUIRED | ARG_MANY, .choices = &method_catalog),

@@ -32,6 +32,8 @@ static void reply_point(const struct precision *precision, const struct precisio
     reply_real(reply, "order", point->order);
     reply_real(reply, "time_min", point->time.minimum);
     reply_real(reply, "time_median", point->time.median);
+    reply_real(reply, "ns_per_step", timing_step_ns(&point->time, point->steps));
+    reply_string(reply, "path", path_name(point->path));
     reply_real(reply, "time_spread", point->time.spread);
     reply_int(reply, "samples", point->time.samples);
     reply_real(reply, "time_recording", point->recording);
@@ -79,18 +81,20 @@ bool precision_table(const struct precision *precision, struct export *export, s
         ORDER,
         MINIMUM,
         MEDIAN,
+        NS_PER_STEP,
         COLUMNS
     };
     static const char *const names[COLUMNS] = {
         "dt",        "tol",          "steps",       "evals",           "jacobians", "solves",   "rejected",   "error",
-        "error_end", "energy_error", "phase_error", "amplitude_error", "order",     "time_min", "time_median"};
+        "error_end", "energy_error", "phase_error", "amplitude_error", "order",     "time_min", "time_median", "ns_per_step"};
     static const char *const units[COLUMNS] = {[DT] = "s", [PHASE] = "rad", [MINIMUM] = "s", [MEDIAN] = "s"};
     const size_t n = (size_t)precision->points;
     struct arena *arena = export->arena;
     const char **method = arena_array(arena, n, sizeof *method), **status = arena_array(arena, n, sizeof *status);
-    struct table_column *out = arena_array(arena, COLUMNS + 2, sizeof *out);
+    const char **path = arena_array(arena, n, sizeof *path);
+    struct table_column *out = arena_array(arena, COLUMNS + 3, sizeof *out);
     double *value[COLUMNS];
-    bool ok = method && status && out;
+    bool ok = method && status && path && out;
     for (int c = 0; c < COLUMNS; c++)
         ok = (value[c] = arena_array(arena, n, sizeof *value[c])) && ok;
     if (!ok)
@@ -111,17 +115,20 @@ bool precision_table(const struct precision *precision, struct export *export, s
                                      p->errors.amplitude,
                                      p->order,
                                      p->time.minimum,
-                                     p->time.median};
+                                     p->time.median,
+                                     timing_step_ns(&p->time, p->steps)};
         for (int c = 0; c < COLUMNS; c++)
             value[c][i] = row[c];
         method[i] = precision->curve[p->curve].by.method->row.name;
+        path[i] = path_name(p->path);
         status[i] = status_of(p);
     }
     out[0] = (struct table_column){.name = "method", .unit = "", .text = method};
     for (int c = 0; c < COLUMNS; c++)
         out[c + 1] = (struct table_column){.name = names[c], .unit = units[c] ? units[c] : "", .value = value[c]};
-    out[COLUMNS + 1] = (struct table_column){.name = "status", .unit = "", .text = status};
-    export->table = (struct table){.column = out, .columns = COLUMNS + 2, .rows = n};
+    out[COLUMNS + 1] = (struct table_column){.name = "path", .unit = "", .text = path};
+    out[COLUMNS + 2] = (struct table_column){.name = "status", .unit = "", .text = status};
+    export->table = (struct table){.column = out, .columns = COLUMNS + 3, .rows = n};
     return true;
 }
 

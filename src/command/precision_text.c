@@ -49,6 +49,13 @@ static void setting_cell(struct text_table *table, const struct precision_point 
     cell_take(table, &text);
 }
 
+static void step_time_cell(struct text_table *table, const struct precision_point *point)
+{
+    struct buffer text = {0};
+    buffer_step_time(&text, &point->time, point->steps);
+    cell_take(table, &text);
+}
+
 static void marks_cell(struct text_table *table, const struct precision_point *point)
 {
     struct buffer text = {0};
@@ -96,6 +103,8 @@ static void point_cells(struct text_table *table, const struct columns *columns,
         cell_seconds(table, point->time.minimum);
     if (columns->time && columns->wide)
         cell_seconds(table, point->time.median);
+    if (columns->time)
+        step_time_cell(table, point);
     if (columns->recording)
         cell_seconds(table, point->recording);
     marks_cell(table, point);
@@ -120,6 +129,7 @@ static void heading_cells(struct text_table *table, const struct columns *column
                    {adaptive ? "slope" : "order", true},
                    {"time", columns->time},
                    {"median", columns->time && columns->wide},
+                   {"ns/step", columns->time},
                    {"recorded", columns->recording},
                    {"", true}};
     for (size_t i = 0; i < COUNT_OF(heading); i++)
@@ -147,15 +157,26 @@ static void put_slope(const struct precision_curve *curve, struct buffer *out)
     buffer_char(out, '\n');
 }
 
+/* Are some points timed by other code than the rest? */
+static bool is_mixed(const struct precision *precision)
+{
+    bool mixed = false;
+    for (int i = 1; i < precision->points; i++)
+        mixed |= precision->point[i].path != precision->point[0].path;
+    return mixed;
+}
+
 void precision_tables(const struct precision *precision, int width, struct arena *arena, struct buffer *out)
 {
     for (int c = 0; c < precision->curves; c++) {
         const struct precision_curve *curve = &precision->curve[c];
         const struct columns columns = columns_for(precision, curve, width >= WIDE);
-        struct text_table table = {.arena = arena, .gap = 2, .indent = 2};
+        struct text_table table = {.arena = arena, .gap = 2, .indent = 2, .most = width};
         buffer_format(out, "%c  %s", precision_letter(c), curve->by.method->row.name);
         if (curve->by.drag != DRAG_DEFAULT && precision->system.velocity)
             buffer_format(out, " drag=%s", catalog_row(&drag_catalog, (size_t)curve->by.drag - 1)->name);
+        if (columns.time && is_mixed(precision))
+            buffer_format(out, " (timed by %s code)", path_name(precision->point[curve->first].path));
         buffer_put(out, TEXT(": "));
         put_slope(curve, out);
         heading_cells(&table, &columns, curve->adaptive);
@@ -225,19 +246,38 @@ static bool is_timed(const struct precision *precision)
     return timed;
 }
 
+/* Which methods were left out of a row, and why. */
+static void put_left_out(const struct precision *precision, const bool *left_out, struct buffer *out)
+{
+    struct buffer names = {0};
+    for (int c = 0; c < precision->curves; c++)
+        if (left_out[c])
+            buffer_format(&names, "%s%s", names.len ? ", " : "", precision->curve[c].by.method->row.name);
+    if (names.len)
+        buffer_format(out,
+                      "  not ranked after methods that have specialised code: %s, timed by the general code,\n"
+                      "  whose times do not compare; only where the general code is ahead all the same is it named\n",
+                      buffer_view(&names));
+    buffer_free(&names);
+}
+
 static void put_fastest(const struct precision *precision, struct arena *arena, struct buffer *out)
 {
     const bool timed = is_timed(precision);
     struct text_table table = {.arena = arena, .columns = timed ? 5 : 2, .gap = 2, .indent = 2};
     struct precision_cost *cost = arena_array(arena, (size_t)precision->curves + 1, sizeof *cost);
-    if (!cost)
+    bool *left_out = arena_array(arena, (size_t)precision->curves + 1, sizeof *left_out);
+    if (!cost || !left_out)
         return;
     static const char *const heading[] = {"error", "fastest", "in", "then", "fewest evaluations"};
     for (size_t i = 0; i < COUNT_OF(heading); i++)
         if (timed || i == 0 || i + 1 == COUNT_OF(heading))
             cell_text(&table, heading[i]);
     for (int level = 1; level <= LEVELS; level++) {
-        const int count = precision_fastest(precision, pow(10, -level), cost);
+        int others = 0;
+        const int count = precision_fastest(precision, pow(10, -level), cost, &others);
+        for (int i = count; i < count + others; i++)
+            left_out[cost[i].curve] = true;
         if (count == 0)
             continue;
         struct buffer name = {0};
@@ -245,13 +285,14 @@ static void put_fastest(const struct precision *precision, struct arena *arena, 
         cell_take(&table, &name);
         if (timed)
             winner_cells(precision, cost, count, &table);
-        fewest_cell(precision, cost, count, &table);
+        fewest_cell(precision, cost, count + others, &table);
     }
     if (table.cells == table.columns)
         return;
     buffer_put(out, timed ? TEXT("fastest method for an error (= : the times [minimum, median] overlap)\n")
                           : TEXT("cheapest method for an error\n"));
     text_table_put(&table, out);
+    put_left_out(precision, left_out, out);
 }
 
 /* ---- predicted against measured ---- */

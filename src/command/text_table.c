@@ -65,6 +65,12 @@ void cell_seconds(struct text_table *table, double seconds)
     cell_take(table, &text);
 }
 
+void buffer_step_time(struct buffer *text, const struct timing_result *time, int64_t steps)
+{
+    const double ns = timing_step_ns(time, steps);
+    buffer_format(text, isfinite(ns) ? ns < 1000 ? "%.3g" : "%.0f" : "-", ns);
+}
+
 const char *cell_last(const struct text_table *table)
 {
     return table->cells ? table->cell[table->cells - 1] : "";

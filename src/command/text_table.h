@@ -23,6 +23,7 @@ void cell_error(struct text_table *table, double value);                        
 void cell_count(struct text_table *table, int64_t value);
 void cell_seconds(struct text_table *table, double seconds); /* with us below a millisecond */
 const char *cell_last(const struct text_table *table);       /* the cell just made */
+void buffer_step_time(struct buffer *text, const struct timing_result *time, int64_t steps); /* [ns], no unit */
 void text_table_put(const struct text_table *table, struct buffer *out);
 
 #endif

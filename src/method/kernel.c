@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Kernels: the step bodies again, each row of explicit Runge-Kutta methods and splittings with each shape that is not
- * linear (those have the propagator). The compiler knows coefficients and forces, so loops unroll, zeros
- * vanish and the state stays in registers.
+ * Kernels: the step bodies again, each row of explicit Runge-Kutta methods and splittings with each shape. The compiler
+ * knows coefficients and forces, so loops unroll, zeros vanish and the state stays in registers.
  */
 #define UNROLL _Pragma("GCC unroll 32")
 #include "kernel.h"
@@ -14,11 +13,11 @@
 #define SPLIT_NAME(shape) JOIN(shape##_split_, __LINE__)
 
 #define RK_KERNEL(shape)                                                                                               \
-    static void RK_NAME(shape)(const struct march *march)                                                              \
+    static int64_t RK_NAME(shape)(const struct march *march)                                                           \
     {                                                                                                                  \
         struct forces forces;                                                                                          \
         forces_take(&forces, march->step->system);                                                                     \
-        rk_march(&RK_ROW, SIZE_##shape, shape##_slope, &forces, march);                                                \
+        return rk_march(&RK_ROW, SIZE_##shape, shape##_slope, &forces, march);                                         \
     }
 #define RUNGE_KUTTA(...)                                                                                               \
     static const struct method RK_ROW = {.step = rk_step, __VA_ARGS__};                                                \
@@ -27,13 +26,22 @@
 #undef RUNGE_KUTTA
 
 #define HAS_VELOCITY(i, name) | (name##_flags & TERM_VELOCITY)
+#define DRAG_VARIANT(shape, variant)                                                                                   \
+    if (drag == variant && (variant == DRAG_DEFAULT || SPLIT_ROW.drags & 1u << variant))                               \
+        return split_march(&SPLIT_ROW, SIZE_##shape, variant, shape##_force, shape##_drag, &forces, march);
 #define SPLIT_KERNEL(shape)                                                                                            \
-    static void SPLIT_NAME(shape)(const struct march *march)                                                           \
+    static int64_t SPLIT_NAME(shape)(const struct march *march)                                                        \
     {                                                                                                                  \
-        const enum drag drag = (0 TERMS_OF_##shape(HAS_VELOCITY)) ? SPLIT_ROW.drag : DRAG_DEFAULT;                     \
+        const bool velocity = (0 TERMS_OF_##shape(HAS_VELOCITY)) != 0;                                                 \
+        const enum drag drag = velocity ? march->step->drag : DRAG_DEFAULT;                                            \
         struct forces forces;                                                                                          \
         forces_take(&forces, march->step->system);                                                                     \
-        split_march(&SPLIT_ROW, SIZE_##shape, drag, shape##_force, shape##_drag, &forces, march);                      \
+        if (!velocity)                                                                                                 \
+            DRAG_VARIANT(shape, DRAG_DEFAULT)                                                                          \
+        DRAG_VARIANT(shape, DRAG_EXACT)                                                                                \
+        DRAG_VARIANT(shape, DRAG_IMPLICIT)                                                                             \
+        DRAG_VARIANT(shape, DRAG_EXPLICIT)                                                                             \
+        return 0;                                                                                                      \
     }
 #define SPLITTING(...)                                                                                                 \
     static const struct method SPLIT_ROW = {.step = split_step, __VA_ARGS__};                                          \
@@ -60,11 +68,11 @@ static const struct kernels kernels[] = {
 
 march_function *method_kernel(const struct method *method, const struct system *system, enum drag drag)
 {
-    const int shape = shape_of(system);
     if (system->model && system->model->typed)
         return typed_kernel(method, system, drag);
-    if (shape < 0 || (method->splitting && system->velocity && drag != method->drag))
-        return NULL;
+    const int shape = shape_of(system);
+    if (shape < 0)
+        return system->order == 2 ? any_kernel(method) : NULL;
     for (size_t i = 0; i < COUNT_OF(kernels); i++)
         if (method->step == kernels[i].method->step && strcmp(kernels[i].method->row.name, method->row.name) == 0)
             return kernels[i].march[shape];

@@ -49,7 +49,12 @@ enum {
 
 #define SHAPES(S) S(drag) S(damped_drag) S(driven) S(duffing) S(driven_duffing) S(vanderpol)
 #define MODEL_SHAPES(S) S(pendulum) S(driven_pendulum) S(kepler) S(henon_heiles)
-#define ALL_SHAPES(S) SHAPES(S) MODEL_SHAPES(S)
+/* Runs have the propagator for these; studies, which compare methods, do not use it. */
+#define LINEAR_SHAPES(S) S(spring) S(damped)
+#define ALL_SHAPES(S) SHAPES(S) LINEAR_SHAPES(S) MODEL_SHAPES(S)
+
+#define TERMS_OF_spring(T) T(0, spring)
+#define TERMS_OF_damped(T) T(0, spring) T(1, damping)
 
 #define TERMS_OF_drag(T) T(0, spring) T(1, drag)
 #define TERMS_OF_damped_drag(T) T(0, spring) T(1, damping) T(2, drag)
@@ -65,7 +70,7 @@ enum {
 
 /* Their variables and models. */
 #define SHAPE_SIZE(shape) SIZE_##shape = 2,
-enum { SHAPES(SHAPE_SIZE) SIZE_pendulum = 2, SIZE_driven_pendulum = 2, SIZE_kepler = 4, SIZE_henon_heiles = 4 };
+enum { SHAPES(SHAPE_SIZE) LINEAR_SHAPES(SHAPE_SIZE) SIZE_pendulum = 2, SIZE_driven_pendulum = 2, SIZE_kepler = 4, SIZE_henon_heiles = 4 };
 
 #define model_of_pendulum pendulum_model
 #define model_of_driven_pendulum pendulum_model
@@ -137,7 +142,7 @@ static inline int shape_among(const struct system *system, const struct shape_ro
 
 static inline int shape_of(const struct system *system)
 {
-    static const struct shape_row rows[] = {SHAPES(OSCILLATOR_ROW) MODEL_SHAPES(MODEL_ROW)};
+    static const struct shape_row rows[] = {SHAPES(OSCILLATOR_ROW) LINEAR_SHAPES(OSCILLATOR_ROW) MODEL_SHAPES(MODEL_ROW)};
     return shape_among(system, rows, SHAPE_COUNT);
 }
 

@@ -12,16 +12,7 @@
 #include "kernel_typed.h"
 #include "step_body.h"
 
-/* ---- shapes, those of linear scenes too, and any equations of motion ---- */
-
-#define LINEAR_SHAPES(S) S(spring) S(damped)
-#define TERMS_OF_spring(T) T(0, spring)
-#define TERMS_OF_damped(T) T(0, spring) T(1, damping)
-enum { LINEAR_SHAPES(SHAPE_SIZE) };
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wunused-function"
-LINEAR_SHAPES(SHAPE_FUNCTIONS)
-#pragma GCC diagnostic pop
+/* ---- shapes, and any equations of motion ---- */
 
 INLINE void any_slope(const struct system *system, int half, double t, const double *y, double *dydt)
 {
@@ -70,7 +61,6 @@ INLINE void plane_slope(const void *system, double t, const double *y, double *d
 #define RUNGE_KUTTA(...)                                                                                               \
     static const struct method RK_ROW = {__VA_ARGS__};                                                                 \
     ALL_SHAPES(SHAPE_STEP)                                                                                             \
-    LINEAR_SHAPES(SHAPE_STEP)                                                                                          \
     TYPED_MOTIONS(TYPED_STEP)                                                                                          \
     TYPED_FLOWS(TYPED_STEP)                                                                                            \
     ANY_STEP(line, 2)                                                                                                  \
@@ -80,7 +70,7 @@ INLINE void plane_slope(const void *system, double t, const double *y, double *d
 
 /* ---- the table ---- */
 
-enum { SHAPE_spring = SHAPE_COUNT, SHAPE_damped, SHAPE_LINE, SHAPE_PLANE, SHAPE_TYPED };
+enum { SHAPE_LINE = SHAPE_COUNT, SHAPE_PLANE, SHAPE_TYPED };
 enum { STEP_COUNT = SHAPE_TYPED + TYPED_COUNT };
 
 #define STEP_ENTRY(shape) STEP_NAME(shape),
@@ -92,7 +82,7 @@ static const struct {
 } steps[] = {
 #define RUNGE_KUTTA(...)                                                                                               \
     {&RK_ROW,                                                                                                          \
-     {ALL_SHAPES(STEP_ENTRY) LINEAR_SHAPES(STEP_ENTRY) STEP_NAME(line), STEP_NAME(plane),                              \
+     {ALL_SHAPES(STEP_ENTRY) STEP_NAME(line), STEP_NAME(plane),                                                        \
       TYPED_MOTIONS(TYPED_ENTRY) TYPED_FLOWS(TYPED_ENTRY)}},
 #include "rk.def"
 };
@@ -109,9 +99,6 @@ step_function *method_step_kernel(const struct method *method, const struct syst
         return system->typed.row ? any_step_kernel(method) : NULL;
     else if (shape_of(system) >= 0)
         shape = shape_of(system);
-    else if (system->model == &oscillator_model && system->oscillator.whole && system->oscillator.stiffness != 0 &&
-             system->terms == (system->oscillator.damping != 0) + 1 && system->linear)
-        shape = SHAPE_spring + (system->terms == 2);
     for (size_t i = 0; i < COUNT_OF(steps); i++)
         if (strcmp(steps[i].method->row.name, method->row.name) == 0)
             return steps[i].step[shape];

@@ -45,10 +45,10 @@ static void any_drag(const void *system, double t, const double *y, double *a)
 
 #define RUNGE_KUTTA(...)                                                                                               \
     static const struct method RK_ROW = {.step = rk_step, __VA_ARGS__};                                                \
-    static void RK_NAME(const struct march *march)                                                                     \
+    static int64_t RK_NAME(const struct march *march)                                                                  \
     {                                                                                                                  \
         const struct system *system = march->step->system;                                                             \
-        rk_march(&RK_ROW, size_of(system), any_slope, system, march);                                                  \
+        return rk_march(&RK_ROW, size_of(system), any_slope, system, march);                                           \
     }                                                                                                                  \
     static enum step_status STEP_NAME(const struct method *method, struct step *step)                                  \
     {                                                                                                                  \
@@ -60,11 +60,11 @@ static void any_drag(const void *system, double t, const double *y, double *a)
 
 #define SPLITTING(...)                                                                                                 \
     static const struct method SPLIT_ROW = {.step = split_step, __VA_ARGS__};                                          \
-    static void SPLIT_NAME(const struct march *march)                                                                  \
+    static int64_t SPLIT_NAME(const struct march *march)                                                               \
     {                                                                                                                  \
         const struct system *system = march->step->system;                                                             \
         const enum drag drag = system->velocity ? march->step->drag : DRAG_DEFAULT;                                    \
-        split_march(&SPLIT_ROW, system->n, drag, any_force, any_drag, system, march);                                  \
+        return split_march(&SPLIT_ROW, system->n, drag, any_force, any_drag, system, march);                           \
     }
 #include "split.def"
 #undef SPLITTING

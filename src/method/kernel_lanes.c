@@ -72,11 +72,9 @@ struct lane_march {
 
 typedef void lane_kernel(struct lanes *lanes, const struct lane_march *march);
 
-/* ---- shapes: those of the kernels, and the linear ones, for which a single trajectory has the propagator ---- */
+/* ---- shapes ---- */
 
-#define TERMS_OF_spring(T) T(0, spring)
-#define TERMS_OF_damped(T) T(0, spring) T(1, damping)
-#define LANE_OSCILLATORS(S) S(spring) S(damped) SHAPES(S)
+#define LANE_OSCILLATORS(S) LINEAR_SHAPES(S) SHAPES(S)
 #define LANE_MODELS(S) S(pendulum) S(driven_pendulum)
 #define LANE_SHAPES(S) LANE_OSCILLATORS(S) LANE_MODELS(S)
 

@@ -16,11 +16,11 @@ enum { MOST = 4 };
 #define SPLIT_NAME(shape) JOIN(shape##_split_, __LINE__)
 
 #define RK_KERNEL(name, n, ...)                                                                                        \
-    static void RK_NAME(name)(const struct march *march)                                                               \
+    static int64_t RK_NAME(name)(const struct march *march)                                                            \
     {                                                                                                                  \
         struct known known;                                                                                            \
         known_take(&known, march->step->system);                                                                       \
-        rk_march(&RK_ROW, n, name##_slope, &known, march);                                                             \
+        return rk_march(&RK_ROW, n, name##_slope, &known, march);                                                      \
     }
 #define RUNGE_KUTTA(...)                                                                                               \
     static const struct method RK_ROW = {.step = rk_step, __VA_ARGS__};                                                \
@@ -31,12 +31,12 @@ enum { MOST = 4 };
 
 TYPED_MOTIONS(SPLIT_FUNCTIONS)
 #define SPLIT_KERNEL(name, n, ...)                                                                                     \
-    static void SPLIT_NAME(name)(const struct march *march)                                                            \
+    static int64_t SPLIT_NAME(name)(const struct march *march)                                                         \
     {                                                                                                                  \
         const enum drag drag = march->step->system->velocity ? DRAG_EXPLICIT : DRAG_DEFAULT;                           \
         struct known known;                                                                                            \
         known_take(&known, march->step->system);                                                                       \
-        split_march(&SPLIT_ROW, n, drag, name##_force, name##_drag, &known, march);                                    \
+        return split_march(&SPLIT_ROW, n, drag, name##_force, name##_drag, &known, march);                             \
     }
 #define SPLITTING(...)                                                                                                 \
     static const struct method SPLIT_ROW = {.step = split_step, __VA_ARGS__};                                          \

@@ -23,8 +23,9 @@ INLINE void sum_begin(int count, double *sum)
         sum[i] = -0.0;
 }
 
-INLINE void rk_march(const struct method *method, int n, slope_function *slope, const void *forces,
-                     const struct march *march)
+/* Marches return the steps taken: all of them. */
+INLINE int64_t rk_march(const struct method *method, int n, slope_function *slope, const void *forces,
+                        const struct march *march)
 {
     const struct tableau *tableau = method->tableau;
     struct step *step = march->step;
@@ -52,11 +53,12 @@ INLINE void rk_march(const struct method *method, int n, slope_function *slope, 
     copy_numbers(n, y, step->y);
     step->warm = true;
     step->cost.evals += march->count * (stages - tableau->fsal) + (tableau->fsal && !known);
+    return march->count;
 }
 
 /* known: what the functions know */
-INLINE void split_march(const struct method *method, int n, enum drag drag, force_function *force,
-                        force_function *velocity, const void *known, const struct march *march)
+INLINE int64_t split_march(const struct method *method, int n, enum drag drag, force_function *force,
+                           force_function *velocity, const void *known, const struct march *march)
 {
     struct step *step = march->step;
     const double h = step->h;
@@ -88,6 +90,7 @@ INLINE void split_march(const struct method *method, int n, enum drag drag, forc
     copy_numbers(n / 2, pull, step->work + n);
     copy_numbers(n, z, step->y);
     step->warm = true;
+    return march->count;
 }
 
 #endif

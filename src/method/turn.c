@@ -125,17 +125,17 @@ static int64_t march_straight(const struct method *method, march_function *kerne
     double y[N], work[WORK_MOST];
     memcpy(y, step->y, sizeof y);
     memcpy(work, step->work, size);
-    kernel(march);
+    const int64_t taken = kernel(march);
     struct march good = *march;
     double v = y[1];
-    for (good.count = 0; good.count < march->count; good.count++) {
+    for (good.count = 0; good.count < taken; good.count++) {
         const double next = march->row[N * good.count + 1];
         if (crosses(v, next))
             break;
         v = next;
     }
-    if (good.count == march->count)
-        return good.count;
+    if (good.count == taken)
+        return taken;
     *step = was;
     memcpy(step->y, y, sizeof y);
     memcpy(step->work, work, size);

@@ -194,12 +194,8 @@ static bool compare_one(const struct compare_request *request, const struct cont
     }
     run_ledger(row->run, &row->ledger);
     row->energy_factor = row->ledger.final / row->ledger.initial;
-    if (row->run->stop == STOP_END) {
-        time_solve(&row->run->system, contender->method, &row->run->settings, request->duration, request->timing,
-                   request->cancel, &row->time);
-    } else {
-        row->time = (struct timing_result){.minimum = NAN, .median = NAN, .spread = NAN};
-    }
+    row->path = study_path(&row->run->system, contender->method, &row->run->settings);
+    row->time = (struct timing_result){.minimum = NAN, .median = NAN, .spread = NAN};
     judge(row);
     return true;
 }
@@ -271,6 +267,37 @@ static bool compare_all(const struct compare_request *request, const struct refe
     return true;
 }
 
+/* Side by side, so that whatever disturbs the machine meets all of them alike. */
+static bool time_rows(const struct compare_request *request, struct comparison *rows, int count, struct error *error)
+{
+    struct solver *solver = calloc((size_t)count + 1, sizeof *solver);
+    struct timing_result *result = calloc((size_t)count + 1, sizeof *result);
+    int *place = calloc((size_t)count + 1, sizeof *place), timed = 0;
+    bool ok = solver && result && place;
+    for (int i = 0; i < count && ok; i++) {
+        const struct run *run = rows[i].run;
+        if (run->stop != STOP_END)
+            continue;
+        ok = solver_init(&solver[timed], &run->system, run->method, &run->settings, request->duration);
+        place[timed] = i;
+        timed += ok;
+    }
+    if (ok)
+        time_solvers(solver, result, timed, request->timing, 0, request->cancel);
+    for (int i = 0; i < timed; i++) {
+        if (ok)
+            rows[place[i]].time = result[i];
+        solver_free(&solver[i]);
+    }
+    free(solver);
+    free(result);
+    free(place);
+    if (!ok)
+        return error_memory(error);
+    return !cancelled(request->cancel) ||
+           error_set(error, ERROR_CANCELLED, "stopped: all runs are finished, not all times are taken");
+}
+
 bool study_compare(const struct compare_request *request, struct comparison *rows, int *count, struct error *error)
 {
     *count = 0;
@@ -291,6 +318,8 @@ bool study_compare(const struct compare_request *request, struct comparison *row
     }
     bool ok = compare_all(request, &reference, rows, count, error);
     reference_free(&reference);
+    if (ok && request->timing != TIMING_OFF)
+        ok = time_rows(request, rows, *count, error);
     return ok;
 }
 

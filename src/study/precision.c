@@ -82,6 +82,7 @@ static bool measure(struct sweeping *sweep, struct precision_point *point)
     const struct run_settings settings = settings_of(precision, point);
     struct error ignored;
     struct solver solver;
+    point->path = study_path(&precision->system, curve->by.method, &settings);
     point->time = (struct timing_result){.minimum = NAN, .median = NAN, .spread = NAN};
     point->recording = point->order = NAN;
     point->errors = (struct study_errors){NAN, NAN, NAN, NAN, NAN};

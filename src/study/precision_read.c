@@ -125,6 +125,7 @@ bool precision_cost_at(const struct precision *precision, int c, double error, s
             coarse = coarse ? coarse : fine;
             *cost = (struct precision_cost){
                 .curve = c,
+                .path = fine->path,
                 .evals = between((double)coarse->cost.evals, (double)fine->cost.evals, part),
                 .minimum = between(coarse->time.minimum, fine->time.minimum, part),
                 .median = between(coarse->time.median, fine->time.median, part),
@@ -141,7 +142,23 @@ static bool cheaper(const struct precision_cost *a, const struct precision_cost 
     return isnan(a->minimum) || isnan(b->minimum) ? a->evals < b->evals : a->minimum < b->minimum;
 }
 
-int precision_fastest(const struct precision *precision, double error, struct precision_cost *costs)
+/* Those that cannot be ranked move behind the others; returns how many are left. */
+static int set_apart(struct precision_cost *costs, int count)
+{
+    int ranked = 0;
+    bool special = false;
+    for (int i = 0; i < count; i++) {
+        const struct precision_cost cost = costs[i];
+        special |= cost.path == KERNEL_SPECIALISED;
+        if (special && cost.path == KERNEL_GENERAL)
+            continue;
+        memmove(&costs[ranked + 1], &costs[ranked], (size_t)(i - ranked) * sizeof cost);
+        costs[ranked++] = cost;
+    }
+    return ranked;
+}
+
+int precision_fastest(const struct precision *precision, double error, struct precision_cost *costs, int *others)
 {
     int count = 0;
     for (int c = 0; c < precision->curves; c++) {
@@ -153,9 +170,13 @@ int precision_fastest(const struct precision *precision, double error, struct pr
             costs[place] = costs[place - 1];
         costs[place] = cost;
     }
-    for (int i = 1; i < count; i++)
+    const bool timed = count > 0 && !isnan(costs[0].minimum);
+    const int ranked = timed ? set_apart(costs, count) : count;
+    for (int i = 1; i < ranked; i++)
         costs[i].tied = costs[i].minimum <= costs[0].median;
-    return count;
+    if (others)
+        *others = count - ranked;
+    return ranked;
 }
 
 /* ---- prediction for the undamped oscillator ---- */

@@ -6,6 +6,31 @@
 #include <stdlib.h>
 #include <string.h>
 
+static bool is_adaptive(const struct method *method, const struct run_settings *settings)
+{
+    return settings->tol > 0 && method->flags & METHOD_ADAPTIVE;
+}
+
+static march_function *march_of(const struct system *system, const struct method *method,
+                                const struct run_settings *settings)
+{
+    const bool plain = settings->kernel != KERNEL_GENERAL && !is_adaptive(method, settings) && !settings->compensated;
+    return plain ? method_kernel(method, system, settings->drag) : NULL;
+}
+
+enum kernel study_path(const struct system *system, const struct method *method, const struct run_settings *settings)
+{
+    const bool special = is_adaptive(method, settings)
+                             ? settings->kernel != KERNEL_GENERAL && method_step_kernel(method, system)
+                             : march_of(system, method, settings) != NULL;
+    return special ? KERNEL_SPECIALISED : KERNEL_GENERAL;
+}
+
+const char *path_name(enum kernel path)
+{
+    return catalog_row(&kernel_catalog, (size_t)path)->name;
+}
+
 bool solver_init(struct solver *solver, const struct system *system, const struct method *method,
                  const struct run_settings *settings, double span)
 {
@@ -13,15 +38,14 @@ bool solver_init(struct solver *solver, const struct system *system, const struc
     *solver = (struct solver){.system = system,
                               .method = method,
                               .dt = settings->dt,
-                              .tol = method->flags & METHOD_ADAPTIVE ? settings->tol : 0,
+                              .tol = is_adaptive(method, settings) ? settings->tol : 0,
                               .span = span,
                               .compensated = settings->compensated};
     double *work = malloc(2 * size * sizeof *work);
     if (!work)
         return false;
     solver->turns = solver->tol == 0 && method_turns(method, system);
-    if (settings->kernel != KERNEL_GENERAL && solver->tol == 0 && !solver->compensated)
-        solver->kernel = method_kernel(method, system, settings->drag);
+    solver->kernel = march_of(system, method, settings);
     solver->side = work + size;
     solver->step = (struct step){.system = system, .drag = settings->drag, .work = work};
     if (settings->kernel != KERNEL_GENERAL)
@@ -168,10 +192,10 @@ static enum stop run_kernel(struct solver *s, double h, int64_t steps, const str
             if (!isfinite(s->y[k]))
                 return STOP_DIVERGED;
         i += march.count;
-        if (cancelled(cancel))
-            return STOP_CANCELLED;
+        s->steps += march.count;
+        if (spent(s) || cancelled(cancel))
+            return cancelled(cancel) ? STOP_CANCELLED : STOP_FULL;
     }
-    s->steps += steps;
     return STOP_END;
 }
 

@@ -13,6 +13,11 @@ static const struct row timing_rows[] = {
 
 const struct catalog timing_catalog = CATALOG("timing", timing_rows);
 
+double timing_step_ns(const struct timing_result *time, int64_t steps)
+{
+    return steps > 0 ? time->minimum / (double)steps * 1e9 : NAN;
+}
+
 /* A sample lasts at least, all samples of one solve together at most, but one is always taken. */
 static const struct protocol {
     int samples;

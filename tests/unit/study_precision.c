@@ -170,7 +170,7 @@ static void test_failures_are_results(void **state)
         assert_false(precision_cost_at(&precision, i, 0.1, &cost));
     }
     struct precision_cost costs[2];
-    assert_int_equal(precision_fastest(&precision, 0.1, costs), 0);
+    assert_int_equal(precision_fastest(&precision, 0.1, costs, NULL), 0);
     precision_free(&precision);
 
     /* Of the steps too coarse to say anything a sweep keeps the last. */
@@ -205,7 +205,7 @@ static void test_reading_costs(void **state)
     const struct precision precision = {
         .reference = {.accuracy = 1e-9}, .point = point, .points = 6, .curve = curve, .curves = 3};
     struct precision_cost cost[3];
-    assert_int_equal(precision_fastest(&precision, 1e-3, cost), 3);
+    assert_int_equal(precision_fastest(&precision, 1e-3, cost, NULL), 3);
     assert_int_equal(cost[0].curve, 0);
     near(cost[0].minimum, 10, 1e-12); /* half way in logarithms */
     near(cost[0].evals, 100, 1e-12);
@@ -213,12 +213,12 @@ static void test_reading_costs(void **state)
     assert_true(cost[1].tied);
     assert_int_equal(cost[2].curve, 2);
     assert_false(cost[2].tied);
-    assert_int_equal(precision_fastest(&precision, 1e-5, cost), 0);
+    assert_int_equal(precision_fastest(&precision, 1e-5, cost, NULL), 0);
     struct precision coarse = precision;
     coarse.reference.accuracy = 1e-3;
-    assert_int_equal(precision_fastest(&coarse, 1e-4, cost), 0);
+    assert_int_equal(precision_fastest(&coarse, 1e-4, cost, NULL), 0);
     point[1].stop = STOP_DIVERGED;
-    assert_int_equal(precision_fastest(&precision, 1e-3, cost), 2);
+    assert_int_equal(precision_fastest(&precision, 1e-3, cost, NULL), 2);
 }
 
 /* On the undamped oscillator the prediction is the measurement, to a few percent, over the whole catalogue. */
@@ -358,6 +358,42 @@ static void test_defaults(void **state)
     }
 }
 
+/* What is timed by the general code is ranked only while no specialised one is ahead of it. */
+static void test_paths_are_not_ranked_against_each_other(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"rk4", "radau5", "gauss4", "dopri5"};
+    static const enum kernel paths[] = {KERNEL_SPECIALISED, KERNEL_GENERAL, KERNEL_GENERAL, KERNEL_SPECIALISED};
+    static const double minimum[] = {2, 3, 1, 4};
+    struct precision_point point[4] = {{0}};
+    struct precision_curve curve[4];
+    for (int i = 0; i < 4; i++) {
+        curve[i] = (struct precision_curve){{method_named(names[i]), DRAG_DEFAULT}, .first = i, .count = 1};
+        point[i] = (struct precision_point){.curve = i, .stop = STOP_END, .path = paths[i], .errors = {.max = 1e-6}};
+        point[i].cost.evals = 100 - i;
+        point[i].time = (struct timing_result){.minimum = minimum[i], .median = 1.1 * minimum[i], .samples = 15};
+    }
+    const struct precision precision = {
+        .reference = {.accuracy = 1e-9}, .point = point, .points = 4, .curve = curve, .curves = 4};
+    struct precision_cost cost[4];
+    int others = -1;
+    assert_int_equal(precision_fastest(&precision, 1e-5, cost, &others), 3);
+    assert_int_equal(others, 1);
+    static const int first_general[] = {2, 0, 3, 1}; /* gauss4 is ahead though general, radau5 is not */
+    for (int i = 0; i < 4; i++)
+        assert_int_equal(cost[i].curve, first_general[i]);
+    point[2].time.minimum = 2.5;
+    assert_int_equal(precision_fastest(&precision, 1e-5, cost, &others), 2);
+    assert_int_equal(others, 2);
+    assert_int_equal(cost[0].curve, 0);
+    assert_int_equal(cost[1].curve, 3);
+    for (int i = 0; i < 4; i++) /* evaluations compare, whatever the code */
+        point[i].time.minimum = point[i].time.median = NAN;
+    assert_int_equal(precision_fastest(&precision, 1e-5, cost, &others), 4);
+    assert_int_equal(others, 0);
+    assert_int_equal(cost[0].curve, 3);
+}
+
 /* That times are taken, not how long they are. */
 static void test_times(void **state)
 {
@@ -392,6 +428,7 @@ int main(void)
         cmocka_unit_test(test_refused_before_anything_runs),
         cmocka_unit_test(test_defaults),
         cmocka_unit_test(test_times),
+        cmocka_unit_test(test_paths_are_not_ranked_against_each_other),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
