@@ -147,11 +147,60 @@ static void test_smooth_scenes_of_radau(void **state)
     typed_destroy(models);
 }
 
+/* ---- switches ---- */
+
+static double jump(double t)
+{
+    return t < 3.3 ? t : 3.3 - 2 * (t - 3.3);
+}
+
+static double rectified(double t)
+{
+    const double whole = floor(t);
+    return (2 * whole + 1 - cos(M_PI * (t - whole))) / M_PI;
+}
+
+/*
+ * Switches that the equations do not show: what is left is the method's own estimate of the error, which did not see
+ * the last twelfth of a step.
+ */
+static void test_odex_sees_hidden_switches(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *lines;
+        double t, (*exact)(double t);
+    } hidden[] = {
+        {"var x = 0;x' = 1.5*tanh(1e200*(3.3 - t)) - 0.5", 10, jump},
+        {"var x = 0;x' = sqrt(sin(pi*t)^2)", 20.3, rectified},
+    };
+    struct error error;
+    struct typed_models *models = typed_create(&error);
+    int wrong = 0;
+    for (size_t i = 0; i < COUNT_OF(hidden); i++) {
+        const struct scene scene = typed_scene(models, hidden[i].lines);
+        for (double tol = 1e-3; tol > 0.9e-12; tol /= 10)
+            for (double first = 1e-9; first < 20; first *= is_long() ? 3 : 100) {
+                struct run *run = reach(&scene, "odex", tol, first, hidden[i].t);
+                const double off = fabs(run->y[0] - hidden[i].exact(hidden[i].t)) / fmax(tol, 1e-13);
+                if (run->stop != STOP_END || !(off < 1e3)) {
+                    print_message("%s, tol %g, first step %g: %s, error %.3g tol, %lld steps\n", hidden[i].lines, tol,
+                                  first, stop_name(run->stop), off, (long long)run->steps);
+                    wrong++;
+                }
+                run_destroy(run);
+            }
+    }
+    typed_destroy(models);
+    assert_int_equal(wrong, 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_pendulums),
         cmocka_unit_test(test_smooth_scenes_of_radau),
+        cmocka_unit_test(test_odex_sees_hidden_switches),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
