@@ -207,7 +207,7 @@ int64_t lanes_evals(const struct lanes *lanes, int lane); /* so far */
  *
  * Steps towards t_end (either side of t), never past it; a step that reaches it sets t = t_end exactly and leaves the
  * proposal as it was, and so does one to a turning point. step->h is then the step taken. A state that is not finite is
- * retried with h/4, up to 20 times. Anything but STEP_OK leaves y and t as they were.
+ * retried with h/4, up to 20 times. Anything but STEP_OK leaves y, t and the controller as they were.
  */
 struct controller {
     double tol;       /* at least 10 eps */

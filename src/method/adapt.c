@@ -154,6 +154,7 @@ enum step_status method_adapt(const struct method *method, struct step *step, st
     const double t = step->t, span = t_end - t;
     const double most = largest_estimate(method, tol);
     const bool turns = method_turns(method, step->system);
+    const struct controller was = *controller; /* after a failure another try begins where this one did */
     const size_t size = (size_t)step->system->n * sizeof *step->y;
     double before[LIMIT_VARIABLES], low[LIMIT_VARIABLES], own_error[LIMIT_VARIABLES], *asked = step->error;
     assert(method->flags & METHOD_ADAPTIVE);
@@ -204,11 +205,12 @@ enum step_status method_adapt(const struct method *method, struct step *step, st
         } else {
             if (status == STEP_OK)
                 status = STEP_NONFINITE;
-            if (++failures > FAILURES)
-                return status;
+            failures++;
             controller->h = step->h / 4;
         }
-        if (fabs(controller->h) < least_step(t))
+        if (failures > FAILURES || fabs(controller->h) < least_step(t)) {
+            *controller = was;
             return status == STEP_OK ? STEP_STALLED : status;
+        }
     }
 }

@@ -57,14 +57,13 @@ static enum stop leg_begin(struct run *run, const struct run_target *target, str
     return STOP_NONE;
 }
 
-static bool out_of_bounds(const struct run *run)
+bool run_in_bounds(const struct run *run, const double *y)
 {
     const double *bound = run->private_state->bound;
-    for (int i = 0; i < run->system.n; i++) {
-        if (!(fabs(run->y[i]) <= bound[i]))
-            return true;
-    }
-    return false;
+    for (int i = 0; i < run->system.n; i++)
+        if (!(fabs(y[i]) <= bound[i]))
+            return false;
+    return true;
 }
 
 static void restore(struct run *run)
@@ -159,6 +158,7 @@ static enum stop advance_step(struct run *run, struct leg *leg)
     if (run->steps >= leg->limit || run->t == leg->target->t)
         return STOP_END;
     double t, h, end, was = run->t;
+    const struct controller controller = run->controller;
     copy_state(p->before, run->y, run->system.n);
     if (p->step.low)
         copy_state(p->low_before, p->step.low, run->system.n);
@@ -167,11 +167,13 @@ static enum stop advance_step(struct run *run, struct leg *leg)
         p->step.warm = false;
         return stop_of_step(status);
     }
-    if (out_of_bounds(run)) {
+    if (!run_in_bounds(run, run->y)) {
         restore(run);
+        run->controller = controller;
         return STOP_DIVERGED;
     }
-    bool off_grid = run->steps == leg->last, cold = !run->plan.adaptive, noticed = true, recorded = true;
+    bool off_grid = run->steps == leg->last, cold = !run->plan.adaptive, noticed = true;
+    enum stop refused = STOP_NONE;
     struct crossings crossings;
     run->steps++;
     run->t = end;
@@ -188,7 +190,7 @@ static enum stop advance_step(struct run *run, struct leg *leg)
         leg->armed |= !now;
     }
     if (run->trace->interval > 0)
-        recorded = even_record(run, cold, t, stop == STOP_CONDITION ? run->t - t : h);
+        refused = even_record(run, cold, t, stop == STOP_CONDITION ? run->t - t : h);
     if (leg->target->events > 0) {
         bool stops = false;
         noticed = events_keep(run, leg, &crossings, h, &stops);
@@ -197,14 +199,15 @@ static enum stop advance_step(struct run *run, struct leg *leg)
             even_drop(run->trace, run->t);
         stop = stops ? STOP_CONDITION : stop;
     }
-    if (!recorded || !noticed || !trace_record(run->trace, run->steps, run->t, run->y)) {
+    if (refused || !noticed || !trace_record(run->trace, run->steps, run->t, run->y)) {
         restore(run);
+        run->controller = controller;
         run->steps--;
         run->t = was;
         happenings_truncate(run, 0);
         if (run->trace->interval > 0)
             even_drop(run->trace, was);
-        return STOP_FULL;
+        return refused ? refused : STOP_FULL;
     }
     if (off_grid && !run->plan.adaptive) {
         trace_regrid(run->trace, (struct grid){.first = run->steps, .origin = run->t, .h = leg->grid.h});

@@ -58,7 +58,7 @@ int64_t trace_record_even(struct trace *trace, int64_t step, const double *row, 
     return count;
 }
 
-bool even_record(struct run *run, bool cold, double t, double h)
+enum stop even_record(struct run *run, bool cold, double t, double h)
 {
     struct trace *trace = run->trace;
     const double near = nearness(trace, run->t);
@@ -68,11 +68,13 @@ bool even_record(struct run *run, bool cold, double t, double h)
         if (!end) {
             const struct inside step = inside_of(run, cold, t, h);
             inside_state(&step, (due - t) / h, inside);
+            if (!run_in_bounds(run, inside))
+                return STOP_DIVERGED;
         }
         if (!append(trace, run->steps, end ? run->y : inside))
-            return false;
+            return STOP_FULL;
     }
-    return true;
+    return STOP_NONE;
 }
 
 void even_drop(struct trace *trace, double t)

@@ -184,8 +184,11 @@ void trace_aim(struct trace *trace, double t, double h);
 bool trace_in_step(struct trace *trace);
 /* As trace_record_many() there. */
 int64_t trace_record_even(struct trace *trace, int64_t step, const double *row, int64_t count);
-/* Rows of the step just taken from p->before at t over h, the run being at its end. False: full or no memory. */
-bool even_record(struct run *run, bool cold, double t, double h);
+/*
+ * Rows of the step just taken from p->before at t over h, the run being at its end. STOP_FULL: also no memory;
+ * STOP_DIVERGED: a state inside of the step is out of bounds, though that at its end is not.
+ */
+enum stop even_record(struct run *run, bool cold, double t, double h);
 void even_drop(struct trace *trace, double t); /* the rows beyond t */
 /* Is the last row the present state? */
 bool even_present(const struct trace *trace, double row_time);
@@ -253,6 +256,7 @@ bool propagator_within(const struct propagator *propagator, const double *bound)
 /* many.c: up to p->batch whole steps at once, where nothing has to be looked at between them. False: step by step. */
 bool advance_many(struct run *run, const struct leg *leg, enum stop *stop);
 enum stop stop_of_step(enum step_status status);
+bool run_in_bounds(const struct run *run, const double *y); /* all finite, and not what counts as diverged */
 
 /* The epoch that led to the state at `step`: where one ends, the state still belongs to it. */
 const struct epoch *run_epoch(const struct run *run, int64_t step);
