@@ -98,7 +98,9 @@ static int stack_column(struct rectangle area, const struct arrangement *a, cons
     for (int i = 0; i < count; i++) {
         bool last = i == count - 1;
         /* Of two full plots over each other the upper one is a little higher: 15 and 12 of 27 rows. */
-        int height = shared ? (rows * (i ? 1 : a->first) + shares / 2) / shares + 1 : (area.height * 5 + 4) / 9;
+        int most = rows - (y - area.y - (shared ? i : 0)) - CURVE_ROWS * (count - 1 - i); /* the rest needs its own */
+        int share = smaller((rows * (i ? 1 : a->first) + shares / 2) / shares, most);
+        int height = shared ? share + 1 : (area.height * 5 + 4) / 9;
         if (last)
             height = area.y + area.height - y;
         place[i] = (struct place){
