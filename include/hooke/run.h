@@ -50,6 +50,7 @@ struct run_settings {
     enum kernel kernel; /* the fastest way that is allowed */
     bool compensated; /* fixed steps: what rounding takes from the state is carried along (Kahan 1965) */
     struct recording_rule record;
+    bool unbalanced; /* nobody will ask for the work of a run whose rows are more than a step apart: it is not kept */
     size_t memory; /* [byte] budget for the trace, 0: 1 GiB */
 };
 
@@ -213,7 +214,7 @@ struct sample { /* one row of a run, or its current state */
 
 enum observable_need {
     NEED_EXACT = 1,     /* the closed form */
-    NEED_WORK = 2,      /* work since the start: a pass over the rows before */
+    NEED_WORK = 2,      /* work since the start */
     NEED_MECHANICS = 4, /* a second-order scene: mass, forces, energy */
     NEED_CENTRE = 8,    /* a linear oscillation about an equilibrium: a whole oscillator, stiffness > 0 */
     NEED_LINE = 64,     /* one coordinate, in metres */
@@ -256,18 +257,18 @@ bool run_scope(const struct run *run, struct expr_scope *scope);
 int run_scope_slots(const struct run *run);
 
 /*
- * Energy ledger: largest |E - E0 - W|/E0 over the trace, W = work of drag and drive since the start (0 for conservative
- * scenes, where it is not computed). Per step W is the integral of the power along the quintic Hermite interpolant of
- * the recorded states. Where E0 = 0 the unit is the largest |E| on the trace; NAN if that is 0 too, and for first-order
- * scenes.
+ * Energy ledger: largest |E - E0 - W|/E0 after any step, recorded or not, W = work of drag and drive since the start (0
+ * for conservative scenes, where it is not computed), of jumps and of changes of parameters. Per step W is the integral
+ * of the power along the quintic Hermite interpolant of both states. It is summed up while the run goes on where the
+ * trace leaves steps out, else when somebody asks, from where it was asked for last. Where E0 = 0 the unit is the
+ * largest |E| so far; NAN if that is 0 too, for first-order scenes, and where settings.unbalanced has left it out.
  */
 struct ledger {
     double initial;   /* [J] E0 */
     double final;     /* [J] */
     double work;      /* [J] W at the end */
     double error;     /* (E - E0 - W)/E0 at the end */
-    double error_max; /* largest |…| on the trace */
-    bool approximate; /* rows are more than a step apart: W is an interpolation over them */
+    double error_max; /* largest |…| so far */
 };
 void run_ledger(const struct run *run, struct ledger *ledger);
 

@@ -25,9 +25,6 @@ void reply_run(const struct session *session, const struct run *run, struct repl
     if (isfinite(ledger.error_max)) {
         buffer_put(&text, TEXT(", dE/E0 max "));
         buffer_short(&text, ledger.error_max, 2);
-        const struct recording_rule *record = &run->settings.record;
-        if (run->plan.ledger && (record->rule == RECORD_TIMES || (record->rule == RECORD_EVERY && record->every > 1)))
-            buffer_put(&text, TEXT(" (work along the recorded rows only)"));
     }
     const struct data_distance data = run_data_distance(run, session_recording(session));
     if (isfinite(data.rms)) {

@@ -199,7 +199,7 @@ static enum stop advance_step(struct run *run, struct leg *leg)
             even_drop(run->trace, run->t);
         stop = stops ? STOP_CONDITION : stop;
     }
-    if (refused || !noticed || !trace_record(run->trace, run->steps, run->t, run->y)) {
+    if (refused || !noticed || !ledger_ready(run, 1) || !trace_record(run->trace, run->steps, run->t, run->y)) {
         restore(run);
         run->controller = controller;
         run->steps--;
@@ -213,6 +213,7 @@ static enum stop advance_step(struct run *run, struct leg *leg)
         trace_regrid(run->trace, (struct grid){.first = run->steps, .origin = run->t, .h = leg->grid.h});
         p->step.warm = false;
     }
+    ledger_take(run, run->y, 1);
     return stop;
 }
 

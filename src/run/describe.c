@@ -231,8 +231,12 @@ void plan_describe(const struct scene *scene, const struct system *system, const
                             : "known by the matrix exponential: no reference integration\n");
     if (system->order == 2) {
         key(text, "energy");
-        buffer_format(text, plan->ledger ? "balance E - E0 - W, W along the recorded rows, only when asked for\n"
-                                         : "constant: no ledger\n");
+        const bool apart = settings->record.rule == RECORD_TIMES ||
+                           (settings->record.rule == RECORD_EVERY && settings->record.every > 1) ||
+                           (settings->record.rule == RECORD_AUTO && !(plan->steps < LIMIT_SAMPLES));
+        buffer_format(text, plan->ledger ? "balance E - E0 - W, W the work of each step%s\n"
+                                         : "constant: no ledger, E - E0 of each step%s\n",
+                      apart ? ", kept while stepping where rows are apart" : ", only when asked for");
     }
     key(text, "on demand");
     bool first = true;

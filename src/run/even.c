@@ -73,6 +73,8 @@ enum stop even_record(struct run *run, bool cold, double t, double h)
         }
         if (!append(trace, run->steps, end ? run->y : inside))
             return STOP_FULL;
+        if (!end)
+            ledger_inside(run, due, inside);
     }
     return STOP_NONE;
 }

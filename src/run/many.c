@@ -112,10 +112,12 @@ bool advance_many(struct run *run, const struct leg *leg, enum stop *stop)
     if (in_trace) {
         trace_close(run->trace, (size_t)good);
     } else {
-        int64_t recorded = trace_record_many(run->trace, run->steps + 1, row, good);
+        const int64_t recorded =
+            ledger_ready(run, good) ? trace_record_many(run->trace, run->steps + 1, row, good) : 0;
         if (recorded < good)
             *stop = STOP_FULL;
         good = recorded;
+        ledger_take(run, row, good);
     }
     if (good < march.count && *stop != STOP_NONE) { /* back to the last good state */
         copy_state(run->y, good > 0 ? row + (good - 1) * n : p->before, n);

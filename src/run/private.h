@@ -37,6 +37,20 @@ struct stretch {
 
 struct stretch stretch_measure(double from, double to, double dt); /* to may be infinite */
 
+/* ---- the energy balance after a state ---- */
+
+/* A sum that does not lose small addends (Neumaier 1974). */
+struct sum {
+    double high, low;
+};
+
+/* In units of factor^2 J (see run_private). */
+struct tally {
+    double most;           /* largest |E - E0 - work| after a step so far */
+    double scale;          /* largest |E| */
+    struct sum work, drag; /* since the start: drag, drive, jumps and changes of parameters; drag alone */
+};
+
 /* ---- trace ----
  *
  * Row: n state values, then the time if `timed` (adaptive). Row i is step i * every, until the trace is decimated: then
@@ -56,11 +70,12 @@ struct trace {
     double **chunk;
     int64_t **index; /* [indices] steps of the rows in each chunk, once decimated */
     size_t chunks, indices, room, count;
+    double **mark; /* [marks] the balance at each row, where there are steps between rows */
+    size_t marks, mark_width;
 
     int64_t bucket;         /* steps that share at most three rows; 1: not decimated */
     int64_t tail_end;       /* step at which the last bucket ends */
     size_t tail, low, high; /* its rows: first, smallest, largest position */
-    unsigned generation;    /* changes whenever rows before the tail change */
 
     double interval, origin; /* [s] rows at origin + k interval; interval 0: by steps */
     double due;              /* the k of the next one */
@@ -86,6 +101,7 @@ int64_t trace_record_many(struct trace *trace, int64_t step, const double *row, 
 const double *trace_state_after(const struct trace *trace, int64_t step);
 /* Where the next rows go when every step is kept: room for *rows of them, one after the other. NULL: not so. */
 double *trace_open(struct trace *trace, size_t *rows);
+const struct grid *trace_grid_of(const struct trace *trace, int64_t step); /* that gives this step its time */
 void trace_close(struct trace *trace, size_t rows); /* so many were written there */
 void trace_present(struct trace *trace, int64_t step, double t, const double *y);
 /* Drops everything after row i, which becomes the present. */
@@ -93,8 +109,15 @@ void trace_truncate(struct trace *trace, size_t i);
 bool trace_reserve_grids(struct trace *trace, size_t more); /* room for so many regrids; false: no memory */
 void trace_regrid(struct trace *trace, struct grid grid);   /* from here on a new grid */
 const struct grid *trace_grid(const struct trace *trace);   /* the present one */
-size_t trace_settled(const struct trace *trace);            /* rows that only a new generation can change */
 size_t trace_row_bytes(int n, bool timed, bool indexed);
+/* Marks: the balance at each recorded row, its work only where there is any. False: no memory. */
+bool trace_mark_rows(struct trace *trace, bool work); /* from now on, those that are there are not known or have 0 */
+bool trace_marked(const struct trace *trace);
+struct tally trace_mark(const struct trace *trace, size_t i); /* scale < 0: not yet known */
+void trace_set_mark(struct trace *trace, size_t i, const struct tally *tally);
+size_t trace_row_from(const struct trace *trace, int64_t step); /* the first recorded row of this step or a later one */
+/* Recorded row i and how many follow it in memory, each trace->width on. */
+const double *trace_rows(const struct trace *trace, size_t i, size_t *count);
 
 /* ---- runs ---- */
 
@@ -108,17 +131,45 @@ struct epoch {
     struct system system;
 };
 
-/* A sum that does not lose small addends (Neumaier 1974). */
-struct sum {
-    double high, low;
+/* The energy balance up to a state of the run. */
+struct balance {
+    int64_t step;
+    double t;                  /* [s] of the grid where steps are fixed */
+    double y[LIMIT_VARIABLES]; /* [n] the state there */
+    double initial;            /* energy at the start, in units of factor^2 J */
+    struct tally tally;
 };
 
-/* Work since the start up to row `row`, in units of factor^2 J (see run_private). */
-struct balance {
-    size_t row;
-    struct sum work; /* drag, drive and changes of parameters */
-    struct sum drag; /* drag alone */
+/* ---- work.c: work between states one step apart ---- */
+
+#define WORK_BLOCK 64 /* steps at once */
+
+/* Multiples of an angle, for the drive at even times. */
+struct turns {
+    double omega, h;
+    double cosine[WORK_BLOCK + 1], sine[WORK_BLOCK + 1];
 };
+
+/* `count` steps under one system, from the state `before`; row k is the state after step k. */
+struct work {
+    const struct system *system;
+    double factor; /* on all states */
+    int count;
+    const double *before, *row;
+    size_t stride;        /* from row to row */
+    const double *t;      /* [count + 1] of the states; NULL: at origin + (index + k) h, in one block of the index */
+    double origin, h;     /* [s] */
+    int64_t index;
+    struct turns *turns;
+};
+
+struct work_done { /* in units of factor^2 J */
+    double work[WORK_BLOCK], drag[WORK_BLOCK]; /* in each step; drag is the part of it that drag did */
+    double energy[WORK_BLOCK];                 /* after it */
+    double all_work[WORK_BLOCK], all_drag[WORK_BLOCK]; /* since the start, by balance_block() */
+};
+
+void work_between(const struct work *work, struct work_done *done);
 
 /* The state was changed from outside in that step. */
 struct kick {
@@ -148,8 +199,10 @@ struct run_private {
     struct propagator *propagator; /* NULL: not (yet) there, or not of use */
     double *scratch;        /* [CHUNK_ROWS][n] states that do not go into the trace as they are; NULL: not yet needed */
     double factor;          /* power of two on states before their energies are compared */
-    struct balance settled; /* up to rows that do not change while the trace keeps its generation */
-    unsigned generation;
+    struct balance balance; /* up to the last step where rows have marks, else as far as somebody asked */
+    struct tally *saved;    /* [saves] at each CHUNK_ROWS steps up to there, where rows have no marks */
+    size_t saves, save_room;
+    struct turns turns;
     struct happenings happenings;
     struct kick *kick;
     size_t kicks, kick_room;
@@ -268,8 +321,9 @@ bool observable_defined(const struct observable *observable, const struct system
 struct walk {
     const struct run *run;
     unsigned needs;
-    size_t next;
+    size_t next, from, to; /* rows from - to are in `done` */
     struct balance balance;
+    struct work_done done;
     double state[LIMIT_VARIABLES], exact[LIMIT_VARIABLES];
     struct sample sample;
 };
@@ -278,8 +332,25 @@ void walk_begin(struct walk *walk, const struct run *run, unsigned needs);
 bool walk_next(struct walk *walk); /* false: no more rows */
 void walk_present(struct walk *walk, const struct run *run, unsigned needs);
 
-/* ledger.c: carries the balance from row i (state y, scaled) on to the state (step, t, y). */
-void balance_extend(struct balance *balance, const struct run *run, size_t i, int64_t step, double t, const double *y);
+/* ---- ledger.c ---- */
+
 double system_energy(const struct system *system, const double *y); /* [J] */
+bool ledger_known(const struct run *run); /* else rows are apart, and settings.unbalanced left it out */
+void balance_begin(const struct run *run, struct balance *balance); /* at the start */
+/*
+ * On over at most `count` steps whose states follow in `row`, and adaptive ones' times in `time`, each `stride` on.
+ * Returns how many of them were taken, at least 1: none of them crosses a change of the scene or of the grid.
+ */
+int balance_block(const struct run *run, struct balance *balance, const double *row, const double *time, size_t stride,
+                  int64_t count, struct work_done *done);
+void balance_present(const struct run *run, struct balance *balance); /* at the present state, even inside of a step */
+/* Before so many rows are offered to the trace: where it will leave some out, the balance has to be kept from there
+ * on. False: no memory. */
+bool ledger_ready(struct run *run, int64_t rows);
+/* After steps to these states were offered to the trace; the marks of those that it took are set. */
+void ledger_take(struct run *run, const double *row, int64_t count);
+void ledger_inside(struct run *run, double t, const double *y); /* the last row is this state, inside of the next step */
+void ledger_back(struct run *run);                       /* the run went back to a recorded row, the last one */
+void ledger_rescale(struct run *run, double factor);     /* run_private.factor becomes this */
 
 #endif

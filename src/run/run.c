@@ -69,10 +69,15 @@ static bool push_epoch(struct run *run, const struct system *system, const doubl
 const struct epoch *run_epoch(const struct run *run, int64_t step)
 {
     const struct run_private *p = run->private_state;
-    size_t i = p->epochs - 1;
-    while (i > 0 && p->epoch[i].first >= step)
-        i--;
-    return &p->epoch[i];
+    size_t low = 0, high = p->epochs;
+    while (high - low > 1) {
+        const size_t middle = low + (high - low) / 2;
+        if (p->epoch[middle].first < step)
+            low = middle;
+        else
+            high = middle;
+    }
+    return &p->epoch[low];
 }
 
 static bool allocate(struct run *run)
@@ -96,6 +101,11 @@ static bool allocate(struct run *run)
     if (run->settings.compensated && !run->plan.adaptive)
         p->step.low = p->low_before + n;
     if (!method_begin(run->method, &p->step))
+        return false;
+    const bool thinned = run->settings.record.rule == RECORD_TIMES ||
+                         (run->settings.record.rule == RECORD_EVERY && run->settings.record.every > 1);
+    if (run->system.order == 2 && !run->settings.unbalanced && thinned &&
+        !trace_mark_rows(run->trace, run->plan.ledger))
         return false;
     return trace_record(run->trace, 0, run->t, run->y);
 }
@@ -140,6 +150,7 @@ struct run *run_create(const struct scene *scene, const struct method *method, c
     run->controller = (struct controller){.tol = settings->tol, .h = h};
     set_bounds(run);
     choose_kernel(run);
+    ledger_back(run);
     return run;
 }
 
@@ -157,6 +168,7 @@ void run_destroy(struct run *run)
         free(run->private_state->happenings.at);
         free(run->private_state->happenings.state);
         free(run->private_state->kick);
+        free(run->private_state->saved);
         free(run->private_state);
     }
     free(run);
@@ -204,6 +216,7 @@ bool run_back(struct run *run, int64_t rows)
     while (p->epochs > 1 && p->epoch[p->epochs - 1].first > run->steps)
         p->epochs--;
     use_system(run, &p->epoch[p->epochs - 1].system);
+    ledger_back(run);
     return enough;
 }
 
@@ -222,6 +235,8 @@ bool run_rebind(struct run *run, const struct scene *scene, struct error *error)
         !plan_make(&system, run->method, &run->settings, HUGE_VAL, &plan, error))
         return false;
 
+    if (trace_marked(run->trace) && !trace_mark_rows(run->trace, true))
+        return error_memory(error);
     struct epoch *last = &p->epoch[p->epochs - 1];
     double start[LIMIT_VARIABLES];
     bool exact = run->plan.exact_known && plan.exact_known;
@@ -234,8 +249,9 @@ bool run_rebind(struct run *run, const struct scene *scene, struct error *error)
         if (!push_epoch(run, &system, start))
             return error_memory(error);
     }
-    p->factor = 1;
-    p->settled = (struct balance){0};
+    ledger_rescale(run, 1);
+    if (run->steps == 0)
+        ledger_back(run);
     p->step.drag = run->settings.drag = drag;
     run->plan.exact_known = exact;
     run->plan.ledger = true; /* changing a parameter does work */
@@ -270,7 +286,8 @@ bool run_kick(struct run *run, int i, double value, struct error *error)
                          run->method->row.name);
     if (!(fabs(value) <= p->bound[i]))
         return error_set(error, ERROR_COMMAND, "%s cannot become %g", system_variable(system, i).name, value);
-    if (!reserve_kick(p) || !trace_reserve_grids(run->trace, 1))
+    if (!reserve_kick(p) || !trace_reserve_grids(run->trace, 1) || !ledger_ready(run, 1) ||
+        (trace_marked(run->trace) && !trace_mark_rows(run->trace, true)))
         return error_memory(error);
     run->y[i] = value;
     if (!trace_record(run->trace, run->steps + 1, run->t, run->y)) {
@@ -285,8 +302,8 @@ bool run_kick(struct run *run, int i, double value, struct error *error)
         (struct kick){run->steps, run->t, system->order == 2 ? system_energy(system, run->y) - before : 0};
     /* Another motion: what the step control has learnt of the old one is no guide. */
     run->controller = (struct controller){.tol = run->settings.tol, .h = copysign(run->settings.dt, run->controller.h)};
-    p->factor = 1;
-    p->settled = (struct balance){0};
+    ledger_rescale(run, 1);
+    ledger_take(run, run->y, 1);
     p->step.warm = false;
     forget_rounding(p, system->n);
     run->plan.ledger = true;

@@ -50,6 +50,8 @@ struct trace *trace_create(int n, bool timed, struct recording_rule rule, size_t
     return trace;
 }
 
+static void free_marks(struct trace *trace);
+
 void trace_destroy(struct trace *trace)
 {
     if (!trace)
@@ -58,6 +60,7 @@ void trace_destroy(struct trace *trace)
         free(trace->chunk[i]);
     for (size_t i = 0; i < trace->indices; i++)
         free(trace->index[i]);
+    free_marks(trace);
     free(trace->chunk);
     free(trace->index);
     free(trace->grid);
@@ -74,6 +77,77 @@ static bool grow_index(struct trace *trace)
     for (; trace->indices < trace->chunks; trace->indices++)
         if (!(index[trace->indices] = malloc(CHUNK_ROWS * sizeof **index)))
             return false;
+    return true;
+}
+
+/* ---- marks: the first numbers of a tally ---- */
+
+#define MARK_EXTREMES 2
+#define MARK_WORK 6
+_Static_assert(sizeof(struct tally) == MARK_WORK * sizeof(double), "a mark is the beginning of a tally");
+
+bool trace_marked(const struct trace *trace)
+{
+    return trace->mark_width > 0;
+}
+
+static double *mark_at(const struct trace *trace, size_t i)
+{
+    return trace->mark[i >> CHUNK_SHIFT] + (i & (CHUNK_ROWS - 1)) * trace->mark_width;
+}
+
+struct tally trace_mark(const struct trace *trace, size_t i)
+{
+    struct tally tally = {0};
+    if (trace_marked(trace))
+        memcpy(&tally, mark_at(trace, i), trace->mark_width * sizeof(double));
+    return tally;
+}
+
+void trace_set_mark(struct trace *trace, size_t i, const struct tally *tally)
+{
+    memcpy(mark_at(trace, i), tally, trace->mark_width * sizeof(double));
+}
+
+static bool grow_marks(struct trace *trace)
+{
+    double **mark = realloc(trace->mark, trace->room * sizeof *mark);
+    if (!mark)
+        return false;
+    trace->mark = mark;
+    for (; trace->marks < trace->chunks; trace->marks++)
+        if (!(mark[trace->marks] = malloc(CHUNK_ROWS * trace->mark_width * sizeof **mark)))
+            return false;
+    return true;
+}
+
+static const struct tally unknown = {.scale = -1};
+
+static void free_marks(struct trace *trace)
+{
+    for (size_t i = 0; i < trace->marks; i++)
+        free(trace->mark[i]);
+    free(trace->mark);
+}
+
+bool trace_mark_rows(struct trace *trace, bool work)
+{
+    struct trace made = *trace;
+    if (trace->mark_width >= (work ? MARK_WORK : MARK_EXTREMES))
+        return true;
+    made.mark = NULL;
+    made.marks = 0;
+    made.mark_width = work ? MARK_WORK : MARK_EXTREMES;
+    if (made.chunks > 0 && !grow_marks(&made)) {
+        free_marks(&made);
+        return false;
+    }
+    for (size_t i = 0; i < trace->count; i++) {
+        const struct tally mark = trace_marked(trace) ? trace_mark(trace, i) : unknown;
+        trace_set_mark(&made, i, &mark);
+    }
+    free_marks(trace);
+    *trace = made;
     return true;
 }
 
@@ -98,11 +172,11 @@ static bool grow(struct trace *trace)
 static bool make_room(struct trace *trace)
 {
     size_t needed = (trace->count >> CHUNK_SHIFT) + 1;
-    return (needed <= trace->chunks || grow(trace)) &&
+    return (needed <= trace->chunks || grow(trace)) && (!trace_marked(trace) || needed <= trace->marks || grow_marks(trace)) &&
            (!indexed(trace) || needed <= trace->indices || grow_index(trace));
 }
 
-static void write_row(struct trace *trace, size_t i, int64_t step, double t, const double *y)
+static void write_row(struct trace *trace, size_t i, int64_t step, double t, const double *y, const struct tally *mark)
 {
     double *row = row_at(trace, i);
     copy_state(row, y, trace->n);
@@ -110,13 +184,15 @@ static void write_row(struct trace *trace, size_t i, int64_t step, double t, con
         trace->index[i >> CHUNK_SHIFT][i & (CHUNK_ROWS - 1)] = step;
     if (trace->timed)
         row[trace->n] = t;
+    if (trace_marked(trace))
+        trace_set_mark(trace, i, mark);
 }
 
-static bool append(struct trace *trace, int64_t step, double t, const double *y)
+static bool append(struct trace *trace, int64_t step, double t, const double *y, const struct tally *mark)
 {
     if (!make_room(trace))
         return false;
-    write_row(trace, trace->count++, step, t, y);
+    write_row(trace, trace->count++, step, t, y, mark);
     return true;
 }
 
@@ -127,10 +203,10 @@ static bool append(struct trace *trace, int64_t step, double t, const double *y)
  * step count only.
  */
 
-static bool keep(struct trace *trace, int64_t step, double t, const double *y)
+static bool keep(struct trace *trace, int64_t step, double t, const double *y, const struct tally *mark)
 {
     if (step >= trace->tail_end) {
-        if (!append(trace, step, t, y))
+        if (!append(trace, step, t, y, mark))
             return false;
         trace->tail = trace->low = trace->high = trace->count - 1;
         trace->tail_end = (step | (trace->bucket - 1)) + 1;
@@ -146,15 +222,17 @@ static bool keep(struct trace *trace, int64_t step, double t, const double *y)
         return true;
     }
     if (*extreme == trace->tail) {
-        if (!append(trace, step, t, y))
+        if (!append(trace, step, t, y, mark))
             return false;
     } else { /* its row goes; at most the other extreme stands after it */
         if (*other > *extreme) {
             const double *row = row_at(trace, *other);
-            write_row(trace, *extreme, row_step(trace, *other), row[trace->width - 1], row);
+            const struct tally mark_of_other = trace_mark(trace, *other);
+            write_row(trace, *extreme, row_step(trace, *other), row[trace->width - 1], row,
+                      &mark_of_other);
             *other = *extreme;
         }
-        write_row(trace, trace->count - 1, step, t, y);
+        write_row(trace, trace->count - 1, step, t, y, mark);
     }
     *extreme = trace->count - 1;
     return true;
@@ -170,22 +248,23 @@ static bool coarsen(struct trace *trace)
     }
     do {
         double row[LIMIT_VARIABLES + 1];
+        struct tally mark;
         size_t count = trace->count;
         trace->bucket *= 2;
         trace->count = 0;
         trace->tail_end = 0;
         for (size_t i = 0; i < count; i++) { /* writes never overtake reads, and the chunks are there */
             memcpy(row, row_at(trace, i), trace->width * sizeof *row);
-            keep(trace, row_step(trace, i), row[trace->width - 1], row);
+            mark = trace_mark(trace, i);
+            keep(trace, row_step(trace, i), row[trace->width - 1], row, &mark);
         }
     } while (trace->count > trace->cap / 2);
-    trace->generation++;
     return true;
 }
 
 bool trace_append(struct trace *trace, int64_t step, double t, const double *y)
 {
-    return trace->count < trace->cap && append(trace, step, t, y);
+    return trace->count < trace->cap && append(trace, step, t, y, &unknown);
 }
 
 bool trace_record(struct trace *trace, int64_t step, double t, const double *y)
@@ -198,7 +277,7 @@ bool trace_record(struct trace *trace, int64_t step, double t, const double *y)
         return true;
     if (trace->count == trace->cap && !(trace->decimates && coarsen(trace)))
         return false;
-    if (!(trace->bucket > 1 ? keep(trace, step, t, y) : append(trace, step, t, y)))
+    if (!(trace->bucket > 1 ? keep(trace, step, t, y, &unknown) : append(trace, step, t, y, &unknown)))
         return false;
     trace->next = step + trace->every;
     return true;
@@ -240,7 +319,7 @@ static bool keep_within(struct trace *trace, int64_t step, const double *row, in
     const bool swapped = at[0] > at[1];
     for (int i = 0; i < 2; i++) {
         const int64_t k = at[swapped ? 1 - i : i];
-        if (!keep(trace, step + k, 0, row + k * trace->n))
+        if (!keep(trace, step + k, 0, row + k * trace->n, &unknown))
             return false;
     }
     return true;
@@ -267,7 +346,7 @@ int64_t trace_record_many(struct trace *trace, int64_t step, const double *row, 
 
 double *trace_open(struct trace *trace, size_t *rows)
 {
-    if (trace->bucket > 1 || trace->every > 1 || trace->timed || trace->count >= trace->cap || !make_room(trace))
+    if (trace->bucket > 1 || trace->every > 1 || trace->timed || trace_marked(trace) || trace->count >= trace->cap || !make_room(trace))
         return NULL;
     size_t in_chunk = CHUNK_ROWS - (trace->count & (CHUNK_ROWS - 1)), to_cap = trace->cap - trace->count;
     *rows = in_chunk < to_cap ? in_chunk : to_cap;
@@ -280,9 +359,26 @@ void trace_close(struct trace *trace, size_t rows)
     trace->next = (int64_t)trace->count;
 }
 
-size_t trace_settled(const struct trace *trace)
+size_t trace_row_from(const struct trace *trace, int64_t step)
 {
-    return trace->bucket > 1 ? trace->tail : trace->count;
+    size_t low = 0, high = trace->count;
+    if (high > 0 && row_step(trace, high - 1) < step)
+        return high;
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+        if (row_step(trace, middle) < step)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+const double *trace_rows(const struct trace *trace, size_t i, size_t *count)
+{
+    const size_t in_chunk = CHUNK_ROWS - (i & (CHUNK_ROWS - 1));
+    *count = trace->count - i < in_chunk ? trace->count - i : in_chunk;
+    return row_at(trace, i);
 }
 
 void trace_truncate(struct trace *trace, size_t i)
@@ -293,7 +389,6 @@ void trace_truncate(struct trace *trace, size_t i)
         memcpy(trace->now, row_at(trace, i), (size_t)trace->n * sizeof(double));
         trace->count = i + 1;
         trace->next = (int64_t)trace->count * trace->every;
-        trace->generation++;
     }
     while (trace->grids > 1 && trace_grid(trace)->first > trace->now_step)
         trace->grids--;
@@ -323,6 +418,19 @@ double grid_time(const struct grid *grid, int64_t step)
 const struct grid *trace_grid(const struct trace *trace)
 {
     return &trace->grid[trace->grids - 1];
+}
+
+const struct grid *trace_grid_of(const struct trace *trace, int64_t step)
+{
+    size_t low = 0, high = trace->grids;
+    while (high - low > 1) {
+        size_t middle = low + (high - low) / 2;
+        if (trace->grid[middle].first <= step)
+            low = middle;
+        else
+            high = middle;
+    }
+    return &trace->grid[low];
 }
 
 bool trace_reserve_grids(struct trace *trace, size_t more)
@@ -388,15 +496,7 @@ double trace_time(const struct trace *trace, size_t i)
         return trace->now_t; /* at the end of a span this is the time asked for, to the last bit */
     if (trace->timed)
         return row_at(trace, i)[trace->width - 1];
-    size_t low = 0, high = trace->grids;
-    while (high - low > 1) {
-        size_t middle = low + (high - low) / 2;
-        if (trace->grid[middle].first <= step)
-            low = middle;
-        else
-            high = middle;
-    }
-    return grid_time(&trace->grid[low], step);
+    return grid_time(trace_grid_of(trace, step), step);
 }
 
 const double *trace_state(const struct trace *trace, size_t i)
@@ -419,5 +519,6 @@ size_t trace_bytes(const struct trace *trace)
 {
     return sizeof *trace + trace->room * sizeof *trace->chunk + trace->grid_room * sizeof *trace->grid +
            trace->chunks * CHUNK_ROWS * trace->width * sizeof(double) + trace->indices * CHUNK_ROWS * sizeof(int64_t) +
+           trace->marks * CHUNK_ROWS * trace->mark_width * sizeof(double) + (trace->mark ? trace->room * sizeof *trace->mark : 0) +
            (trace->index ? trace->room * sizeof *trace->index : 0);
 }

@@ -9,8 +9,8 @@ static void take_state(struct walk *walk, const double *y)
         walk->state[i] = y[i] * factor;
 }
 
-/* The sample for (step, t, y); walk->state holds y scaled, the balance is where it has to be. */
-static void fill(struct walk *walk, int64_t step, double t, const double *y)
+/* The sample for (step, t, y); walk->state holds y scaled. */
+static void fill(struct walk *walk, int64_t step, double t, const double *y, double work, double drag)
 {
     const struct run *run = walk->run;
     const struct epoch *epoch = run_epoch(run, step);
@@ -20,24 +20,72 @@ static void fill(struct walk *walk, int64_t step, double t, const double *y)
     sample->t = t;
     sample->y = scaled ? walk->state : y;
     sample->system = &epoch->system;
-    sample->work = (walk->balance.work.high + walk->balance.work.low) / unit;
-    sample->dissipated = -(walk->balance.drag.high + walk->balance.drag.low) / unit;
+    sample->work = work / unit;
+    sample->dissipated = -drag / unit;
     if (walk->needs & NEED_EXACT)
         system_exact(&epoch->system, epoch->t, epoch->start, t, walk->exact, NULL);
 }
 
 void walk_begin(struct walk *walk, const struct run *run, unsigned needs)
 {
-    memset(walk, 0, sizeof *walk);
-    walk->run = run;
-    walk->needs = needs;
+    *walk = (struct walk){.run = run, .needs = needs};
     walk->sample.run = run;
     walk->sample.exact = walk->exact;
     if (needs & NEED_WORK) {
         const double *y = trace_state(run->trace, 0);
         take_state(walk, y);
         walk->sample.initial = system_energy(&run_epoch(run, 0)->system, needs & NEED_RATIO ? walk->state : y);
+        balance_begin(run, &walk->balance);
+        walk->from = walk->to = 1;
     }
+}
+
+static double total(struct sum sum)
+{
+    return sum.high + sum.low;
+}
+
+/* Of the recorded row i of a trace with each step: blocks of rows are taken as the walk comes to them. */
+static void work_on_the_way(struct walk *walk, size_t i, double *work, double *drag)
+{
+    const struct run *run = walk->run;
+    if (i == walk->to) {
+        size_t count;
+        const double *row = trace_rows(run->trace, i, &count);
+        const double *time = run->plan.adaptive ? row + run->system.n : NULL;
+        walk->from = i;
+        walk->to += (size_t)balance_block(run, &walk->balance, row, time, run->trace->width, (int64_t)count,
+                                          &walk->done);
+    }
+    *work = walk->done.all_work[i - walk->from];
+    *drag = walk->done.all_drag[i - walk->from];
+}
+
+/* Work since the start up to row i, in units of factor^2 J. */
+static void work_at(struct walk *walk, size_t i, double *work, double *drag)
+{
+    const struct run *run = walk->run;
+    *work = *drag = 0;
+    if (i == 0 || !run->plan.ledger)
+        return;
+    struct tally tally;
+    if (!ledger_known(run)) {
+        *work = *drag = NAN;
+        return;
+    }
+    if (!trace_marked(run->trace) && i < run->trace->count) {
+        work_on_the_way(walk, i, work, drag);
+        return;
+    }
+    if (i < run->trace->count) {
+        tally = trace_mark(run->trace, i);
+    } else {
+        struct balance present;
+        balance_present(run, &present);
+        tally = present.tally;
+    }
+    *work = total(tally.work);
+    *drag = total(tally.drag);
 }
 
 bool walk_next(struct walk *walk)
@@ -46,44 +94,26 @@ bool walk_next(struct walk *walk)
     size_t i = walk->next++;
     if (i >= trace_count(run->trace))
         return false;
-    int64_t step = trace_step(run->trace, i);
-    double t = trace_time(run->trace, i);
     const double *y = trace_state(run->trace, i);
+    double work = 0, drag = 0;
     take_state(walk, y);
-    if (i > 0 && walk->needs & NEED_WORK && run->plan.ledger)
-        balance_extend(&walk->balance, run, i - 1, step, t, walk->state);
-    fill(walk, step, t, y);
+    if (walk->needs & NEED_WORK)
+        work_at(walk, i, &work, &drag);
+    fill(walk, trace_step(run->trace, i), trace_time(run->trace, i), y, work, drag);
     return true;
-}
-
-/* On to recorded row `to`. */
-static void carry(struct walk *walk, struct balance *balance, size_t to)
-{
-    const struct trace *trace = walk->run->trace;
-    for (; balance->row < to; balance->row++) {
-        take_state(walk, trace_state(trace, balance->row + 1));
-        balance_extend(balance, walk->run, balance->row, trace_step(trace, balance->row + 1),
-                       trace_time(trace, balance->row + 1), walk->state);
-    }
 }
 
 void walk_present(struct walk *walk, const struct run *run, unsigned needs)
 {
-    struct run_private *p = run->private_state;
-    const struct trace *trace = run->trace;
+    double work = 0, drag = 0;
     walk_begin(walk, run, needs);
     if (needs & NEED_WORK && run->plan.ledger) {
-        if (p->generation != trace->generation) {
-            p->generation = trace->generation;
-            p->settled = (struct balance){0};
-        }
-        size_t settled = trace_settled(trace);
-        carry(walk, &p->settled, settled > 0 ? settled - 1 : 0); /* kept for the next call */
-        walk->balance = p->settled;
-        carry(walk, &walk->balance, trace->count - 1);
-        take_state(walk, run->y);
-        balance_extend(&walk->balance, run, trace->count - 1, run->steps, run->t, walk->state);
+        struct balance present = {.tally = {.work = {NAN, 0}, .drag = {NAN, 0}}};
+        if (ledger_known(run))
+            balance_present(run, &present);
+        work = total(present.tally.work);
+        drag = total(present.tally.drag);
     }
     take_state(walk, run->y);
-    fill(walk, run->steps, run->t, run->y);
+    fill(walk, run->steps, run->t, run->y, work, drag);
 }
