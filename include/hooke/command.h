@@ -196,7 +196,21 @@ struct session;
 
 enum layout { LAYOUT_TRIO, LAYOUT_DUO, LAYOUT_SINGLE, LAYOUT_STACK, LAYOUT_QUAD, LAYOUT_PLOT, LAYOUT_LOG };
 
-extern const struct catalog layout_catalog; /* struct row at the enum's place */
+extern const struct catalog layout_catalog; /* struct layout_row at the enum's place */
+
+struct layout_row {
+    struct row row;
+    int width, height;   /* [cell] of a screen that has room for it */
+    enum layout smaller; /* drawn on another one */
+};
+
+static inline const struct layout_row *layout_row(enum layout layout)
+{
+    return (const struct layout_row *)(const void *)catalog_row(&layout_catalog, (size_t)layout);
+}
+
+/* What a screen of that size shows of it. */
+enum layout layout_drawn(enum layout layout, int width, int height);
 
 enum pane {
     PANE_POSITION,
@@ -424,6 +438,8 @@ bool param_is_start(const struct scene *scene, int place);
 /* A short description of the scene holds it: m and k of an oscillator, of its many others those that the user or the
  * scene has set; of other models all that act; none that is 0. */
 bool param_matters(const struct scene *scene, int place);
+/* Of a new run: dt, tol (0 unless the method adapts), drag, recording. */
+struct run_settings session_run_settings(const struct session *session);
 /* Short state for a prompt or a state line: "spring m=200 g k=15 N/m | euler dt=10 ms | t=9.6 s". */
 void session_state_line(const struct session *session, struct buffer *text);
 
@@ -517,6 +533,7 @@ struct figure_request {
     struct text at; /* only at the moments of this event, as points; empty: all along */
     bool next;      /* then the columns at the event after the one where `against` is taken: a return map */
     double window[2]; /* [s] NAN: choose */
+    bool all_time;    /* unless a window is given: the width, of a picture, has room for it */
     int width;        /* [cell] that will be drawn on */
     bool log;         /* vertical axis */
     enum charset charset;

@@ -184,6 +184,7 @@ HANDLER(plot)
         height = height > LEAST_ROWS + OTHER_ROWS ? height - OTHER_ROWS : LEAST_ROWS;
     request.width = as_text ? width : PICTURE_COLUMNS;
     request.charset = as_text ? request.charset : CHARSET_BRAILLE;
+    request.all_time = !as_text;
     if (window->count)
         memcpy(request.window, window->item->range, sizeof request.window);
     if (request.kind == PLOT_PRECISION ? !has_study(session, error) : !choose_runs(session, given, &request, error))
@@ -235,8 +236,8 @@ COMMAND(
         "period are kept (5 with dots) and the phase plot shows the last 2 periods; the frame says so. A run "
         "that grows out of\n"
         "bounds leaves the frame and does not flatten the others. A file that ends in .svg, .pdf or .png "
-        "becomes a picture, one\n"
-        "that ends in .txt holds the text.",
+        "becomes a picture of\n"
+        "all the time there is, one that ends in .txt holds the text.",
     .examples = "run; plot position; plot momentum against y\ncompare euler symplectic-euler; plot energy run all",
     .see = "set export measure", .flags = COMMAND_ANYTIME,
     ARGUMENTS(PLACE("WHAT", TYPE_COLUMN, .flags = ARG_REQUIRED | ARG_MANY, .choices = &plot_catalog),

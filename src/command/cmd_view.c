@@ -21,6 +21,28 @@ static void free_ranges(struct view *view)
 
 /* ---- layout, focus ---- */
 
+/* What it has, and what is drawn of it where the screen is too small. */
+static void describe_layout(const struct session *session, struct buffer *text)
+{
+    const struct view *view = &session->view;
+    const int width = session->front.width ? session->front.width : 80,
+              height = session->front.height ? session->front.height : 24;
+    const enum layout drawn = layout_drawn(view->layout, width, height);
+    const struct layout_row *row = layout_row(view->layout);
+    /* A pane that no layout has takes the first place of each. */
+    const bool guest = view->focus > PANE_VELOCITY && view->focus != PANE_ORBIT && view->layout != LAYOUT_LOG;
+    buffer_format(text, "layout %s: %s%s%s", row->row.name, row->row.brief,
+                  guest ? "; first, until 'focus position': " : "",
+                  guest ? catalog_row(&pane_catalog, (size_t)view->focus)->name : "");
+    if (drawn == view->layout)
+        return;
+    buffer_format(text, "\nit needs %d columns", row->width);
+    if (row->height)
+        buffer_format(text, " and %d rows", row->height);
+    buffer_format(text, ": at %dx%d %s is drawn, %s", width, height, layout_row(drawn)->row.name,
+                  layout_row(drawn)->row.brief);
+}
+
 HANDLER(layout)
 {
     UNUSED(error);
@@ -32,11 +54,10 @@ HANDLER(layout)
         view->layout = (enum layout)(((size_t)view->layout + 1) % layout_catalog.count);
     if (name->count || is_given(given, "next"))
         view->full = false;
-    const struct row *row = catalog_row(&layout_catalog, (size_t)view->layout);
-    /* A pane that no layout has takes the first place of each. */
-    const bool guest = view->focus > PANE_VELOCITY && view->focus != PANE_ORBIT && view->layout != LAYOUT_LOG;
-    reply_line(reply, "layout %s: %s%s%s", row->name, row->brief, guest ? "; first, until 'focus position': " : "",
-               guest ? catalog_row(&pane_catalog, (size_t)view->focus)->name : "");
+    struct buffer text = {0};
+    describe_layout(session, &text);
+    reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
     return changed(session);
 }
 

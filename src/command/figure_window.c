@@ -169,7 +169,7 @@ void drawing_window(struct drawing *d)
     d->window[0] = isnan(request->window[0]) ? from : request->window[0];
     d->window[1] = isnan(request->window[1]) ? to : request->window[1];
     const double most = request->span > 0 ? request->span : longest_window(d);
-    if (asked || request->kind == PLOT_SPECTRUM || request->kind == PLOT_ENVELOPE) {
+    if (asked || (request->all_time && !phase) || request->kind == PLOT_SPECTRUM || request->kind == PLOT_ENVELOPE) {
     } else if (phase) {
         d->window[0] = fmax(from, to - drawing_trail(d) * d->period);
     } else if (request->follow && (request->span > 0 || d->total > most)) {

@@ -279,8 +279,6 @@ struct write_policy session_policy(const struct session *session, bool force);
 void session_default_settings(struct settings *settings);
 /* Those that only show become as in `from`: no undo, no run depends on them. */
 void settings_display(struct settings *settings, const struct settings *from);
-/* Settings of a new run: dt, tol (0 unless the method adapts), drag, recording. */
-struct run_settings session_run_settings(const struct session *session);
 void session_size(const struct session *session, int *width, int *height);
 
 struct snapshot *snapshot_take(const struct session *session, const char *label); /* NULL: no memory */

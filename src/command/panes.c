@@ -7,16 +7,24 @@
         name, "", brief, "", NULL                                                                                      \
     }
 
-static const struct row layouts[] = {
-    [LAYOUT_TRIO] = ROW("trio", "position above energy, phase beside them"),
-    [LAYOUT_DUO] = ROW("duo", "position and phase side by side"),
-    [LAYOUT_SINGLE] = ROW("single", "the focused pane, and the log"),
-    [LAYOUT_STACK] = ROW("stack", "position, velocity and energy above each other, one time axis"),
-    [LAYOUT_QUAD] = ROW("quad", "position, phase, velocity and energy"),
-    [LAYOUT_PLOT] = ROW("plot", "the focused pane alone"),
-    [LAYOUT_LOG] = ROW("log", "the log alone"),
+static const struct layout_row layouts[] = {
+    [LAYOUT_TRIO] = {ROW("trio", "position above energy, phase beside them"), 60, 0, LAYOUT_SINGLE},
+    [LAYOUT_DUO] = {ROW("duo", "position and phase side by side"), 60, 0, LAYOUT_SINGLE},
+    [LAYOUT_SINGLE] = {ROW("single", "the focused pane, and the log"), 0, 0, LAYOUT_SINGLE},
+    [LAYOUT_STACK] = {ROW("stack", "position, velocity and energy above each other, one time axis"), 0, 0,
+                      LAYOUT_STACK},
+    [LAYOUT_QUAD] = {ROW("quad", "position, phase, velocity and energy"), 110, 36, LAYOUT_TRIO},
+    [LAYOUT_PLOT] = {ROW("plot", "the focused pane alone"), 0, 0, LAYOUT_PLOT},
+    [LAYOUT_LOG] = {ROW("log", "the log alone"), 0, 0, LAYOUT_LOG},
 };
 const struct catalog layout_catalog = CATALOG("layout", layouts);
+
+enum layout layout_drawn(enum layout layout, int width, int height)
+{
+    while (width < layouts[layout].width || height < layouts[layout].height)
+        layout = layouts[layout].smaller;
+    return layout;
+}
 
 static const struct row snaps[] = {
     [SNAP_CROSSING] = ROW("crossing", "up-crossings of the equilibrium, placed by a line fit"),

@@ -37,7 +37,8 @@ struct division {
 };
 
 struct division screen_division(const struct session *session, int height);
-int screen_places(const struct session *session, struct rectangle area, struct place place[PLACES_MOST]);
+/* The area is as wide as the screen, which has `height` rows. */
+int screen_places(const struct session *session, struct rectangle area, int height, struct place place[PLACES_MOST]);
 bool pane_is_timed(enum pane pane); /* its horizontal axis is the time */
 bool pane_is_plane(enum pane pane); /* one part of the state against another: phase, orbit */
 

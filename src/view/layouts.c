@@ -27,8 +27,6 @@ struct division screen_division(const struct session *session, int height)
 }
 
 struct arrangement {
-    int least_width, least_height; /* of the area; below, `smaller` is taken instead */
-    enum layout smaller;
     bool shared; /* the panes of the left column share one time axis */
     bool numbered;
     int first; /* share of the first pane of the left column, the others have 1 */
@@ -38,12 +36,12 @@ struct arrangement {
 
 static const struct arrangement arrangements[] = {
     [LAYOUT_SINGLE] = {.first = 1, .lefts = 1, .left = {PANE_POSITION}},
-    [LAYOUT_DUO] = {60, 0, LAYOUT_SINGLE, .first = 1, .lefts = 1, .left = {PANE_POSITION}, .rights = 1,
+    [LAYOUT_DUO] = {.first = 1, .lefts = 1, .left = {PANE_POSITION}, .rights = 1,
                     .right = {PANE_PHASE}},
-    [LAYOUT_TRIO] = {60, 0, LAYOUT_SINGLE, .shared = true, .first = 2, .lefts = 2, .left = {PANE_POSITION, PANE_ENERGY},
+    [LAYOUT_TRIO] = {.shared = true, .first = 2, .lefts = 2, .left = {PANE_POSITION, PANE_ENERGY},
                      .rights = 1, .right = {PANE_PHASE}},
     [LAYOUT_STACK] = {.shared = true, .first = 1, .lefts = 3, .left = {PANE_POSITION, PANE_VELOCITY, PANE_ENERGY}},
-    [LAYOUT_QUAD] = {110, 24, LAYOUT_TRIO, .numbered = true, .first = 1, .lefts = 2,
+    [LAYOUT_QUAD] = {.numbered = true, .first = 1, .lefts = 2,
                      .left = {PANE_POSITION, PANE_VELOCITY}, .rights = 2, .right = {PANE_PHASE, PANE_ENERGY}},
     [LAYOUT_PLOT] = {.first = 1, .lefts = 1, .left = {PANE_POSITION}},
     [LAYOUT_LOG] = {.first = 1},
@@ -119,12 +117,10 @@ static int right_width(const struct arrangement *a, const enum pane *right, int 
     return larger(smaller(square, most), PHASE_LEAST);
 }
 
-int screen_places(const struct session *session, struct rectangle area, struct place place[PLACES_MOST])
+int screen_places(const struct session *session, struct rectangle area, int height, struct place place[PLACES_MOST])
 {
     const struct view *view = &session->view;
-    enum layout layout = view->full ? LAYOUT_SINGLE : view->layout;
-    while (area.width < arrangements[layout].least_width || area.height < arrangements[layout].least_height)
-        layout = arrangements[layout].smaller;
+    const enum layout layout = layout_drawn(view->full ? LAYOUT_SINGLE : view->layout, area.width, height);
     const struct arrangement *a = &arrangements[layout];
 
     enum pane left[3], right[2];

@@ -13,7 +13,8 @@ static void draw_parts(struct screen *screen, const struct prompt_line *prompt, 
         state_line_draw(screen, y++);
     if (division.plots) {
         struct place place[PLACES_MOST];
-        int places = screen_places(session, (struct rectangle){0, y, width, division.plots}, place);
+        int places = screen_places(session, (struct rectangle){0, y, width, division.plots}, screen->canvas->height,
+                                   place);
         *ok = panes_draw(screen, place, places);
         y += division.plots;
     }
@@ -69,9 +70,8 @@ static int time_axis(const struct session *session, int width, int height, doubl
     struct screen screen = {.session = session, .charset = session_charset(session)};
     struct division division = screen_division(session, height);
     struct place place[PLACES_MOST];
-    int places = division.plots
-                     ? screen_places(session, (struct rectangle){0, division.state, width, division.plots}, place)
-                     : 0;
+    const struct rectangle area = {0, division.state, width, division.plots};
+    int places = division.plots ? screen_places(session, area, height, place) : 0;
     int columns = panes_time_axis(&screen, place, places, span);
     arena_reset(&screen.arena);
     return columns;

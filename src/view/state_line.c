@@ -96,6 +96,39 @@ static void put_progress(struct buffer *out, const struct session *session, cons
         buffer_format(out, "  %lld step%s", (long long)run->steps, run->steps == 1 ? "" : "s");
 }
 
+struct solving {
+    const struct method *method;
+    struct run_settings settings;
+};
+
+static void put_step(struct buffer *out, const struct solving *by, const struct form *form)
+{
+    const bool adaptive = by->settings.tol > 0;
+    buffer_put(out, adaptive ? TEXT(" tol=") : TEXT(" dt="));
+    if (adaptive)
+        buffer_short(out, by->settings.tol, 2);
+    else
+        put_quantity(out, by->settings.dt, QUANTITY_TIME, form->blanks);
+}
+
+/* What the curve was computed with, and what the next run will be, where that is something else. */
+static void put_method(struct buffer *out, const struct session *session, const struct form *form)
+{
+    const struct run *run = session_run(session);
+    const struct solving next = {session->setup.method, session_run_settings(session)};
+    const struct solving by = run ? (struct solving){run->method, run->settings} : next;
+    const bool other =
+        by.settings.tol != next.settings.tol || (by.settings.tol == 0 && by.settings.dt != next.settings.dt);
+    buffer_put(out, text_of(by.method->row.name));
+    if (form->step)
+        put_step(out, &by, form);
+    if (by.method == next.method && !(form->step && other))
+        return;
+    buffer_format(out, ", next %s", next.method->row.name);
+    if (form->step && other)
+        put_step(out, &next, form);
+}
+
 static void put_form(struct buffer *out, const struct session *session, const struct form *form, int parameters)
 {
     const struct setup *setup = &session->setup;
@@ -108,15 +141,7 @@ static void put_form(struct buffer *out, const struct session *session, const st
         put_parameters(out, &setup->scene, parameters, form->start);
     if (form->method) {
         buffer_put(out, form->scene ? bar : TEXT(""));
-        buffer_put(out, text_of(setup->method->row.name));
-    }
-    if (form->step) {
-        bool adaptive = setup->settings.tol > 0 && setup->method->flags & METHOD_ADAPTIVE && !setup->fixed;
-        buffer_put(out, adaptive ? TEXT(" tol=") : TEXT(" dt="));
-        if (adaptive)
-            buffer_short(out, setup->settings.tol, 2);
-        else
-            put_quantity(out, setup->settings.dt, QUANTITY_TIME, form->blanks);
+        put_method(out, session, form);
     }
     put_progress(&progress, session, form);
     if (progress.len && out->len)

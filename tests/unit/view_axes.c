@@ -113,7 +113,7 @@ static void open_panes(struct panes *p, const struct trial *s)
     *p = (struct panes){.screen = {.session = s->session, .charset = session_charset(s->session)}};
     if (division.plots) {
         const struct rectangle area = {0, division.state, s->width, division.plots};
-        p->places = screen_places(s->session, area, p->place);
+        p->places = screen_places(s->session, area, s->height, p->place);
         assert_true(panes_figures(&p->screen, p->place, p->places, p->figure));
     }
     for (int i = 0; i < p->places; i++)

@@ -221,6 +221,30 @@ static void the_log_scrolls(void **state)
     session_destroy(session);
 }
 
+/* A method or a step chosen after the run are those of the next one. */
+static void the_state_line_names_what_the_curve_was_computed_with(void **state)
+{
+    (void)state;
+    struct session *session = begin(true, "method euler; run 4 s; method verlet");
+    assert_shows(session, 80, 24, "| euler dt=10 ms, next verlet | t=4.00 s");
+    tell(session, "dt = 5 ms");
+    assert_shows(session, 80, 24, "| euler dt=10 ms, next verlet dt=5 ms | t=4.00 s");
+    tell(session, "run 4 s");
+    assert_shows(session, 80, 24, "| verlet dt=5 ms | t=4.000 s");
+    session_destroy(session);
+}
+
+/* What 'layout' says is drawn is drawn, from the size on that it names. */
+static void a_layout_needs_the_size_that_is_said(void **state)
+{
+    (void)state;
+    struct session *session = begin(true, "run 4 s; layout quad; clear");
+    assert_shows(session, 110, 36, "4 energy");
+    assert_hides(session, 109, 36, "4 energy");
+    assert_hides(session, 110, 35, "4 energy");
+    session_destroy(session);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -232,6 +256,8 @@ int main(void)
         cmocka_unit_test(the_state_line_says_what_goes_on),
         cmocka_unit_test(a_conservative_run_has_no_balance),
         cmocka_unit_test(a_hint_takes_the_numbers_line),
+        cmocka_unit_test(the_state_line_names_what_the_curve_was_computed_with),
+        cmocka_unit_test(a_layout_needs_the_size_that_is_said),
         cmocka_unit_test(the_log_scrolls),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
