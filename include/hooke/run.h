@@ -91,8 +91,15 @@ enum stop {                 /* why a run is where it is */
             STOP_CANCELLED,
             STOP_NO_SOLUTION, /* implicit equation not solved */
             STOP_STALLED,     /* adaptive step below rounding */
-            STOP_FULL         /* memory budget used up */
+            STOP_FULL,        /* memory budget used up */
+            STOP_SINGULAR     /* the solution itself goes to infinity: said by run_diagnose() */
 };
+
+/* It did not get where it should, and cannot: no step on from there. */
+static inline bool stop_is_failure(enum stop stop)
+{
+    return stop == STOP_DIVERGED || stop == STOP_NO_SOLUTION || stop == STOP_STALLED || stop == STOP_SINGULAR;
+}
 
 const char *stop_name(
     enum stop stop); /* the JSON `status`: ok, diverged, cancelled … (STOP_END, STOP_CONDITION, STOP_NONE are ok) */
@@ -113,6 +120,7 @@ struct run {
     struct cost cost;
     double seconds; /* wall time spent advancing */
     enum stop stop;
+    double singular; /* [s] with STOP_SINGULAR: where the solution ends */
     bool warned_growth;
     struct controller controller;
 
@@ -193,6 +201,13 @@ bool run_rebind(struct run *run, const struct scene *scene, struct error *error)
  * jump. The run is unchanged on error: a value that no run may reach, no room.
  */
 bool run_kick(struct run *run, int i, double value, struct error *error);
+/*
+ * The time [s] before `end` at which the solution through (t, y) goes to infinity, NAN: it does not, or that cannot be
+ * told. Integrates at most 20000 steps of dop853; allocates. src/run/singular.c has the criterion.
+ */
+double system_singularity(const struct system *system, double t, const double *y, double end);
+/* Whether a run that has failed did so because its solution ends there: then stop becomes STOP_SINGULAR. */
+void run_diagnose(struct run *run);
 /* Why it stopped, as a sentence for the user: "diverged at t = 12.31 s (step 18): dt = 0.7 s is above …; try dt <= 0.06
  * s". */
 void run_explain(const struct run *run, struct buffer *text);

@@ -63,6 +63,7 @@ struct reference {
     bool exact;
     const struct method *by[2]; /* unless exact: the solution, and what confirmed it */
     double accuracy;            /* distance between both, or the conditioning floor of the closed form */
+    double singular;            /* [s] where there is no reference because the solution goes to infinity there; NAN */
     double meaning;             /* [s] after t0: from here on they differ by more than 1e-3; span: nowhere */
 };
 
@@ -337,6 +338,7 @@ enum stress_verdict {
     STRESS_ACCURATE, /* error below 1 % */
     STRESS_BOUNDED,  /* wrong, but no larger than the motion */
     STRESS_DAMPED,   /* what should swing is gone */
+    STRESS_SINGULAR, /* the solution itself goes to infinity on the way */
     STRESS_REFUSED,  /* with the reason: does not apply, out of budget, no solution … */
     STRESS_DIVERGED,
     STRESS_UNKNOWN, /* arrived, but no two references do */

@@ -124,6 +124,7 @@ static bool arrive(struct session *session, const struct journey *journey, const
                    struct reply *reply, struct error *error)
 {
     struct run *run = journey->held->run;
+    run_diagnose(run);
     session->data_is_latest = false;
     session_changed(session);
     if (run->stop == STOP_CONDITION && passage->count == 0)
@@ -143,8 +144,7 @@ static bool arrive(struct session *session, const struct journey *journey, const
     }
     if (run->stop == STOP_END && journey->target.condition)
         return error_set(error, ERROR_COMMAND, "the condition did not become true up to t = %.6g s", run->t);
-    if (run->stop == STOP_DIVERGED || run->stop == STOP_NO_SOLUTION || run->stop == STOP_STALLED ||
-        run->stop == STOP_FULL) {
+    if (stop_is_failure(run->stop) || run->stop == STOP_FULL) {
         struct buffer why = {0};
         run_explain(run, &why);
         error_set(error, run->stop == STOP_FULL ? ERROR_COMMAND : ERROR_NUMERICAL, "%s", buffer_view(&why));
@@ -283,11 +283,13 @@ static struct run *current(const struct session *session, struct error *error)
 
 static bool can_go_on(const struct run *run, struct error *error)
 {
-    if (run->stop != STOP_DIVERGED && run->stop != STOP_NO_SOLUTION && run->stop != STOP_FULL)
+    if (run->stop == STOP_STALLED || !(stop_is_failure(run->stop) || run->stop == STOP_FULL))
         return true;
     error_set(error, ERROR_COMMAND, "run %d cannot go on: it stopped because of status '%s' at t = %.6g s", run->number,
               stop_name(run->stop), run->t);
-    return error_hint(error, "change dt or the method and start a new one with 'run', or go back with 'back N'");
+    return error_hint(error, run->stop == STOP_SINGULAR
+                                 ? "there is no solution beyond: 'back N' goes back, 'run' starts a new one"
+                                 : "change dt or the method and start a new one with 'run', or go back with 'back N'");
 }
 
 static void warn_other_scene(const struct session *session, const struct run *run, struct reply *reply)

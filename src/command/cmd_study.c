@@ -64,7 +64,7 @@ static struct columns columns_for(const struct session *session, const struct co
         columns.phase |= isfinite(rows[i].errors.phase);
         columns.timed |= isfinite(rows[i].time.minimum);
         columns.mixed |= rows[i].path != rows[0].path;
-        columns.energy |= isfinite(rows[i].ledger.error_max) || rows[i].run->stop == STOP_DIVERGED;
+        columns.energy |= isfinite(rows[i].ledger.error_max) || stop_is_failure(rows[i].run->stop);
     }
     return columns;
 }
@@ -137,8 +137,8 @@ static void reply_table(const struct session *session, const struct comparison *
         setting_cell(&table, run);
         settings[i] = cell_last(&table);
         cell_count(&table, run->steps);
-        if (run->stop == STOP_DIVERGED)
-            cell_text(&table, "diverged");
+        if (columns.energy && stop_is_failure(run->stop))
+            cell_text(&table, stop_name(run->stop));
         else if (columns.energy)
             cell_quantity(&table, rows[i].ledger.error_max, QUANTITY_NUMBER, 3);
         cell_quantity(&table, rows[i].errors.max, QUANTITY_NUMBER, 3);

@@ -118,7 +118,7 @@ void live_refresh(struct session *session)
     const struct held_run *held = run ? session->run[session->current_run] : NULL;
     live->state = !run                          ? LIVE_IDLE
                   : run->stop == STOP_CANCELLED ? LIVE_PAUSED
-                  : run->stop == STOP_DIVERGED  ? LIVE_DIVERGED
+                  : run->stop == STOP_DIVERGED || run->stop == STOP_SINGULAR ? LIVE_DIVERGED
                                                 : LIVE_IDLE;
     live->mark_count = 0;
     for (int i = 0; held && i < held->legs; i++)

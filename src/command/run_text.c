@@ -22,6 +22,8 @@ void reply_run(const struct session *session, const struct run *run, struct repl
     buffer_put(&text, TEXT("t = "));
     buffer_measured(&text, (struct measured){run->t, 0}, QUANTITY_TIME, digits > 6 ? digits : 6);
     buffer_format(&text, ", %lld step%s, %s", (long long)run->steps, run->steps == 1 ? "" : "s", run->method->row.name);
+    if (run->stop == STOP_SINGULAR)
+        ledger.error_max = NAN; /* what is left there is the difference of numbers without bound */
     if (isfinite(ledger.error_max)) {
         buffer_put(&text, TEXT(", dE/E0 max "));
         buffer_short(&text, ledger.error_max, 2);
@@ -67,7 +69,7 @@ void reply_growth(struct run *run, struct reply *reply)
     struct ledger ledger;
     const struct oscillator *o = &run->system.oscillator;
     if (run->warned_growth || !(run->plan.growth > 1) || o->damping < 0 || o->stiffness < 0 ||
-        run->stop == STOP_DIVERGED)
+        stop_is_failure(run->stop))
         return;
     run_ledger(run, &ledger);
     if (!(ledger.final > 100 * ledger.initial))

@@ -158,7 +158,7 @@ static bool grows(const struct run *run)
 {
     const struct oscillator *o = &run->system.oscillator;
     const double doubling = log(2);
-    return run->stop == STOP_DIVERGED || (o->damping >= 0 && o->stiffness > 0 && run->system.autonomous &&
+    return run->stop == STOP_DIVERGED || run->stop == STOP_SINGULAR || (o->damping >= 0 && o->stiffness > 0 && run->system.autonomous &&
                                           (double)run->steps * log(run->plan.growth) > doubling);
 }
 

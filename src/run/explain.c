@@ -17,13 +17,36 @@ static void put_time(struct buffer *text, double seconds, int digits)
     buffer_format(text, " s");
 }
 
-/* [1/s] of the fastest motion near the present state: the norm of the Jacobian in scaled variables. */
+#define SOUND 2 /* natural sizes: what is larger may be the method's doing */
+
+/* The last recorded state before it blew up, or the start. What a blown-up state says of rates means nothing. */
+static const double *sound_state(const struct run *run, double *t)
+{
+    const struct system *system = &run->system;
+    *t = run->t;
+    if (!run->trace)
+        return run->y;
+    for (size_t row = trace_count(run->trace); row-- > 0;) {
+        const double *y = trace_state(run->trace, row);
+        bool sound = true;
+        for (int i = 0; i < system->n && sound; i++)
+            sound = fabs(y[i]) <= SOUND * fmax(system->scale[i], fabs(system->start[i]));
+        *t = trace_time(run->trace, row);
+        if (sound || row == 0)
+            return y;
+    }
+    return run->y;
+}
+
+/* [1/s] of the fastest motion near the last sound state: the norm of the Jacobian in scaled variables. */
 static double fastest_rate(const struct run *run)
 {
+    double t;
+    const double *y = sound_state(run, &t);
     double jac[LIMIT_VARIABLES * LIMIT_VARIABLES], most = 0;
     const struct system *system = &run->system;
     int n = system->n;
-    system_jacobian(system, run->t, run->y, jac);
+    system_jacobian(system, t, y, jac);
     for (int i = 0; i < n; i++) {
         double sum = 0;
         for (int j = 0; j < n; j++)
@@ -60,7 +83,7 @@ static void explain_divergence(const struct run *run, struct buffer *text)
         buffer_short(text, growth, 5);
         buffer_format(text, " a step at this dt; try a smaller dt or an implicit method");
     } else if (!implicit && isnan(limit) && isfinite(rate) && rate * dt > 1) {
-        buffer_format(text, "the scene's fastest rate here is about ");
+        buffer_format(text, "the scene's fastest rate is about ");
         buffer_short(text, rate, 2);
         buffer_format(text, " 1/s, too fast for %s at dt = ", name);
         put_time(text, dt, 6);
@@ -84,6 +107,7 @@ void run_explain(const struct run *run, struct buffer *text)
         [STOP_NO_SOLUTION] = "no solution at",
         [STOP_STALLED] = "stalled at",
         [STOP_FULL] = "stopped at",
+        [STOP_SINGULAR] = "stopped at",
     };
     buffer_format(text, "%s t = ", what[run->stop]);
     put_time(text, run->t, run->stop == STOP_CONDITION ? 10 : 6);
@@ -117,6 +141,14 @@ void run_explain(const struct run *run, struct buffer *text)
         }
         buffer_format(text, ": the trace holds %zu rows in %.4g MB and has no room for more; try 'set record auto'",
                       trace_count(run->trace), (double)trace_bytes(run->trace) / 1e6);
+        break;
+    case STOP_SINGULAR:
+        buffer_format(text, ": the solution itself goes to infinity at t = ");
+        put_time(text, run->singular, 6);
+        buffer_put(text, TEXT(" (a finite-time blow-up): "));
+        buffer_put(text, fabs(run->t - run->system.t0) > 1.5 * fabs(run->singular - run->system.t0)
+                             ? TEXT("what the method gives beyond means nothing")
+                             : TEXT("no method and no step gets past it"));
         break;
     case STOP_NONE:
     case STOP_END:

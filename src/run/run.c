@@ -19,6 +19,7 @@ const char *stop_name(enum stop stop)
         [STOP_NO_SOLUTION] = "no-solution",
         [STOP_STALLED] = "stalled",
         [STOP_FULL] = "full",
+        [STOP_SINGULAR] = "singular",
     };
     return name[stop];
 }

@@ -182,6 +182,11 @@ static bool compare_one(const struct compare_request *request, const struct cont
     struct run_target target = {.t = row->run->system.t0 + request->duration, .steps = -1};
     while (run_advance(row->run, &target, 0, request->cancel)) {
     }
+    run_diagnose(row->run);
+    if (row->run->stop == STOP_END && !isnan(reference->singular)) { /* it jumped over */
+        row->run->stop = STOP_SINGULAR;
+        row->run->singular = reference->singular;
+    }
     if (cancelled(request->cancel)) {
         return true; /* the caller drops the row: nothing more is computed for it */
     }
@@ -305,7 +310,7 @@ bool study_compare(const struct compare_request *request, struct comparison *row
     double steps, seconds;
     struct system system;
     struct error none = {0};
-    struct reference reference = {0};
+    struct reference reference = {.singular = NAN};
     if (!study_compare_plan(request, &steps, &seconds, error) || !scene_bind(request->scene, &system, error)) {
         return false;
     }

@@ -212,11 +212,25 @@ static void take_closed_form(const struct system *system, struct reference *refe
         reference->accuracy = fmax(reference->accuracy, most[i] / reference->amplitude[i]);
 }
 
+/* Looked for first: two methods that do not get there would take long to find out. */
+static bool refuse_singular(const struct system *system, struct reference *reference, struct error *error)
+{
+    const double t0 = system->t0;
+    reference->singular = system_singularity(system, t0, system->start, t0 + reference->span);
+    if (isnan(reference->singular))
+        return true;
+    reference_free(reference);
+    error_set(error, ERROR_NUMERICAL,
+              "the solution goes to infinity at t = %.6g s: beyond there is nothing to measure errors against",
+              reference->singular);
+    return error_hint(error, "a shorter one can be studied: duration = %.3g s", 0.9 * fabs(reference->singular - t0));
+}
+
 bool study_reference(const struct system *system, double span, const struct cancel *cancel, struct reference *reference,
                      struct error *error)
 {
     const size_t size = (size_t)STUDY_TIMES * (size_t)system->n;
-    *reference = (struct reference){.span = span, .meaning = span, .n = system->n};
+    *reference = (struct reference){.span = span, .meaning = span, .singular = NAN, .n = system->n};
     reference->scored = system->order == 2 ? system->n / 2 : system->n;
     reference->y = calloc(size, sizeof *reference->y);
     if (!reference->y)
@@ -225,6 +239,8 @@ bool study_reference(const struct system *system, double span, const struct canc
         take_closed_form(system, reference);
         return true;
     }
+    if (!refuse_singular(system, reference, error))
+        return false;
     struct search search = {.system = system, .reference = reference, .cancel = cancel, .size = size};
     search.grid = calloc((KIND_COUNT + 1) * size, sizeof *search.grid);
     if (!search.grid) {

@@ -170,6 +170,17 @@ int modes_at(const struct system *system, double t, const double *y, struct mode
 
 /* ---- along the run ---- */
 
+/* Nothing arrives: what grew beyond this many natural sizes may be on its way to nowhere, and says nothing of the rest. */
+#define SOUND 10
+
+static bool is_sound(const struct system *system, const double *y)
+{
+    for (int i = 0; i < system->n; i++)
+        if (!(fabs(y[i]) <= SOUND * fmax(system->scale[i], fabs(system->start[i]))))
+            return false;
+    return true;
+}
+
 /* A state of every 16th grid time, from whatever method gets there at a moderate tolerance. */
 static void modes_along(const struct system *system, const struct stability_request *request,
                         struct stability *stability)
@@ -192,7 +203,7 @@ static void modes_along(const struct system *system, const struct stability_requ
         for (int k = stride; k < STUDY_TIMES && (stop == STOP_END || i + 1 == COUNT_OF(able)); k += stride) {
             struct mode here[LIMIT_VARIABLES];
             int count = 0;
-            if (isnan(grid[k * n]))
+            if (isnan(grid[k * n]) || (stop != STOP_END && !is_sound(system, grid + k * n)))
                 break;
             const double t = system->t0 + request->duration * k / (STUDY_TIMES - 1);
             stability->grows |= modes_at(system, t, grid + k * n, here, &count, LIMIT_VARIABLES) > 0;
@@ -301,6 +312,13 @@ static bool run_scene(const struct system *system, const struct stability_reques
     solver.most = 3000000;
     s->stop = solver_run(&solver, grid, request->cancel);
     s->reached = solver.step.t;
+    const double singular = stop_is_failure(s->stop)
+                                ? system_singularity(system, system->t0, system->start, s->reached + 16 * request->dt)
+                                : NAN;
+    if (!isnan(singular)) {
+        s->stop = STOP_SINGULAR;
+        s->reached = singular;
+    }
     s->largest = 0;
     for (int i = 0; i < STUDY_TIMES * n; i++)
         if (!isnan(grid[i]))
@@ -354,7 +372,8 @@ bool study_stability(const struct stability_request *request, struct stability *
     if (!s->linear && !cancelled(request->cancel)) {
         if (!run_scene(&system, request, s))
             return error_memory(error);
-        s->agrees &= s->verdict == STABILITY_UNSTABLE || s->stop == STOP_END || s->stop == STOP_FULL;
+        s->agrees &= s->verdict == STABILITY_UNSTABLE || s->stop == STOP_END || s->stop == STOP_FULL ||
+                     s->stop == STOP_SINGULAR;
     }
     return !cancelled(request->cancel) || error_set(error, ERROR_CANCELLED, "stopped");
 }

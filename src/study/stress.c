@@ -24,6 +24,7 @@ static const struct row verdicts[] = {
     [STRESS_ACCURATE] = {"accurate", "a", "error below 1 % of the amplitude all the way", "", NULL},
     [STRESS_BOUNDED] = {"bounded", "b", "wrong in phase or shape, but no larger than the motion", "", NULL},
     [STRESS_DAMPED] = {"damped away", "d", "what should swing is gone", "", NULL},
+    [STRESS_SINGULAR] = {"singular", "s", "the solution itself goes to infinity before the end", "", NULL},
     [STRESS_REFUSED] = {"refused", "r", "not computed, with the reason", "", NULL},
     [STRESS_DIVERGED] = {"diverged", "X", "grew beyond the motion, or out of the range of numbers", "", NULL},
     [STRESS_UNKNOWN] = {"unknown", "u", "arrived, but no two references do: its error is not known", "", NULL},
@@ -118,6 +119,8 @@ struct bench {
     double span, tol, dt;
     struct reference reference;
     char refused[200]; /* the scene itself is refused: why */
+    double singular;   /* [s] the solution goes to infinity there, NAN: it does not; looked for when one fails */
+    bool looked;
     double *grid;      /* [STUDY_TIMES][n] */
     const struct cancel *cancel;
 };
@@ -266,6 +269,23 @@ static void judge_end(const struct bench *bench, struct stress_row *row)
         row->verdict = STRESS_UNEXPLAINED;
 }
 
+/* Also of a method that went on past it, where there is nothing to measure against: what it gives is no solution. */
+static bool judge_singular(struct bench *bench, enum stop stop, struct stress_row *row)
+{
+    const struct system *system = &bench->system;
+    if (!stop_is_failure(stop) && !(stop == STOP_END && !bench->reference.y))
+        return false;
+    if (!bench->looked)
+        bench->singular = system_singularity(system, system->t0, system->start, system->t0 + bench->span);
+    bench->looked = true;
+    if (isnan(bench->singular))
+        return false;
+    row->verdict = STRESS_SINGULAR;
+    snprintf(row->reason, sizeof row->reason, "the solution itself goes to infinity at t = %.6g s%s", bench->singular,
+             stop == STOP_END ? ", and what the method gives beyond means nothing" : "");
+    return true;
+}
+
 static void judge_stop(const struct bench *bench, const struct solver *solver, const struct run_settings *settings,
                        const struct plan *plan, enum stop stop, struct stress_row *row)
 {
@@ -298,7 +318,7 @@ static void refuse(struct stress_row *row, const char *why)
 }
 
 /* False: no memory. */
-static bool run_case(const struct bench *bench, int method, struct stress_row *row)
+static bool run_case(struct bench *bench, int method, struct stress_row *row)
 {
     const bool adaptive = row->method->flags & METHOD_ADAPTIVE && !bench->what->fixed;
     double *limit = &bench->limit[method];
@@ -337,7 +357,9 @@ static bool run_case(const struct bench *bench, int method, struct stress_row *r
     solver.most = COST_MOST;
     const enum stop stop = solver_run(&solver, bench->grid, bench->cancel);
     row->steps = solver.steps;
-    if (stop == STOP_END)
+    if (judge_singular(bench, stop, row))
+        ;
+    else if (stop == STOP_END)
         judge_end(bench, row);
     else
         judge_stop(bench, &solver, &settings, &plan, stop, row);

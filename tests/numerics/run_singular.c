@@ -1,0 +1,188 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Solutions that go to infinity in finite time, against their closed forms; and what must not be taken for one. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "unit/scene_typing.h"
+#include <hooke/run.h>
+
+#include <math.h>
+#include <stdlib.h>
+
+#define PI 3.14159265358979323846
+
+static const struct method *method(const char *name)
+{
+    return (const struct method *)(const void *)catalog_find(&method_catalog, text_of(name));
+}
+
+static void typed_scene(struct typed_models *models, struct scene *scene, const char *lines)
+{
+    struct text rest = text_of(lines), line;
+    struct error error = {0};
+    scene_init(scene, NULL);
+    while (text_split(&rest, ';', &line)) {
+        const struct typed_line typed = typing_line(text_trim(line));
+        const struct model *model = typed_add(models, scene->model, &typed, &error);
+        if (!model)
+            fail_msg("%s: %s", lines, error.text);
+        scene_remodel(scene, model);
+    }
+}
+
+/* Runs it for `span` and says why it ended. */
+static struct run *ended(const struct scene *scene, const char *by, double dt, double tol, double span)
+{
+    const struct run_settings settings = {.dt = dt, .tol = tol};
+    struct error error = {0};
+    struct run *run = run_create(scene, method(by), &settings, span, &error);
+    if (!run)
+        fail_msg("%s: %s", by, error.text);
+    const struct run_target target = {.t = run->system.t0 + span, .steps = -1};
+    while (run_advance(run, &target, 0, NULL)) {
+    }
+    run_diagnose(run);
+    return run;
+}
+
+/* The integral of dx / sqrt(2 (E - V)) for x'' = -x + x^3 from x = v = 1: E - V = 3/4 - x^2/2 + x^4/4. x = 1/u. */
+static double duffing_time(void)
+{
+    const int n = 20000;
+    double sum = 0;
+    for (int i = 0; i < n; i++) { /* midpoint rule; the integrand is smooth in u */
+        const double u = (i + 0.5) / n;
+        sum += 1 / sqrt(2 * (0.75 * u * u * u * u - 0.5 * u * u + 0.25)) / n;
+    }
+    return sum;
+}
+
+static void test_closed_forms(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *lines;
+        double at; /* NAN: duffing_time() */
+        bool second;
+    } scenes[] = {
+        {"var x = 1;x' = x^2", 1, false},
+        {"var x = 1;x' = x^3", 0.5, false},
+        {"var x = 0;x' = 1 + x^2", PI / 2, false},
+        {"var x = 0;x' = exp(x)", 1, false},
+        {"var x = 1e-6;x' = 1e-3*x^2", 1e9, false},
+        {"var x = 1;var y = 1;x' = x*y;y' = x*y", 1, false},
+        {"var x = 1;var x' = 2;x'' = 6*x^2", 1, true},
+        {"var x = 1;var x' = 1;x'' = x^3 - x", NAN, true},
+        {"var x = 100;var x' = 0;x'' = -2*x' - x + x^3", 0, true}, /* no closed form: only that it is seen */
+    };
+    static const char *const adaptive[] = {"dopri5", "dop853", "rodas5p"};
+    static const char *const fixed[] = {"rk4", "euler", "heun2"};
+    struct error error;
+    struct typed_models *models = typed_create(&error);
+    for (size_t i = 0; i < COUNT_OF(scenes); i++) {
+        struct scene scene;
+        typed_scene(models, &scene, scenes[i].lines);
+        const double at = isnan(scenes[i].at) ? duffing_time() : scenes[i].at, span = at > 0 ? 3 * at : 1;
+        for (size_t m = 0; m < COUNT_OF(adaptive) + COUNT_OF(fixed); m++) {
+            const bool adapts = m < COUNT_OF(adaptive);
+            const char *by = adapts ? adaptive[m] : fixed[m - COUNT_OF(adaptive)];
+            struct run *run = method(by) ? ended(&scene, by, span / 3000, adapts ? 1e-8 : 0, span) : NULL;
+            if (!run)
+                continue;
+            if (run->stop != STOP_SINGULAR && !(adapts && run->stop == STOP_END)) /* some jump over a pole */
+                fail_msg("%s, %s: %s at %g, not singular", scenes[i].lines, by, stop_name(run->stop), run->t);
+            if (run->stop == STOP_SINGULAR && at > 0 && fabs(run->singular / at - 1) > 1e-7)
+                fail_msg("%s, %s: at %.12g, not %.12g", scenes[i].lines, by, run->singular, at);
+            if (strcmp(by, "dopri5") == 0)
+                assert_int_equal(run->stop, STOP_SINGULAR);
+            run_destroy(run);
+        }
+    }
+    typed_destroy(models);
+}
+
+/* The built-in soft spring beyond its barrier, whatever integrates it, forwards and backwards. */
+static void test_built_in(void **state)
+{
+    (void)state;
+    static const char *const methods[] = {"euler", "symplectic-euler", "verlet", "rk4", "backward-euler", "dop853",
+                                          "radau5"};
+    static const struct {
+        const char *name;
+        double value;
+    } set[] = {{"m", 1}, {"k", 1}, {"k3", -1}, {"y0", 1}, {"v0", 1}};
+    const double at = duffing_time();
+    struct error error;
+    struct scene scene;
+    scene_init(&scene, NULL);
+    for (size_t i = 0; i < COUNT_OF(set); i++)
+        assert_true(scene_set(&scene, scene_param(&scene, set[i].name), (struct measured){set[i].value, 0}, &error));
+    for (size_t m = 0; m < COUNT_OF(methods); m++)
+        for (int adapts = 0; adapts < 2; adapts++) {
+            struct run *run = ended(&scene, methods[m], 1e-3, adapts ? 1e-6 : 0, 5);
+            if (run->stop != STOP_SINGULAR || fabs(run->singular - at) > 1e-8)
+                fail_msg("%s: %s at %.9g, singular at %.12g, not %.12g", methods[m], stop_name(run->stop), run->t,
+                         run->singular, at);
+            run_destroy(run);
+        }
+    assert_true(scene_set(&scene, scene_param(&scene, "v0"), (struct measured){-1, 0}, &error));
+    struct run *run = ended(&scene, "rk4", 1e-3, 0, -5);
+    assert_int_equal(run->stop, STOP_SINGULAR);
+    assert_true(fabs(run->singular + at) < 1e-8);
+    run_destroy(run);
+}
+
+/* A method that is unstable, a scene that grows on and on, a step that is too large: none of them is a blow-up. */
+static void test_others(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *lines, *preset, *by;
+        double dt, tol, span;
+        enum stop stop;
+    } cases[] = {
+        {NULL, "spring", "euler", 0.01, 0, 2000, STOP_DIVERGED},
+        {NULL, "spring", "rk4", 0.4, 0, 1e5, STOP_DIVERGED},
+        {NULL, "inverted", "rk4", 0.01, 0, 1000, STOP_DIVERGED},
+        {NULL, "inverted", "dop853", 0.01, 1e-6, 1000, STOP_DIVERGED},
+        {NULL, "duffing", "rk4", 2, 0, 1e3, STOP_DIVERGED},
+        {NULL, "duffing", "euler", 0.1, 0, 1e3, STOP_DIVERGED},
+        {NULL, "vanderpol", "rk4", 1, 0, 100, STOP_DIVERGED},
+        {NULL, "stiff-vanderpol", "rk4", 0.01, 0, 10, STOP_DIVERGED},
+        {NULL, "robertson", "dopri5", 0.01, 0, 10, STOP_DIVERGED},
+        {NULL, "kepler", "euler", 0.5, 0, 10, STOP_END},
+        {"var x = 2;x' = x*log(x)", NULL, "dopri5", 0.01, 1e-6, 30, STOP_DIVERGED}, /* exp(exp t) */
+        {"var x = 1;x' = x", NULL, "dopri5", 0.01, 1e-6, 1000, STOP_DIVERGED},
+        {"var x = 1;x' = x*sqrt(1 + sin(x)^2)", NULL, "rk4", 0.01, 0, 1000, STOP_DIVERGED},
+        {"var x = 1;x' = 50*(cos(x) - x^3)", NULL, "euler", 0.2, 0, 100, STOP_DIVERGED},
+    };
+    struct error error;
+    struct typed_models *models = typed_create(&error);
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        struct scene scene;
+        if (cases[i].lines)
+            typed_scene(models, &scene, cases[i].lines);
+        else
+            scene_init(&scene,
+                       (const struct preset *)(const void *)catalog_find(&preset_catalog, text_of(cases[i].preset)));
+        struct run *run = ended(&scene, cases[i].by, cases[i].dt, cases[i].tol, cases[i].span);
+        if (run->stop == STOP_SINGULAR || (cases[i].stop == STOP_DIVERGED && run->stop != STOP_DIVERGED))
+            fail_msg("%s, %s: %s at t = %g", cases[i].lines ? cases[i].lines : cases[i].preset, cases[i].by,
+                     stop_name(run->stop), run->t);
+        run_destroy(run);
+    }
+    typed_destroy(models);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_closed_forms),
+        cmocka_unit_test(test_built_in),
+        cmocka_unit_test(test_others),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
