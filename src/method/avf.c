@@ -36,11 +36,10 @@ static void add_node(struct step *step, double t, double h, double c, double w, 
 }
 
 /* h (mean of f) - z */
-static void mean_rest(const struct implicit_tableau *tableau, struct step *step, double t, double h, const double *y,
+static void mean_rest(const struct newton *equations, struct step *step, int n, double t, double h, const double *y,
                       const double *z, double *scratch, double *rest)
 {
-    (void)tableau;
-    int n = step->system->n;
+    (void)equations;
     for (int i = 0; i < n; i++)
         rest[i] = -0.0;
     if (step->system->linear) {
@@ -55,8 +54,6 @@ static void mean_rest(const struct implicit_tableau *tableau, struct step *step,
         rest[i] = h * rest[i] - z[i];
 }
 
-static const struct newton mean = {&middle, mean_rest};
-
 /* work: increments [n], then the solver's */
 size_t avf_work(const struct method *method, int n)
 {
@@ -67,6 +64,7 @@ size_t avf_work(const struct method *method, int n)
 enum step_status avf_step(const struct method *method, struct step *step)
 {
     (void)method;
+    const struct newton mean = newton_of(&middle, mean_rest, step->system);
     int n = step->system->n;
     double *z = step->work, *own = z + n;
     if (!step->warm)

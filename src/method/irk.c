@@ -2,7 +2,7 @@
 /* One step of any implicit Runge-Kutta tableau. Source: Hairer, Wanner 1996, Solving ODEs II, IV.6, IV.8. */
 #include <assert.h>
 
-#include "newton.h"
+#include "irk_body.h"
 
 /*
  * Stage by stage: slopes [stages][n], then z, sum, base [n], then the solver's.
@@ -16,27 +16,7 @@ size_t implicit_work(const struct method *method, int n)
                                   : values + newton_room(tableau->stages, n);
 }
 
-/* sum_j w_j k_j[i] over the weights that are not zero, from the first to the last */
-static double weighted(const double *w, int count, const double *k, int n, int i)
-{
-    double sum = -0.0;
-    for (int j = 0; j < count; j++)
-        if (w[j] != 0)
-            sum += w[j] * k[j * n + i];
-    return sum;
-}
-
 /* ---- stage by stage ---- */
-
-/* The last stage is the new state. */
-static bool stiffly_accurate(const struct implicit_tableau *tableau)
-{
-    int s = tableau->stages;
-    for (int i = 0; i < s; i++)
-        if (tableau->a[(s - 1) * s + i] != tableau->b[i])
-            return false;
-    return true;
-}
 
 static bool estimate_diagonal(const struct implicit_tableau *tableau, struct step *step, const double *slope,
                               double *own)
@@ -48,43 +28,37 @@ static bool estimate_diagonal(const struct implicit_tableau *tableau, struct ste
             sum += (tableau->b[s] - tableau->companion[s]) * slope[s * n + i];
         step->error[i] = step->h * sum;
     }
-    return newton_filter(newton_euler.tableau, step, step->t, tableau->diagonal * step->h, step->y, step->error, own);
+    return newton_filter(&newton_euler, step, step->t, tableau->diagonal * step->h, step->y, step->error, own);
+}
+
+static void slope_of(const void *system, double t, const double *y, double *dydt)
+{
+    system_derivative(system, t, y, dydt);
+}
+
+static enum step_status stage_of(const void *system, struct step *step, double t, double h, const double *y, double *z,
+                                 double *sum, double *work)
+{
+    (void)system;
+    return newton_stage(step, t, h, y, z, sum, work);
 }
 
 static enum step_status diagonal_step(const struct implicit_tableau *tableau, struct step *step)
 {
     const int n = step->system->n, stages = tableau->stages;
-    const double t = step->t, h = step->h, part = tableau->diagonal * h, *y = step->y;
     double *slope = step->work, *z = slope + stages * n, *sum = z + n, *base = sum + n, *own = base + n;
     if (!step->warm)
         newton_forget(own);
-
-    for (int s = 0; s < stages; s++) {
-        const double *row = tableau->a + s * stages;
-        double *k = slope + s * n;
-        if (row[s] == 0) { /* the first, at y */
-            if (tableau->fsal && step->warm) {
-                memcpy(k, slope + (stages - 1) * n, (size_t)n * sizeof *k);
-            } else {
-                system_derivative(step->system, t, y, k);
-                step->cost.evals++;
-            }
-            continue;
-        }
-        for (int i = 0; i < n; i++)
-            base[i] = s > 0 ? y[i] + h * weighted(row, s, slope, n, i) : y[i];
-        enum step_status status = newton_stage(step, t + tableau->c[s] * h, part, base, z, sum, own);
-        if (status != STEP_OK)
-            return status;
-        for (int i = 0; i < n; i++)
-            k[i] = z[i] / part;
-    }
+    const enum step_status status =
+        diagonal_stages(tableau, n, stage_of, slope_of, step->system, step, step->warm, slope, z, sum, base, own);
+    if (status != STEP_OK)
+        return status;
     if (step->error && tableau->companion && !estimate_diagonal(tableau, step, slope, own))
         return STEP_NO_SOLUTION;
     if (stiffly_accurate(tableau) && !step->low)
         return step_finish(step, sum);
     for (int i = 0; i < n; i++)
-        z[i] = h * weighted(tableau->b, stages, slope, n, i);
+        z[i] = step->h * weighted_sum(tableau->b, stages, slope, n, i);
     return step_increase(step, z);
 }
 
@@ -137,7 +111,7 @@ static bool estimate(const struct implicit_tableau *tableau, struct step *step, 
     system_derivative(step->system, step->t, at, slope);
     step->cost.evals++;
     for (int i = 0; i < n; i++)
-        step->error[i] = step->h * slope[i] + weighted(tableau->estimate, tableau->stages, z, n, i);
+        step->error[i] = step->h * slope[i] + weighted_sum(tableau->estimate, tableau->stages, z, n, i);
     return newton_filter(tableau, step, step->t, step->h, step->y, step->error, own);
 }
 
@@ -156,7 +130,7 @@ static bool estimate_again(const struct implicit_tableau *tableau, struct step *
 
 static enum step_status coupled_step(const struct implicit_tableau *tableau, struct step *step)
 {
-    const struct newton equations = {tableau, newton_stages};
+    const struct newton equations = newton_of(tableau, newton_stages, step->system);
     const int n = step->system->n, stages = tableau->stages;
     double *z = step->work, *own = z + stages * n;
     assert(stages <= 3);
@@ -175,7 +149,7 @@ static enum step_status coupled_step(const struct implicit_tableau *tableau, str
         return STEP_NO_SOLUTION;
     double increment[LIMIT_VARIABLES];
     for (int i = 0; i < n; i++)
-        increment[i] = weighted(tableau->d, stages, z, n, i);
+        increment[i] = weighted_sum(tableau->d, stages, z, n, i);
     return step_increase(step, increment);
 }
 

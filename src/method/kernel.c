@@ -76,5 +76,5 @@ march_function *method_kernel(const struct method *method, const struct system *
     for (size_t i = 0; i < COUNT_OF(kernels); i++)
         if (method->step == kernels[i].method->step && strcmp(kernels[i].method->row.name, method->row.name) == 0)
             return kernels[i].march[shape];
-    return NULL;
+    return implicit_kernel(method, system);
 }

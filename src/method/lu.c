@@ -1,57 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Source: Golub, Van Loan 1996, Matrix Computations, 3.4. The diagonal of the factors holds the reciprocals. */
-#include "lu.h"
-
-#include <math.h>
-
-#define INSTANCE static inline __attribute__((always_inline))
-
-INSTANCE void swap(double *a, double *b)
-{
-    double c = *a;
-    *a = *b;
-    *b = c;
-}
-
-INSTANCE bool factor(int n, double *a)
-{
-    for (int p = 0; p < n; p++) {
-        int best = p;
-        for (int i = p + 1; i < n; i++)
-            if (fabs(a[i * n + p]) > fabs(a[best * n + p]))
-                best = i;
-        double inverse = 1 / a[best * n + p];
-        if (inverse == 0 || !isfinite(inverse))
-            return false;
-        a[n * n + p] = best;
-        if (best != p)
-            for (int j = p; j < n; j++)
-                swap(&a[p * n + j], &a[best * n + j]);
-        a[p * n + p] = inverse;
-        for (int i = p + 1; i < n; i++) {
-            double factor = a[i * n + p] *= inverse;
-            for (int j = p + 1; j < n; j++)
-                a[i * n + j] -= factor * a[p * n + j];
-        }
-    }
-    return true;
-}
-
-INSTANCE void solve(int n, const double *a, double *b)
-{
-    for (int p = 0; p < n; p++) {
-        int best = (int)a[n * n + p];
-        if (best != p)
-            swap(&b[p], &b[best]);
-        for (int i = p + 1; i < n; i++)
-            b[i] -= a[i * n + p] * b[p];
-    }
-    for (int i = n; i-- > 0;) {
-        for (int j = i + 1; j < n; j++)
-            b[i] -= a[i * n + j] * b[j];
-        b[i] *= a[i * n + i];
-    }
-}
+/* Small dense linear systems, real and complex. Source: Golub, Van Loan 1996, Matrix Computations, 3.4. */
+#include "lu_body.h"
 
 INSTANCE bool factor_complex(int n, double *re)
 {
@@ -116,12 +65,12 @@ INSTANCE void solve_complex(int n, const double *a, double *re, double *im)
 
 bool lu_factor(int n, double *a)
 {
-    return n == 1 ? factor(1, a) : n == 2 ? factor(2, a) : n == 3 ? factor(3, a) : factor(n, a);
+    return n == 1 ? lu_factor_size(1, a) : n == 2 ? lu_factor_size(2, a) : n == 3 ? lu_factor_size(3, a) : lu_factor_size(n, a);
 }
 
 void lu_solve(int n, const double *a, double *b)
 {
-    n == 1 ? solve(1, a, b) : n == 2 ? solve(2, a, b) : n == 3 ? solve(3, a, b) : solve(n, a, b);
+    n == 1 ? lu_solve_size(1, a, b) : n == 2 ? lu_solve_size(2, a, b) : n == 3 ? lu_solve_size(3, a, b) : lu_solve_size(n, a, b);
 }
 
 bool lu_factor_complex(int n, double *a)

@@ -9,17 +9,26 @@
  * The equations for the increments z [stages][n] of all stages over y. The Jacobian of `rest` is that of
  * h sum_j a_ij f(t + c_j h, y + z_j) - z_i, as far as convergence needs it.
  */
+struct newton;
+typedef void jacobian_function(const void *forces, double t, const double *y, double *jac); /* [n][n] */
+/* What the equations are off by; scratch [stages][n]. */
+typedef void newton_rest_function(const struct newton *equations, struct step *step, int n, double t, double h,
+                                  const double *y, const double *z, double *scratch, double *rest);
+
 struct newton {
     const struct implicit_tableau *tableau;
-    /* What the equations are off by; scratch [stages][n]. */
-    void (*rest)(const struct implicit_tableau *tableau, struct step *step, double t, double h, const double *y,
-                 const double *z, double *scratch, double *rest);
+    newton_rest_function *rest;
+    slope_function *slope;
+    jacobian_function *jacobian;
+    const void *forces; /* what the last two know */
 };
 
-extern const struct newton newton_euler; /* one stage: z = h f(t, y + z) */
+extern const struct implicit_tableau newton_euler; /* one stage: z = h f(t, y + z) */
 
-void newton_stages(const struct implicit_tableau *tableau, struct step *step, double t, double h, const double *y,
-                   const double *z, double *slope, double *rest);
+/* The equations for a system; rest: newton_stages, unless the method has its own. */
+struct newton newton_of(const struct implicit_tableau *tableau, newton_rest_function *rest,
+                        const struct system *system);
+newton_rest_function newton_stages;
 
 /*
  * z: in, a guess; out, the solution (undefined unless STEP_OK): as exact as rounding allows or, in steps of

@@ -13,9 +13,6 @@
 #endif
 #define INLINE static inline __attribute__((always_inline))
 
-/* dydt at t, y; `forces` is whatever the function knows. */
-typedef void slope_function(const void *forces, double t, const double *y, double *dydt);
-
 /* z = y + sum_j (h w_j) k_j; low: as in struct step, or NULL */
 INLINE void rk_combine(int n, double h, const double *w, int count, const double *k, const double *y, double *z,
                        double *low)

@@ -169,9 +169,13 @@ struct multistep {
 enum step_status turn_step(const struct method *method, struct step *step, double t, const double *before,
                            const double *low, bool *turned);
 
+/* dydt at t, y; `forces` is whatever the function knows. */
+typedef void slope_function(const void *forces, double t, const double *y, double *dydt);
+
 enum step_status rk_step(const struct method *method, struct step *step);
 /* Of typed scenes (kernel_typed.c), and for any number of variables (kernel_any.c); or NULL */
 march_function *typed_kernel(const struct method *method, const struct system *system, enum drag drag);
+march_function *implicit_kernel(const struct method *method, const struct system *system); /* kernel_implicit.c */
 march_function *any_kernel(const struct method *method);
 step_function *any_step_kernel(const struct method *method);
 size_t rk_work(const struct method *method, int n);
@@ -228,6 +232,8 @@ size_t state_work(const struct method *method, int n); /* one state */
 static inline double drag_root(double a, double c, double r)
 {
     double u = r / a;
+    if (c == 0)
+        return u; /* what the formula gives, too */
     return 2 * u / (1 + sqrt(1 + 4 * (c / a) * fabs(u)));
 }
 

@@ -7,8 +7,16 @@
 
 #define MODEL_FORCE(name) static inline void name##_add(const double *c, UNUSED double t, const double *y, double *a)
 
+#define MODEL_SLOPES(name)                                                                                             \
+    static inline void name##_jacobian(const double *c, UNUSED double t, const double *y, double *jac)
+
 /* pendulum */
 #include "weight.def"
+
+MODEL_SLOPES(weight)
+{
+    jac[0] -= c[0] * cos(y[0]);
+}
 
 /* kepler */
 MODEL_FORCE(attraction)

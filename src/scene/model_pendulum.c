@@ -24,10 +24,6 @@ TERM_BIND(weight)
     c[1] = param[P_m] * param[P_g] * param[P_length];
     return c[0] != 0;
 }
-TERM_JACOBIAN(weight)
-{
-    jac[0] -= c[0] * cos(y[0]);
-}
 TERM_POTENTIAL(weight) /* zero at the bottom, without cancellation near it */
 {
     double s = sin(y[0] / 2);

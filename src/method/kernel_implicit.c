@@ -1,0 +1,185 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Kernels of implicit Runge-Kutta methods whose stages are solved one by one: irk_body.h again for each row and the
+ * shapes of two variables. Linear forces with quadratic drag are solved in closed form, the others by Newton's
+ * iteration with matrices of known size.
+ */
+#define UNROLL
+#include "kernel.h"
+
+#include "irk_body.h"
+#include "newton_body.h"
+
+#define CLOSED_SHAPES(S) S(spring) S(damped) S(drag) S(damped_drag) S(driven)
+#define NEWTON_SHAPES(S) S(duffing) S(driven_duffing) S(vanderpol) S(pendulum) S(driven_pendulum)
+
+enum { IMPLICIT_STAGES = 3, ROOM = 2 + (3 + N) * N + 3 * N * (N + 1) };
+
+/* ---- stages ---- */
+
+struct known {
+    struct forces forces;
+    struct oscillator oscillator;
+    const struct system *system;
+};
+
+#define KNOWN_SLOPE(shape)                                                                                             \
+    INLINE void shape##_known_slope(const void *known, double t, const double *y, double *dydt)                        \
+    {                                                                                                                  \
+        shape##_slope(&((const struct known *)known)->forces, t, y, dydt);                                             \
+    }
+CLOSED_SHAPES(KNOWN_SLOPE)
+NEWTON_SHAPES(KNOWN_SLOPE)
+
+#define CLOSED_STAGE(shape)                                                                                            \
+    INLINE enum step_status shape##_stage(const void *known, struct step *step, double t, double h, const double *y,   \
+                                          double *z, double *sum, double *work)                                        \
+    {                                                                                                                  \
+        const struct known *of = known;                                                                                \
+        double force;                                                                                                  \
+        (void)work;                                                                                                    \
+        shape##_force(&of->forces, t, y, &force);                                                                      \
+        return oscillator_stage(&of->oscillator, force, step, h, y, z, sum);                                           \
+    }
+CLOSED_SHAPES(CLOSED_STAGE)
+
+static const struct implicit_tableau one_stage = NEWTON_EULER;
+
+INLINE enum step_status newton_stage_of(slope_function *slope, jacobian_function *jacobian, const struct known *known,
+                                        struct step *step, double t, double h, const double *y, double *z, double *sum,
+                                        double *work)
+{
+    const struct newton equations = {&one_stage, newton_rest, slope, jacobian, known};
+    struct room room = room_of(1, N, work);
+    double weight[N];
+    newton_weights(known->system, N, y, weight);
+    z[0] = z[1] = 0;
+    if (!newton_factor(&equations, step, N, t, h, y, &room))
+        return STEP_NO_SOLUTION;
+    const enum step_status status = newton_iterate(&equations, step, N, t, h, y, z, weight, &room);
+    for (int i = 0; i < N; i++)
+        sum[i] = y[i] + z[i];
+    return status;
+}
+
+/* drive_jacobian is NULL, and nothing to add. */
+#define drive_slopes(c, t, y, jac) ((void)0)
+#define spring_slopes spring_jacobian
+#define damping_slopes damping_jacobian
+#define cubic_slopes cubic_jacobian
+#define vanderpol_slopes vanderpol_jacobian
+#define weight_slopes weight_jacobian
+#define TERM_SLOPES(i, name) name##_slopes(of->forces.c[i], t, y, jac + N);
+#define NEWTON_STAGE(shape)                                                                                            \
+    INLINE void shape##_known_jacobian(const void *known, double t, const double *y, double *jac)                      \
+    {                                                                                                                  \
+        const struct known *of = known;                                                                                \
+        jac[0] = jac[2] = jac[3] = 0;                                                                                  \
+        jac[1] = 1;                                                                                                    \
+        TERMS_OF_##shape(TERM_SLOPES)                                                                                  \
+    }                                                                                                                  \
+    INLINE enum step_status shape##_stage(const void *known, struct step *step, double t, double h, const double *y,   \
+                                          double *z, double *sum, double *work)                                        \
+    {                                                                                                                  \
+        return newton_stage_of(shape##_known_slope, shape##_known_jacobian, known, step, t, h, y, z, sum, work);       \
+    }
+NEWTON_SHAPES(NEWTON_STAGE)
+
+/* ---- steps ---- */
+
+/* z: the increment where the last stage is not the new state, sum: else the state. False: not finite, y is as it was.
+ */
+INLINE bool finish(bool accurate, const double *z, const double *sum, double *y)
+{
+    double next[N];
+    for (int i = 0; i < N; i++)
+        next[i] = accurate ? sum[i] : y[i] + z[i];
+    if (!isfinite(next[0]) || !isfinite(next[1]))
+        return false;
+    copy_numbers(N, next, y);
+    return true;
+}
+
+INLINE int64_t diagonal_march(const struct method *method, stage_function *stage, slope_function *slope,
+                              const struct known *known, const struct march *march)
+{
+    const struct implicit_tableau *tableau = method->implicit;
+    const int stages = tableau->stages;
+    const bool accurate = stiffly_accurate(tableau);
+    struct step *const step = march->step;
+    double k[IMPLICIT_STAGES * N] = {0}, y[N], z[N] = {0}, sum[N] = {0}, base[N], work[ROOM], last[N] = {0};
+    double *const kept = step->work + (stages - 1) * N, *const newest = k + (stages - 1) * N;
+    struct step own = {.system = step->system, .h = step->h, .y = y};
+    bool warm = step->warm;
+    copy_numbers(N, step->y, y);
+    if (tableau->fsal && warm)
+        copy_numbers(N, kept, newest);
+    int64_t i = 0;
+    for (double *row = march->row; i < march->count; i++, row += N) {
+        const struct cost cost = own.cost;
+        if (tableau->fsal)
+            copy_numbers(N, newest, last);
+        own.t = march->origin + (double)(march->first + i) * own.h;
+        bool good = diagonal_stages(tableau, N, stage, slope, known, &own, warm, k, z, sum, base, work) == STEP_OK;
+        if (good && !accurate)
+            for (int j = 0; j < N; j++)
+                z[j] = own.h * weighted_sum(tableau->b, stages, k, N, j);
+        if (!good || !finish(accurate, z, sum, y)) {
+            own.cost = cost;
+            copy_numbers(N, last, newest);
+            break;
+        }
+        warm = true;
+        copy_numbers(N, y, row);
+    }
+    if (tableau->fsal)
+        copy_numbers(N, newest, kept);
+    newton_forget(step->work + (stages + 3) * N);
+    copy_numbers(N, y, step->y);
+    step->warm = warm;
+    step->cost.evals += own.cost.evals;
+    step->cost.jacobians += own.cost.jacobians;
+    step->cost.solves += own.cost.solves;
+    return i;
+}
+
+/* ---- the table ---- */
+
+#define IRK_ROW JOIN(irk_, __LINE__)
+#define IRK_NAME(shape) JOIN(shape##_irk_, __LINE__)
+#define IRK_KERNEL(shape)                                                                                              \
+    static int64_t IRK_NAME(shape)(const struct march *march)                                                          \
+    {                                                                                                                  \
+        const struct system *system = march->step->system;                                                             \
+        struct known known = {.oscillator = system->oscillator, .system = system};                                     \
+        if (IRK_ROW.implicit->diagonal == 0)                                                                           \
+            return 0;                                                                                                  \
+        forces_take(&known.forces, system);                                                                            \
+        return diagonal_march(&IRK_ROW, shape##_stage, shape##_known_slope, &known, march);                            \
+    }
+#define IMPLICIT_RUNGE_KUTTA(...)                                                                                      \
+    static const struct method IRK_ROW = {__VA_ARGS__};                                                                \
+    CLOSED_SHAPES(IRK_KERNEL)                                                                                       \
+    NEWTON_SHAPES(IRK_KERNEL)
+#include "irk.def"
+#undef IMPLICIT_RUNGE_KUTTA
+
+#define IRK_ENTRY(shape) [SHAPE_##shape] = IRK_NAME(shape),
+static const struct {
+    const struct method *method;
+    march_function *march[SHAPE_COUNT]; /* NULL: four variables */
+} kernels[] = {
+#define IMPLICIT_RUNGE_KUTTA(...) {&IRK_ROW, {CLOSED_SHAPES(IRK_ENTRY) NEWTON_SHAPES(IRK_ENTRY)}},
+#include "irk.def"
+};
+
+march_function *implicit_kernel(const struct method *method, const struct system *system)
+{
+    const int shape = shape_of(system);
+    if (shape < 0 || !method->implicit || method->implicit->diagonal == 0)
+        return NULL;
+    for (size_t i = 0; i < COUNT_OF(kernels); i++)
+        if (strcmp(kernels[i].method->row.name, method->row.name) == 0)
+            return kernels[i].march[shape];
+    return NULL;
+}
