@@ -306,12 +306,15 @@ void reply_unchosen(struct session *session, struct reply *reply);
 void reply_shorter(const struct session *session, struct reply *reply);
 /* Warns of a step that is too coarse for the period. */
 void reply_coarse(const struct session *session, const struct run *run, struct reply *reply);
-/* Rms distance of the run from the recording where they overlap in time and hold the same quantity. */
+/*
+ * Rms distance of the run from the recording where they overlap in time and hold the same quantity. Which samples are
+ * bad says the recording alone (find_faults(), once for each recording): a run that is far off is far off.
+ */
 struct data_distance {
-    double rms;    /* NAN: they do not overlap */
-    size_t spikes; /* samples left out: missed echoes would hide how well the run fits */
+    double rms; /* NAN: they do not overlap */
+    size_t bad; /* samples left out: missed echoes would hide how well the run fits */
 };
-struct data_distance run_data_distance(const struct run *run, const struct recording *recording);
+struct data_distance run_data_distance(const struct run *run, struct recording *recording);
 
 #define FAR 1e300 /* [s] no run gets there; finite, so that what is left of the way is a number */
 

@@ -232,7 +232,7 @@ static bool write_run_table(struct report *report, struct error *error)
     memcpy(column, export.table.column, (size_t)columns * sizeof *column);
     for (int i = 0; i < session->runs; i++) {
         const int place = recording_beside(report, i, PLOT_POSITION);
-        const struct recording *recording = place < 0 ? NULL : session->recording[place]->recording;
+        struct recording *recording = place < 0 ? NULL : session->recording[place]->recording;
         rms[i] = recording ? run_data_distance(session->run[i]->run, recording).rms : NAN;
         data[i] = recording ? recording->name : "";
     }

@@ -177,7 +177,7 @@ void put_runs(struct report *report, const int *run, int runs, bool distance)
             put_run_cell(document, one, (enum run_column)c);
         const int data = distance ? recording_beside(report, run[i], PLOT_POSITION) : -1;
         if (data >= 0) {
-            const struct recording *recording = report->session->recording[data]->recording;
+            struct recording *recording = report->session->recording[data]->recording;
             document_open(document, BLOCK_CELL);
             say_measured(document, (struct measured){run_data_distance(one, recording).rms, 0},
                          system_variable(&one->system, 0).quantity);

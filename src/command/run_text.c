@@ -33,8 +33,8 @@ void reply_run(const struct session *session, const struct run *run, struct repl
         const struct variable first = system_variable(&run->system, 0);
         buffer_format(&text, ", rms(%s-data) = ", first.name);
         buffer_quantity(&text, data.rms, first.quantity, 2);
-        if (data.spikes > 0)
-            buffer_format(&text, " (%zu spike%s left out)", data.spikes, data.spikes == 1 ? "" : "s");
+        if (data.bad > 0)
+            buffer_format(&text, " (%zu bad sample%s left out)", data.bad, data.bad == 1 ? "" : "s");
     }
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);

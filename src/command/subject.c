@@ -2,6 +2,7 @@
 /* What measure and fit act on: a run or a recording as a series; and the distance between the two. */
 #include "columns.h"
 #include "data_motion.h"
+#include "findings.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -151,61 +152,60 @@ bool subject_open(struct session *session, const struct given *run, const struct
     return error_hint(error, "type: run, or: load FILE");
 }
 
-static int smaller_first(const void *a, const void *b)
+/* Sum of squared distances of a series from the run, by cubic Hermite interpolation; *count: samples it spans. */
+static double squared_distance(const struct run *run, const struct series *data, size_t *count)
 {
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-/* The rms of n distances >= 0 (sorted in place) without spikes: those above five robust standard deviations. */
-static struct data_distance rms_without_spikes(double *distance, size_t n)
-{
-    qsort(distance, n, sizeof *distance, smaller_first);
-    const double limit = 5 * 1.4826 * distance[n / 2];
-    struct data_distance result = {NAN, 0};
-    double sum = 0;
-    size_t used = 0;
-    while (used < n && distance[used] <= limit) {
-        sum += distance[used] * distance[used];
-        used++;
-    }
-    result.rms = sqrt(sum / (double)used);
-    result.spikes = n - used;
-    return result;
-}
-
-struct data_distance run_data_distance(const struct run *run, const struct recording *recording)
-{
-    struct arena arena = {0};
-    struct series data;
-    struct error ignored;
-    struct data_distance result = {NAN, 0};
-    double *distance = NULL;
-    size_t count = 0, row = 0;
     const size_t rows = trace_count(run->trace);
-    if (recording && run->system.n == 2 && run->system.order == 2 && rows > 1 &&
-        recording_series(recording, &arena, 2, &data, &ignored) &&
-        data.quantity == system_variable(&run->system, 0).quantity &&
-        trace_time(run->trace, rows - 1) > trace_time(run->trace, 0))
-        distance = arena_array(&arena, data.n, sizeof *distance);
-    for (size_t i = 0; distance && i < data.n; i++) {
-        const double t = data.t[i];
+    double sum = 0;
+    size_t row = 0;
+    *count = 0;
+    for (size_t i = 0; i < data->n; i++) {
+        const double t = data->t[i];
         while (row + 2 < rows && trace_time(run->trace, row + 1) < t)
             row++;
         const double a = trace_time(run->trace, row), b = trace_time(run->trace, row + 1);
         if (!(t >= a && t <= b))
             continue;
-        /* Cubic Hermite through both states. */
         const double *left = trace_state(run->trace, row);
         const double y0 = left[0], v0 = left[1];
         const double *right = trace_state(run->trace, row + 1);
-        const double h = b - a, x = (t - a) / h, z = 1 - x;
+        const double h = b - a, x = h > 0 ? (t - a) / h : 1, z = 1 - x;
         const double y =
             z * z * (1 + 2 * x) * y0 + x * x * (3 - 2 * x) * right[0] + h * x * z * (z * v0 - x * right[1]);
-        distance[count++] = fabs(y - data.y[i]);
+        sum += (y - data->y[i]) * (y - data->y[i]);
+        ++*count;
     }
-    if (count >= 2)
-        result = rms_without_spikes(distance, count);
+    return sum;
+}
+
+static bool can_compare(const struct run *run, const struct recording *recording)
+{
+    const size_t rows = trace_count(run->trace);
+    return recording && run->system.n == 2 && run->system.order == 2 && rows > 1 &&
+           recording->column[recording->value].quantity == system_variable(&run->system, 0).quantity &&
+           trace_time(run->trace, rows - 1) > trace_time(run->trace, 0);
+}
+
+struct data_distance run_data_distance(const struct run *run, struct recording *recording)
+{
+    struct arena arena = {0};
+    struct series all, good;
+    struct error ignored;
+    struct data_distance result = {NAN, 0};
+    size_t count, used;
+    if (!can_compare(run, recording))
+        return result;
+    if (find_faults(recording, &arena, &ignored)) {
+        struct recording clean = *recording; /* its arrays are shared */
+        clean.cleaned = true;
+        if (recording_series(recording, &arena, 2, &all, &ignored) &&
+            recording_series(&clean, &arena, 2, &good, &ignored)) {
+            squared_distance(run, &all, &count);
+            const double sum = squared_distance(run, &good, &used);
+            if (used >= 2)
+                result = (struct data_distance){sqrt(sum / (double)used), count - used};
+        }
+    }
     arena_reset(&arena);
     return result;
 }
