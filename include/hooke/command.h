@@ -521,6 +521,13 @@ struct figure_window {
     double shown, total; /* [s] of what there is: how long the window is, and all of it */
 };
 
+/* What an axis shall show. An open end is where the curves end; both open: as narrow as that. */
+struct figure_range {
+    double end[2];          /* NAN: open */
+    enum quantity quantity; /* of the unit that was given; QUANTITY_OTHER: none, that of the axis */
+    struct text text;       /* as typed, for messages */
+};
+
 struct figure_request {
     enum plot_kind kind;
     const int *run; /* places in the session */
@@ -534,6 +541,8 @@ struct figure_request {
     bool next;      /* then the columns at the event after the one where `against` is taken: a return map */
     double window[2]; /* [s] NAN: choose */
     bool all_time;    /* unless a window is given: the width, of a picture, has room for it */
+    const struct figure_range *x, *y; /* of the axes; NULL: automatic */
+    bool full; /* all of it: the whole time, all curves on one axis */
     int width;        /* [cell] that will be drawn on */
     bool log;         /* vertical axis */
     enum charset charset;

@@ -54,6 +54,9 @@ struct axis {
     double factor;     /* number shown = value / factor; 0 counts as 1 */
     double from, to;   /* range in values; used if fixed */
     bool fixed, log;
+    double least; /* of a log axis: what is smaller is left out of the range and counted; 0: only what is <= 0 */
+    double flat;  /* what varies by less than this part of its size is drawn from zero; 0: about its middle where it
+                     hardly varies; < 0: as it is */
 };
 
 struct curve {
@@ -62,14 +65,21 @@ struct curve {
     size_t n;
     bool points;    /* data: marks instead of a line, drawn last */
     bool cloud;     /* points, so many that each is the smallest dot there is */
-    bool unbounded; /* a diverging run: does not take part in the automatic range, leaves through the frame with an
-                       arrow */
-    char mark;      /* glyph of this overlay in ASCII ('#', 'o', 'x', '+'); 0: choose by position */
+    char mark;   /* glyph of this overlay in ASCII ('#', 'o', 'x', '+'); 0: choose by position */
+    int panel;   /* 0, or 1 where the figure has a second one */
+    bool thinned; /* a choice of the samples that looks the same: they are not counted */
+    const double *t; /* [n] [s] of a plane, where it is known; NULL: not */
 };
 
 struct figure {
     const char *title;
     struct axis x, y;
+    /* x and y of the second panel, for curves of another size: below the first with the same x axis, in a plane beside
+       it or below, whatever gives more room, with its own. NULL: all curves share one panel. */
+    const struct axis *second;
+    int panel;  /* which one is drawn: 0, except in what figure_panels() hands out */
+    bool part;  /* one of two panels: only its curves are drawn, with labels even on a single row */
+    bool plane; /* x is no independent variable: curves leave the plot through all four sides */
     const struct curve *curve;
     int curves;
     bool equal; /* same length for a unit on both axes (phase plot) */
@@ -90,7 +100,9 @@ struct figure {
 struct ticks {
     double first, step;
     int count, decimals;
-    int exponent; /* labels are value / 10^exponent, 0 mostly */
+    int exponent;  /* labels are (value - offset) / 10^exponent, 0 mostly */
+    double offset; /* of a range so narrow that its labels would be long; it stands in the title */
+    int offset_decimals;
 };
 struct ticks ticks_linear(double from, double to, int want, int most);
 /* Labels of decades for a log axis (0 < from < to): powers of ten from `first` in steps of `step` decades. */
@@ -116,10 +128,31 @@ struct figure_layout {
     struct scale x, y;
     struct ticks x_ticks, y_ticks; /* in numbers shown (value / factor) */
     bool x_decades, y_decades;     /* ticks are powers of ten */
-    size_t hidden;                 /* values <= 0 that a log axis cannot show */
+    size_t hidden;                 /* values that a log axis does not show: <= 0, or below axis.least */
 };
 void figure_layout(const struct figure *figure, int width, int height, enum charset charset,
                    struct figure_layout *layout);
+/* A figure of two panels is drawn as two figures. */
+struct figure_panel {
+    struct figure figure;
+    int x, y, width, height; /* [cell] where, in the rectangle; what comes later covers what overlaps */
+};
+#define PANELS_MOST 2
+/* How many there are, and where: labels aligned where panels share an axis. One where there is no room for two. */
+int figure_panels(const struct figure *figure, int width, int height, enum charset charset,
+                  struct figure_panel panel[PANELS_MOST]);
+
+/* What of a curve the axes do not hold. Samples beyond a window of time are left out on purpose and do not count. */
+struct curve_outside {
+    size_t count, total; /* samples outside, of all in the window */
+    bool leaves;         /* it was inside before */
+    double at;           /* where: t, or x if that is the independent variable; NAN: not known */
+    double farthest;     /* value that lies farthest beyond the frame */
+    bool along_x;        /* which is one of x */
+    bool above;
+};
+void curve_outside(const struct figure *figure, const struct figure_layout *layout, int curve,
+                   struct curve_outside *outside);
 /* The cell (relative to the plot) of a point; false: outside. */
 bool figure_cell(const struct figure_layout *layout, double x, double y, int *column, int *row);
 

@@ -2,6 +2,7 @@
 /* plot */
 #ifndef COMMAND_ROWS
 #include "choices.h"
+#include "figure_drawing.h"
 #include "precision_text.h"
 
 #include <math.h>
@@ -83,6 +84,28 @@ static bool choose_kind(const struct arguments *given, struct figure_request *re
         request->trail = HUGE_VAL;
     }
     return !data->count || error_at(error, data->where, "a recording has no columns of that name beside it");
+}
+
+/* Of a plot against time the range of x is a window, too. */
+static bool choose_ranges(const struct arguments *given, struct figure_request *request, struct error *error)
+{
+    const struct given *axis[2] = {given_for(given, "x"), given_for(given, "y")};
+    struct figure_range *range = arena_array(given->arena, 2, sizeof *range);
+    if (!range)
+        return error_memory(error);
+    for (int i = 0; i < 2; i++) {
+        if (axis[i]->count == 0)
+            continue;
+        if (request->kind == PLOT_PRECISION)
+            return error_at(error, axis[i]->where, "the axes of 'precision' hold all of its points");
+        const struct item *item = axis[i]->item;
+        range[i] = (struct figure_range){{item->range[0], item->range[1]},
+                                         item->unit ? item->unit->quantity : QUANTITY_OTHER, axis[i]->where};
+        *(i ? &request->y : &request->x) = &range[i];
+    }
+    if (request->x && plot_is_timed(request->kind) && !is_given(given, "window"))
+        memcpy(request->window, request->x->end, sizeof request->window);
+    return true;
 }
 
 static bool has_study(const struct session *session, struct error *error)
@@ -169,7 +192,8 @@ HANDLER(plot)
     struct figure_request request = {.window = {NAN, NAN},
                                      .charset = session_charset(session),
                                      .trail = session->view.trail,
-                                     .log = is_given(given, "log")};
+                                     .log = is_given(given, "log"),
+                                     .full = is_given(given, "full")};
     struct figure figure;
     int width, height;
     bool as_text = true;
@@ -187,6 +211,8 @@ HANDLER(plot)
     request.all_time = !as_text;
     if (window->count)
         memcpy(request.window, window->item->range, sizeof request.window);
+    if (!choose_ranges(given, &request, error))
+        return false;
     if (request.kind == PLOT_PRECISION ? !has_study(session, error) : !choose_runs(session, given, &request, error))
         return false;
     if (!session_figure(session, &request, given->arena, &figure, error)) {
@@ -233,14 +259,20 @@ COMMAND(
         "taken where it\nhappened the next time: 'plot z against z at top --next' is a return map.\n"
         "Of the current run and of the recording where they overlap in time, unless told. Without a window at "
         "least 8 columns a\n"
-        "period are kept (5 with dots) and the phase plot shows the last 2 periods; the frame says so. A run "
-        "that grows out of\n"
-        "bounds leaves the frame and does not flatten the others. A file that ends in .svg, .pdf or .png "
-        "becomes a picture of\n"
-        "all the time there is, one that ends in .txt holds the text.",
-    .examples = "run; plot position; plot momentum against y\ncompare euler symplectic-euler; plot energy run all",
+        "period are kept (5 with dots) and the phase plot shows the last 2 periods; the frame says so. Curves whose sizes "
+        "differ by more\n"
+        "than a factor of 10 get a logarithmic axis where nothing is negative, else a panel for each size. --full shows "
+        "all of the time\n"
+        "and all curves on one axis. x= and y= fix the axes, values with units: y=0:35J, y=2cm: with an open end, y=: as "
+        "narrow as what\n"
+        "is drawn; the frame says which curve leaves where and how far. An energy that hardly varies is drawn from zero "
+        "otherwise.\n"
+        "A file that ends in .svg, .pdf or .png becomes a picture of all the time there is, one in .txt "
+        "holds the text.",
+    .examples = "run; plot position; plot momentum against y\ncompare euler symplectic-euler; plot energy run all y=0:40mJ",
     .see = "set export measure", .flags = COMMAND_ANYTIME,
     ARGUMENTS(PLACE("WHAT", TYPE_COLUMN, .flags = ARG_REQUIRED | ARG_MANY, .choices = &plot_catalog),
               WORD("against", TYPE_COLUMN), WORD("at", TYPE_EVENT), WORD("run", TYPE_RUN, .flags = ARG_MANY | ARG_ALL),
               WORD("data", TYPE_RECORDING), KEY("window", TYPE_RANGE, .quantity = QUANTITY_TIME),
-              OPTION("log", TYPE_NONE), OPTION("next", TYPE_NONE), WORD(">", TYPE_FILE), OPTION("force", TYPE_NONE)))
+              KEY("x", TYPE_RANGE, .quantity = QUANTITY_OTHER), KEY("y", TYPE_RANGE, .quantity = QUANTITY_OTHER),
+              OPTION("full", TYPE_NONE), OPTION("log", TYPE_NONE), OPTION("next", TYPE_NONE), WORD(">", TYPE_FILE), OPTION("force", TYPE_NONE)))

@@ -17,6 +17,7 @@ struct plot_row {
     const char *observable; /* on the vertical axis; NULL: state variables, or something else */
     const char *label;      /* of that axis, where the names of the variables are not */
     bool periods;           /* each period has to be seen: the window is limited to what the width can show */
+    bool positive;          /* never below zero: curves of different size get a logarithmic axis */
 };
 
 extern const struct plot_row plot_rows[]; /* those of plot_catalog */
@@ -66,6 +67,15 @@ const char *drawing_run_label(const struct drawing *d, const struct run *run);
 /* Adds the curve of the recording, or of what is left of it (figure_recording.c). */
 bool drawing_recording(struct drawing *d, const struct recording *recording);
 bool drawing_residual(struct drawing *d, const struct recording *recording);
+
+/* Largest absolute value, of those that are finite. */
+double drawing_largest(const double *x, size_t n);
+/* The unit in which numbers of this size are short; without one the axis is left as it is. */
+void axis_suit(struct axis *axis, enum quantity quantity, double size);
+/* Of the vertical axis; NULL: no memory. */
+const char *drawing_y_label(const struct drawing *d, int panel);
+/* Ranges, logarithm and panels (figure_scales.c); quantities of x and y. */
+bool drawing_scales(struct drawing *d, struct figure *figure, const enum quantity quantity[2]);
 
 /* [s] that the scene, or the sizes of what moves, lead to expect of a run; NAN: none. */
 double run_rhythm(const struct run *run);

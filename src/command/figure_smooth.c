@@ -86,6 +86,7 @@ bool drawing_smooth(struct drawing *d, const struct run *run, const struct chose
     if (!smooth_rows(run, rows, POINTS_A_COLUMN * d->request->width, d->arena, &smooth, d->error))
         return false;
     *drawn = smooth.n > 0;
+    const double *t = smooth.t;
     for (int c = plane ? -1 : 0; c < d->coordinates && *drawn; c++) {
         const int state = state_on_axis(d, c);
         double *value = arena_array(d->arena, smooth.n, sizeof *value);
@@ -97,7 +98,8 @@ bool drawing_smooth(struct drawing *d, const struct run *run, const struct chose
         if (c < 0)
             smooth.t = value;
         else
-            d->curve[d->curves++] = (struct curve){.label = name, .x = smooth.t, .y = value, .n = smooth.n};
+            d->curve[d->curves++] = (struct curve){.label = name, .x = smooth.t, .y = value, .n = smooth.n,
+                                                      .t = plane ? t : NULL, .thinned = true};
     }
     return true;
 }

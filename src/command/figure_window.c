@@ -21,14 +21,15 @@ const struct plot_row plot_rows[] = {
                     NULL,
                     NULL,
                     false},
-    [PLOT_ENERGY] = {{"energy", "", "energy against t", "", NULL}, "energy", "E", false},
-    [PLOT_ERROR] = {{"error", "", "distance from the exact solution against t", "", NULL}, "error", "error", false},
+    [PLOT_ENERGY] = {{"energy", "", "energy against t", "", NULL}, "energy", "E", false, true},
+    [PLOT_ERROR] = {{"error", "", "distance from the exact solution against t", "", NULL}, "error", "error", false,
+                  true},
     [PLOT_RESIDUAL] = {{"residual", "", "the recording minus its fit, or minus the run, against t", "", NULL},
                        NULL,
                        "residual",
                        false},
-    [PLOT_SPECTRUM] = {{"spectrum", "", "amplitude spectrum of y", "", NULL}, NULL, "amplitude", false},
-    [PLOT_ENVELOPE] = {{"envelope", "", "amplitude of successive windows against t", "", NULL}, NULL, "A", false},
+    [PLOT_SPECTRUM] = {{"spectrum", "", "amplitude spectrum of y", "", NULL}, NULL, "amplitude", false, true},
+    [PLOT_ENVELOPE] = {{"envelope", "", "amplitude of successive windows against t", "", NULL}, NULL, "A", false, true},
     [PLOT_PRECISION] = {{"precision", "", "error against run time, of the last 'precision'", "", NULL},
                         NULL,
                         "error",
@@ -133,11 +134,20 @@ double drawing_trail(const struct drawing *d)
     return d->request->trail > 0 ? d->request->trail : TRAIL_PERIODS;
 }
 
-struct axis quantity_axis(const char *label, enum quantity quantity, double size)
+void axis_suit(struct axis *axis, enum quantity quantity, double size)
 {
     const struct unit *unit = unit_display(quantity, quantity == QUANTITY_TIME ? fmax(size, 1) : size);
-    return (struct axis){
-        .label = label, .unit = unit ? unit->row.name : quantity_unit(quantity), .factor = unit ? unit->factor : 1};
+    if (!unit)
+        return;
+    axis->unit = unit->row.name;
+    axis->factor = unit->factor;
+}
+
+struct axis quantity_axis(const char *label, enum quantity quantity, double size)
+{
+    struct axis axis = {.label = label, .unit = quantity_unit(quantity), .factor = 1};
+    axis_suit(&axis, quantity, size);
+    return axis;
 }
 
 struct axis time_axis(const double window[2])
@@ -169,7 +179,8 @@ void drawing_window(struct drawing *d)
     d->window[0] = isnan(request->window[0]) ? from : request->window[0];
     d->window[1] = isnan(request->window[1]) ? to : request->window[1];
     const double most = request->span > 0 ? request->span : longest_window(d);
-    if (asked || (request->all_time && !phase) || request->kind == PLOT_SPECTRUM || request->kind == PLOT_ENVELOPE) {
+    if (asked || request->full || (request->all_time && !phase) || request->kind == PLOT_SPECTRUM ||
+        request->kind == PLOT_ENVELOPE) {
     } else if (phase) {
         d->window[0] = fmax(from, to - drawing_trail(d) * d->period);
     } else if (request->follow && (request->span > 0 || d->total > most)) {

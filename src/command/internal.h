@@ -57,7 +57,7 @@ struct argument {
     int group;        /* those of the same group (not 0) exclude each other */
 };
 
-#define ARGUMENTS_MOST 12
+#define ARGUMENTS_MOST 16
 
 /* ---- what was given ---- */
 

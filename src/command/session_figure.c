@@ -7,7 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define UNBOUNDED 3 /* times the median of the other curves' maxima */
 #define HARMONICS 6 /* shown of a spectrum */
 
 static const struct observable *observable(const char *name)
@@ -119,8 +118,11 @@ static bool add_run(struct drawing *d, const struct run *run)
     } else if (plane) {
         state_at_rows(run, 0, &rows, x);
     }
-    for (size_t i = 0; i < rows.n && !plane; i++)
-        x[i] = trace_time(run->trace, rows.row[i]);
+    double *t = plane ? arena_array(d->arena, rows.n + 1, sizeof *t) : x;
+    if (!t)
+        return error_memory(d->error);
+    for (size_t i = 0; i < rows.n; i++)
+        t[i] = trace_time(run->trace, rows.row[i]);
     for (int i = 0; i < d->coordinates; i++) {
         double *y = arena_array(d->arena, rows.n + 1, sizeof *y);
         if (!y)
@@ -131,61 +133,12 @@ static bool add_run(struct drawing *d, const struct run *run)
             .label = d->coordinates > 1 ? drawing_label(d, i) : label,
             .x = x,
             .y = y,
-            .n = rows.n};
+            .n = rows.n,
+            .t = plane ? t : NULL,
+            .thinned = d->request->follow};
         if (!d->curve[d->curves++].label)
             return error_memory(d->error);
     }
-    return true;
-}
-
-static double largest(const double *x, size_t n)
-{
-    double most = 0;
-    for (size_t i = 0; i < n; i++)
-        if (isfinite(x[i]))
-            most = fmax(most, fabs(x[i]));
-    return most;
-}
-
-static int ascending(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-/* A run whose method, not its scene, makes it grow. */
-static bool grows(const struct run *run)
-{
-    const struct oscillator *o = &run->system.oscillator;
-    const double doubling = log(2);
-    return run->stop == STOP_DIVERGED || run->stop == STOP_SINGULAR || (o->damping >= 0 && o->stiffness > 0 && run->system.autonomous &&
-                                          (double)run->steps * log(run->plan.growth) > doubling);
-}
-
-/* A growing run that dwarfs the others does not set the range; a single curve always does. */
-static bool mark_unbounded(struct drawing *d)
-{
-    if (d->coordinates > 1)
-        return true;
-    double *most = arena_array(d->arena, (size_t)d->curves + 1, sizeof *most);
-    double *other = arena_array(d->arena, (size_t)d->curves + 1, sizeof *other);
-    if (!most || !other)
-        return error_memory(d->error);
-    for (int i = 0; i < d->curves; i++)
-        most[i] = largest(d->curve[i].y, d->curve[i].n);
-    int bounded = 0;
-    for (int i = 0; i < d->curves; i++) {
-        int n = 0;
-        for (int j = 0; j < d->curves; j++)
-            if (j != i)
-                other[n++] = most[j];
-        qsort(other, (size_t)n, sizeof *other, ascending);
-        const bool growing = i < d->request->runs && grows(d->session->run[d->request->run[i]]->run);
-        d->curve[i].unbounded = n > 0 && growing && other[(n - 1) / 2] > 0 && most[i] > UNBOUNDED * other[(n - 1) / 2];
-        bounded += !d->curve[i].unbounded;
-    }
-    for (int i = 0; i < d->curves && bounded == 0; i++)
-        d->curve[i].unbounded = false;
     return true;
 }
 
@@ -195,8 +148,7 @@ static double size_of(const struct drawing *d, bool x)
 {
     double size = 0;
     for (int i = 0; i < d->curves; i++)
-        if (!d->curve[i].unbounded)
-            size = fmax(size, largest(x ? d->curve[i].x : d->curve[i].y, d->curve[i].n));
+        size = fmax(size, drawing_largest(x ? d->curve[i].x : d->curve[i].y, d->curve[i].n));
     return size;
 }
 
@@ -237,8 +189,8 @@ static enum quantity y_quantity(const struct drawing *d)
     return vertical_variable(d->model, kind)->quantity;
 }
 
-/* "y", "x, y", "v/omega0", "E"; NULL: no memory. */
-static const char *y_label(const struct drawing *d)
+/* "y", "x, y", "v/omega0", "E", of the curves in a panel; NULL: no memory. */
+const char *drawing_y_label(const struct drawing *d, int panel)
 {
     const enum plot_kind kind = d->request->kind;
     if (plot_rows[kind].label && (!d->model || kind != PLOT_POSITION))
@@ -246,7 +198,9 @@ static const char *y_label(const struct drawing *d)
     struct buffer text = {0};
     for (int i = 0; i < d->coordinates; i++) {
         const char *name = drawing_label(d, i);
-        buffer_format(&text, "%s%s%s", i ? ", " : "", d->request->next ? "next " : "", name ? name : "");
+        if (d->coordinates > 1 && d->curve[i].panel != panel)
+            continue;
+        buffer_format(&text, "%s%s%s", text.len ? ", " : "", d->request->next ? "next " : "", name ? name : "");
     }
     buffer_put(&text, d->omega0 != 1 ? TEXT("/omega0") : TEXT(""));
     const char *label = text.failed ? NULL : arena_text(d->arena, buffer_text(&text));
@@ -256,7 +210,7 @@ static const char *y_label(const struct drawing *d)
 
 static void mark_present(const struct drawing *d, struct figure *figure)
 {
-    if (d->request->runs == 0 || d->curve[0].n == 0 || d->curve[0].unbounded)
+    if (d->request->runs == 0 || d->curve[0].n == 0)
         return;
     const struct curve *curve = &d->curve[0];
     figure->has_point = true;
@@ -333,8 +287,6 @@ bool session_figure(const struct session *session, const struct figure_request *
         points += d.curve[i].n;
     if (points == 0 && !request->follow)
         return error_set(error, ERROR_COMMAND, "nothing was recorded in this window of time");
-    if (!mark_unbounded(&d))
-        return false;
 
     const bool values = request->columns || (d.model && d.model->order == 1 && request->kind == PLOT_POSITION);
     struct variable across = {.quantity = QUANTITY_NUMBER};
@@ -348,19 +300,18 @@ bool session_figure(const struct session *session, const struct figure_request *
     *figure = (struct figure){.title = values ? "values" : plot_rows[request->kind].row.name,
                               .curve = d.curve,
                               .curves = d.curves,
+                              .plane = plane,
                               .zero_line = request->kind != PLOT_ENERGY && request->kind != PLOT_ENVELOPE && !spectrum,
                               .equal = (phase && d.omega0 != 1) || (request->kind == PLOT_ORBIT && !request->columns),
                               .note = make_note(&d)};
     figure->x = plane      ? quantity_axis(x_name, across.quantity, size_of(&d, true))
                 : spectrum ? (struct axis){.label = "f", .unit = "Hz"}
                            : quantity_axis("t", QUANTITY_TIME, d.window[1]);
-    figure->y =
-        quantity_axis(y_label(&d), y_quantity(&d), size_of(&d, false));
+    figure->y = quantity_axis(drawing_y_label(&d, 0), y_quantity(&d), size_of(&d, false));
     if (!figure->y.label)
         return error_memory(error);
     if (request->columns && figure->y.unit[0] == 0)
         figure->y.unit = chosen_unit(&session->run[request->run[0]]->run->system, &d.column[0]);
-    figure->y.log = request->log;
     if (figure->equal) {
         figure->y.factor = figure->x.factor;
         figure->y.unit = figure->x.unit;
@@ -374,5 +325,7 @@ bool session_figure(const struct session *session, const struct figure_request *
     }
     if (!residual && !spectrum && request->kind != PLOT_ENVELOPE && !request->at.len)
         mark_present(&d, figure);
-    return true;
+    const enum quantity quantities[2] = {
+        plane ? across.quantity : spectrum ? QUANTITY_FREQUENCY : QUANTITY_TIME, y_quantity(&d)};
+    return drawing_scales(&d, figure, quantities);
 }

@@ -147,6 +147,7 @@ static bool is_digit(char c)
 bool parse_range(struct parser *parser, const char *what, enum quantity wanted, struct item *item, struct error *error)
 {
     struct item end;
+    const struct unit *lacks = NULL;
     skip_blanks(&parser->rest);
     const char *start = parser->rest.at;
     item->range[0] = item->range[1] = NAN;
@@ -154,6 +155,8 @@ bool parse_range(struct parser *parser, const char *what, enum quantity wanted, 
         if (!parse_value(parser, what, wanted, &end, error))
             return false;
         item->range[0] = end.value.value;
+        item->unit = end.unit;
+        item->quantity = end.quantity;
     }
     struct text after = parser->rest;
     skip_blanks(&after);
@@ -171,12 +174,18 @@ bool parse_range(struct parser *parser, const char *what, enum quantity wanted, 
         if (!parse_value(parser, what, wanted, &end, error))
             return false;
         item->range[1] = end.value.value;
+        if (item->unit && end.unit && item->unit->quantity != end.unit->quantity)
+            return error_at(error, between(start, parser->rest.at), "%s: the ends of the range are in %s and in %s",
+                            what, item->unit->row.name, end.unit->row.name);
+        lacks = !item->unit && end.unit && !isnan(item->range[0]) ? end.unit : NULL;
+        item->unit = end.unit ? end.unit : item->unit;
+        item->quantity = end.unit || item->quantity == QUANTITY_OTHER ? end.quantity : item->quantity;
     }
     item->text = between(start, parser->rest.at);
-    if (item->range[0] >= item->range[1])
-        return error_at(error, item->text, "%s: the range '%.*s' is empty", what, shown_length(item->text),
-                        item->text.at);
-    return true;
+    if (!(item->range[0] >= item->range[1]))
+        return true;
+    error_at(error, item->text, "%s: the range '%.*s' is empty", what, shown_length(item->text), item->text.at);
+    return lacks ? error_hint(error, "each end has its own unit: %s at the first, too", lacks->row.name) : false;
 }
 
 bool parse_integer(struct parser *parser, const char *what, bool negative, struct item *item, struct error *error)

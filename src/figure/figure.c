@@ -34,7 +34,7 @@ struct sheet {
 };
 
 /* The first line is drawn with dots; every other curve has a mark of its own, so that no identity depends on colour. */
-static char mark_of(const struct figure *figure, int i)
+char figure_mark(const struct figure *figure, int i)
 {
     static const char lines[] = "#x+%", points[] = "o*&=";
     const struct curve *curve = &figure->curve[i];
@@ -99,27 +99,38 @@ static int frame_text(const struct sheet *sheet, int x, int end, int y, struct t
 void axis_title(const struct axis *axis, const struct ticks *ticks, const char *title, char *out, size_t size)
 {
     const char *label = axis->label ? axis->label : "", *unit = axis->unit ? axis->unit : "";
-    char power[16] = "";
+    char power[16] = "", offset[TICK_TEXT_SIZE] = "";
+    struct buffer text = {0};
 
     if (ticks->exponent)
         snprintf(power, sizeof power, "1e%d%s", ticks->exponent, *unit ? " " : "");
-    snprintf(out, size, "%s%s%s%s%s%s%s%s", title, *title && *label ? " " : "", label,
-             (*title || *label) && (*power || *unit) ? " " : "", *power || *unit ? "[" : "", power, unit,
-             *power || *unit ? "]" : "");
-}
-
-void figure_note(const struct figure *figure, size_t hidden, char *out, size_t size)
-{
-    const char *note = figure->note ? figure->note : "";
-    if (hidden)
-        snprintf(out, size, "%s%s%zu value%s <= 0 not shown", note, *note ? ", " : "", hidden, hidden == 1 ? "" : "s");
-    else
-        snprintf(out, size, "%s", note);
+    if (ticks->offset != 0)
+        offset_text(ticks, offset);
+    buffer_format(&text, "%s%s%s", title, *title && *label ? " " : "", label);
+    if (*offset)
+        buffer_format(&text, "%s%s%s%s", text.len ? " " : "", offset, *unit ? " " : "", unit);
+    if (*power || *unit)
+        buffer_format(&text, "%s[%s%s]", text.len ? " " : "", power, unit);
+    snprintf(out, size, "%s", text.len && !text.failed ? text.data : "");
+    buffer_free(&text);
 }
 
 static int entry_width(const struct curve *curve, char mark)
 {
     return text_width(text_of(curve->label)) + (mark ? 2 : 3);
+}
+
+static bool has_entry(const struct figure *figure, int curve)
+{
+    return curve_drawn(figure, curve) && figure->curve[curve].label && *figure->curve[curve].label;
+}
+
+static int legend_width(const struct figure *figure)
+{
+    int width = 0;
+    for (int i = 0; i < figure->curves; i++)
+        width += has_entry(figure, i) ? entry_width(&figure->curve[i], figure_mark(figure, i)) + (width ? 2 : 0) : 0;
+    return width;
 }
 
 /* "-- verlet  # euler  o data" and the caption, at the right end of the upper frame: as many as fit right of column
@@ -132,7 +143,7 @@ static void draw_legend(const struct sheet *sheet, int from)
 
     for (; shown < figure->curves; shown++) {
         const struct curve *curve = &figure->curve[shown];
-        int width = curve->label && *curve->label ? entry_width(curve, mark_of(figure, shown)) + (used ? 2 : 0) : 0;
+        int width = has_entry(figure, shown) ? entry_width(curve, figure_mark(figure, shown)) + (used ? 2 : 0) : 0;
         if (used + width > room)
             break;
         used += width;
@@ -149,8 +160,8 @@ static void draw_legend(const struct sheet *sheet, int from)
         canvas_put(sheet->canvas, at, y, ' ', STYLE_PLAIN);
     for (int i = 0; i < shown; i++) {
         const struct curve *curve = &figure->curve[i];
-        char mark = mark_of(figure, i);
-        if (!curve->label || !*curve->label)
+        char mark = figure_mark(figure, i);
+        if (!has_entry(figure, i))
             continue;
         x = canvas_text(sheet->canvas, x, y, mark ? (struct text){&mark, 1} : TEXT("--"), style_of(i));
         x = canvas_text(sheet->canvas, x + 1, y, text_of(curve->label), STYLE_PLAIN) + 2;
@@ -162,18 +173,29 @@ static void draw_titles(const struct sheet *sheet)
 {
     const struct figure *figure = sheet->figure;
     int left = sheet->x + 2, right = sheet->x + sheet->width - 2, bottom = sheet->y + sheet->height - 1;
-    char text[256], note[256];
+    char text[256];
+    struct buffer title = {0}, note = {0};
 
     axis_title(&figure->y, &sheet->layout->y_ticks, figure->title ? figure->title : "", text, sizeof text);
     if (text_width(text_of(text)) > right - left - 2) /* the axis matters more */
         axis_title(&figure->y, &sheet->layout->y_ticks, "", text, sizeof text);
-    draw_legend(sheet, frame_text(sheet, left, right, sheet->y, text_of(text), STYLE_PLAIN));
+    if (figure->part && text_width(text_of(text)) + legend_width(figure) + 10 > sheet->width) /* both share a frame */
+        axis_title(&figure->y, &sheet->layout->y_ticks, "", text, sizeof text);
+    buffer_put(&title, text_of(text));
+    if (figure->part && sheet->layout->y_ticks.count < 2) { /* a single row: no labels that say it */
+        const struct scale *y = &sheet->layout->y;
+        const double factor = axis_factor(&figure->y);
+        buffer_format(&title, " %.2g..%.2g", y->from / factor, y->to / factor);
+    }
+    draw_legend(sheet, frame_text(sheet, left, right, sheet->y, buffer_text(&title), STYLE_PLAIN));
+    buffer_free(&title);
 
     axis_title(&figure->x, &sheet->layout->x_ticks, "", text, sizeof text);
     int start = right - text_width(text_of(text)) - 2;
     frame_text(sheet, start < left ? left : start, right, bottom, text_of(text), STYLE_PLAIN);
-    figure_note(figure, sheet->layout->hidden, note, sizeof note);
-    frame_text(sheet, left, start - 1, bottom, text_of(note), STYLE_PLAIN);
+    figure_note(figure, sheet->layout, start - left - 3, &note);
+    frame_text(sheet, left, start - 1, bottom, buffer_text(&note), STYLE_PLAIN);
+    buffer_free(&note);
 }
 
 static void draw_x_axis(const struct sheet *sheet)
@@ -211,6 +233,16 @@ static void draw_y_axis(const struct sheet *sheet)
     }
 }
 
+#define FEW_ROWS 2
+
+static bool alone_in_panel(const struct figure *figure, int curve)
+{
+    for (int i = 0; i < figure->curves; i++)
+        if (i != curve && curve_drawn(figure, i))
+            return false;
+    return true;
+}
+
 static void draw_curves(const struct sheet *sheet)
 {
     const struct figure *figure = sheet->figure;
@@ -224,9 +256,12 @@ static void draw_curves(const struct sheet *sheet)
     for (int pass = 0; pass < 3; pass++) { /* overlays, the first line above them, data above all */
         for (int i = figure->curves - 1; i >= 0; i--) {
             const struct curve *curve = &figure->curve[i];
-            raster.mark = mark_of(figure, i);
+            /* On few rows of its own a line says more than its marks. */
+            raster.mark = figure->part && layout->rows <= FEW_ROWS && !curve->points && alone_in_panel(figure, i)
+                              ? 0
+                              : figure_mark(figure, i);
             raster.style = style_of(i);
-            if (pass != (curve->points ? 2 : !raster.mark))
+            if (!curve_drawn(figure, i) || pass != (curve->points ? 2 : !raster.mark))
                 continue;
             if (curve->cloud)
                 raster.mark = 0;
@@ -239,26 +274,24 @@ static void draw_curves(const struct sheet *sheet)
     }
     for (int i = 0; i < figure->curves; i++) {
         raster.style = style_of(i);
-        if (figure->curve[i].unbounded)
-            raster_exits(&raster, &figure->curve[i]);
+        if (curve_drawn(figure, i))
+            raster_exits(&raster, figure, i);
     }
     raster.style = STYLE_BOLD;
     if (figure->has_point && figure_cell(layout, figure->point[0], figure->point[1], &column, &row))
         raster_put(&raster, column, row, sheet->strokes->point);
 }
 
-bool figure_draw(const struct figure *figure, struct canvas *canvas, int x, int y, int width, int height,
-                 enum charset charset)
+static void draw_panel(const struct figure_panel *panel, struct canvas *canvas, int x, int y, enum charset charset)
 {
     struct figure_layout layout;
-    struct sheet sheet = {figure, &layout, strokes_of(charset), canvas, x, y, width, height};
+    struct sheet sheet = {&panel->figure, &layout, strokes_of(charset), canvas,
+                          x + panel->x, y + panel->y, panel->width, panel->height};
 
-    if (width < 1 || height < 1)
-        return true;
-    for (int row = 0; row < height; row++)
-        for (int column = 0; column < width; column++)
-            canvas_put(canvas, x + column, y + row, ' ', STYLE_PLAIN);
-    figure_layout(figure, width, height, charset, &layout);
+    for (int row = 0; row < panel->height; row++)
+        for (int column = 0; column < panel->width; column++)
+            canvas_put(canvas, sheet.x + column, sheet.y + row, ' ', STYLE_PLAIN);
+    figure_layout(&panel->figure, panel->width, panel->height, charset, &layout);
     if (layout.frame) {
         draw_frame(&sheet);
         draw_titles(&sheet);
@@ -268,6 +301,23 @@ bool figure_draw(const struct figure *figure, struct canvas *canvas, int x, int 
     if (layout.y_labels)
         draw_y_axis(&sheet);
     draw_curves(&sheet);
+}
+
+bool figure_draw(const struct figure *figure, struct canvas *canvas, int x, int y, int width, int height,
+                 enum charset charset)
+{
+    struct figure_panel panel[PANELS_MOST];
+
+    if (width < 1 || height < 1)
+        return true;
+    int panels = figure_panels(figure, width, height, charset, panel);
+    for (int i = 0; i < panels; i++) {
+        draw_panel(&panel[i], canvas, x, y, charset);
+        if (i && !figure->plane && charset != CHARSET_ASCII) { /* one frame: corners become branches */
+            canvas_put(canvas, x + panel[i].x, y + panel[i].y, 0x251C, STYLE_DIM);
+            canvas_put(canvas, x + panel[i].x + panel[i].width - 1, y + panel[i].y, 0x2524, STYLE_DIM);
+        }
+    }
     return true;
 }
 

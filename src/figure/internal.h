@@ -14,6 +14,8 @@ struct ticks ticks_search(double from, double to, int want, int most, bool loose
 double tick_value(const struct ticks *ticks, int i, bool log);
 int tick_text(const struct ticks *ticks, int i, bool log, char out[TICK_TEXT_SIZE]); /* length */
 
+int offset_text(const struct ticks *ticks, char out[TICK_TEXT_SIZE]); /* what a title takes off: "- 2.2326" */
+
 struct scale scale_of(double from, double to, bool log);
 
 #define LARGEST 1e300 /* ranges end here, so that differences stay finite */
@@ -45,10 +47,20 @@ static inline double axis_factor(const struct axis *axis)
 
 /* Chooses ranges and ticks for layout->columns x rows, of curves that reach that far. */
 void layout_scales(const struct figure *figure, struct figure_layout *layout, struct extent x, struct extent y);
-/* "title y [1e-6 m]" */
+/* "title y [1e-6 m]"; with an offset "title y - 2.2326 m [1e-6 m]" */
 void axis_title(const struct axis *axis, const struct ticks *ticks, const char *title, char *out, size_t size);
-/* What the lower frame says: the figure's note, and how much is hidden; "" for nothing. */
-void figure_note(const struct figure *figure, size_t hidden, char *out, size_t size);
+/* What the lower frame says in so many cells: which curves leave it, the figure's note, how much is hidden; nothing:
+ * empty. */
+void figure_note(const struct figure *figure, const struct figure_layout *layout, int room, struct buffer *out);
+
+/* Glyph of a curve; 0: it is drawn with dots. */
+char figure_mark(const struct figure *figure, int curve);
+
+/* Whether the curve is one of this panel. */
+static inline bool curve_drawn(const struct figure *figure, int curve)
+{
+    return !figure->part || figure->curve[curve].panel == figure->panel;
+}
 
 /* Where a curve first leaves through each side of the plot: left, right, bottom, top. */
 struct curve_exit {
@@ -56,7 +68,14 @@ struct curve_exit {
     double x, y; /* fractions */
 };
 
-void curve_exits(const struct figure_layout *layout, const struct curve *curve, struct curve_exit exits[4]);
+/* Of those with an independent variable only bottom and top. Returns whether there is any. */
+bool curve_exits(const struct figure *figure, const struct figure_layout *layout, int curve,
+                 struct curve_exit exits[4]);
+
+/* The panels of a figure as figures of their own. Returns how many. */
+int figure_parts(const struct figure *figure, struct figure part[PANELS_MOST]);
+/* Whether two planes have more room beside each other than one below the other. */
+bool planes_across(const struct figure *figure, int width, int height);
 
 /* In columns of the plot; the label may begin left of it. */
 int x_tick_column(const struct figure *figure, const struct figure_layout *layout, int i);
@@ -81,8 +100,8 @@ struct raster {
 void raster_line(const struct raster *raster, const struct curve *curve);
 /* Marks no nearer to each other than `apart` columns along the curve, so that what lies under them stays visible. */
 void raster_points(const struct raster *raster, const struct curve *curve, int apart);
-void raster_exits(const struct raster *raster,
-                  const struct curve *curve); /* an arrow where it first leaves, each side */
+/* An arrow where the curve first leaves, each side. */
+void raster_exits(const struct raster *raster, const struct figure *figure, int curve);
 void raster_put(const struct raster *raster, int column, int row, uint32_t codepoint);
 
 #endif

@@ -151,7 +151,8 @@ void layout_scales(const struct figure *figure, struct figure_layout *layout, st
 void figure_layout(const struct figure *figure, int width, int height, enum charset charset,
                    struct figure_layout *layout)
 {
-    bool frame = width >= 8 && height >= 4, x_labels = frame && height >= LEAST_ROWS + 4;
+    bool frame = width >= 8 && height >= (figure->part ? 3 : 4);
+    bool x_labels = frame && height >= (figure->part ? 1 : LEAST_ROWS) + 4;
 
     struct extent x = axis_extent(figure, false), y = axis_extent(figure, true);
 
@@ -179,4 +180,96 @@ void figure_layout(const struct figure *figure, int width, int height, enum char
             break;
         layout->gutter = need;
     }
+}
+
+/* ---- panels ---- */
+
+#define FRAME_ROWS 2  /* upper and lower frame */
+#define LABEL_ROWS 2  /* axis and labels below the plot */
+#define LABEL_CELLS 8 /* frame and labels beside it */
+
+/* One above the other in one frame; the upper one's labels and lower frame are covered by the other. */
+static bool stack_panels(const struct figure *figure, int width, int height, enum charset charset,
+                         struct figure_panel panel[PANELS_MOST])
+{
+    int below = LABEL_ROWS, rows = height - FRAME_ROWS - 1 - below;
+    if (rows < PANELS_MOST) { /* rather without labels */
+        below = 0;
+        rows = height - FRAME_ROWS - 1;
+    }
+    if (rows < PANELS_MOST || width < 8)
+        return false;
+    int upper = (rows + 1) / 2, gutter = figure->gutter;
+    panel[0].height = 1 + upper + below + 1;
+    panel[1].y = 1 + upper;
+    panel[1].height = height - panel[1].y;
+    for (int i = 0; i < PANELS_MOST; i++) {
+        struct figure_layout layout;
+        figure_layout(&panel[i].figure, width, panel[i].height, charset, &layout);
+        gutter = larger(gutter, layout.gutter);
+    }
+    panel[0].figure.gutter = panel[1].figure.gutter = gutter;
+    return true;
+}
+
+/* Side of the square that a plot in so many cells has, [cell] of height. */
+static double square_of(int width, int height, double aspect)
+{
+    return fmin((width - LABEL_CELLS) / aspect, height - FRAME_ROWS - LABEL_ROWS);
+}
+
+bool planes_across(const struct figure *figure, int width, int height)
+{
+    double aspect = figure->aspect > 0 ? figure->aspect : 2;
+    return square_of(width / 2, height, aspect) > square_of(width, height / 2, aspect);
+}
+
+static bool place_planes(const struct figure *figure, int width, int height, struct figure_panel panel[PANELS_MOST])
+{
+    bool across = planes_across(figure, width, height);
+    if ((across ? width / 2 : width) < LABEL_CELLS || (across ? height : height / 2) < FRAME_ROWS + 1)
+        return false;
+    panel[0].width = across ? width - width / 2 : width;
+    panel[0].height = across ? height : height - height / 2;
+    panel[1].x = across ? panel[0].width : 0;
+    panel[1].y = across ? 0 : panel[0].height;
+    panel[1].width = width - panel[1].x;
+    panel[1].height = height - panel[1].y;
+    return true;
+}
+
+int figure_parts(const struct figure *figure, struct figure part[PANELS_MOST])
+{
+    part[0] = *figure;
+    part[0].second = NULL;
+    if (!figure->second)
+        return 1;
+    for (int i = 0; i < PANELS_MOST; i++) {
+        part[i] = part[0];
+        part[i].panel = i;
+        part[i].part = true;
+        part[i].has_point = figure->has_point && figure->curves > 0 && figure->curve[0].panel == i;
+    }
+    part[1].x = figure->second[0];
+    part[1].y = figure->second[1];
+    part[1].title = "";
+    part[1].caption = NULL;
+    part[figure->plane ? 1 : 0].note = NULL; /* once is enough; where panels share an axis the upper one has no room */
+    return PANELS_MOST;
+}
+
+int figure_panels(const struct figure *figure, int width, int height, enum charset charset,
+                  struct figure_panel panel[PANELS_MOST])
+{
+    struct figure part[PANELS_MOST];
+    int parts = figure_parts(figure, part);
+
+    for (int i = 0; i < parts; i++)
+        panel[i] = (struct figure_panel){.figure = part[i], .width = width, .height = height};
+    if (parts > 1 && (figure->plane ? place_planes(figure, width, height, panel)
+                                    : stack_panels(figure, width, height, charset, panel)))
+        return parts;
+    panel[0].figure = *figure; /* no room for two: the first sets the ranges */
+    panel[0].figure.second = NULL;
+    return 1;
 }

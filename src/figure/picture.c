@@ -14,6 +14,7 @@
 #define LEAST 60  /* [pt] of a page */
 #define MOST 5000
 #define PIXELS 2 /* a point, of a PNG */
+#define BETWEEN 8.0 /* [pt] blank between two panels */
 
 static const double black[3] = {0, 0, 0}, gray[3] = {0.45, 0.45, 0.45}, light[3] = {0.9, 0.9, 0.9};
 
@@ -150,7 +151,9 @@ static void draw_ticks(struct page *page, bool vertical, bool grid)
             tick_text(ticks, i, decades, text);
             double half = page_text_width(page, text) / 2;
             draw_straight(page, at, page->bottom, at, page->bottom + TICK);
-            page_text(page, fmin(at, page->width - EDGE / 2 - half), page->bottom + TICK + FONT_SIZE + 1, 0.5, text);
+            if (!page->x_labels)
+                continue;
+            page_text(page, fmin(at, page->to_x + 1.5 * EDGE - half), page->bottom + TICK + FONT_SIZE + 1, 0.5, text);
         }
     }
     /* Between single decades: 2, 3 … 9. */
@@ -172,18 +175,15 @@ static void draw_axis_titles(struct page *page)
 
     axis_title(&page->figure->y, &page->layout.y_ticks, "", text, sizeof text);
     api->save(page->cairo);
-    api->translate(page->cairo, EDGE + FONT_SIZE, (page->top + page->bottom) / 2);
+    api->translate(page->cairo, page->from_x + FONT_SIZE, (page->top + page->bottom) / 2);
     api->rotate(page->cairo, -1.5707963267948966);
     page_text(page, 0, 0, 0.5, text);
     api->restore(page->cairo);
 
     double y = page->bottom + TICK + FONT_SIZE + 1 + LINE + 1;
     axis_title(&page->figure->x, &page->layout.x_ticks, "", text, sizeof text);
-    page_text(page, (page->left + page->right) / 2, y, 0.5, text);
-    figure_note(page->figure, page->layout.hidden, text, sizeof text);
-    set_ink(page, gray, 1);
-    page_text(page, EDGE + 4, page->height - EDGE, 0, text);
-    page_text(page, page->right, page->height - EDGE, 1, page->figure->caption);
+    if (page->x_labels)
+        page_text(page, (page->left + page->right) / 2, y, 0.5, text);
 }
 
 static double widest_label(struct page *page)
@@ -203,19 +203,16 @@ static void lay_out(struct page *page)
     struct figure figure = *page->figure;
     struct extent x = axis_extent(&figure, false), y = axis_extent(&figure, true);
     struct grid grid = charset_grid(CHARSET_BRAILLE);
-    double gutter = 0;
-    char note[256];
+    double gutter = page->gutter;
 
     page->layout = (struct figure_layout){.charset = CHARSET_BRAILLE, .frame = true, .hidden = x.hidden + y.hidden};
-    figure_note(&figure, page->layout.hidden, note, sizeof note);
-    bool footer = *note || (figure.caption && *figure.caption);
-    page->top = draw_heading(page, page->height / 3, false);
-    page->bottom = page->height - EDGE - TICK - FONT_SIZE - LINE - 4 - (footer ? LINE : 0);
+    page->top = page->from_y;
+    page->bottom = page->to_y - (page->x_labels ? TICK + FONT_SIZE + LINE + 4 : 0);
     page->bottom = fmax(page->bottom, page->top + 1);
-    page->right = page->width - 2 * EDGE;
+    page->right = page->to_x;
     do { /* the labels need room, and the room decides on the labels */
         gutter = fmax(gutter, widest_label(page));
-        page->left = fmin(EDGE + FONT_SIZE + 8 + gutter + TICK + 3, page->right - 1);
+        page->left = fmin(page->from_x + FONT_SIZE + 8 + gutter + TICK + 3, page->right - 1);
         double width = page->right - page->left, height = page->bottom - page->top;
         page->layout.columns = (int)fmax(width / CELL_WIDTH, 1);
         page->layout.rows = (int)fmax(height / CELL_HEIGHT, 1);
@@ -224,15 +221,74 @@ static void lay_out(struct page *page)
             height / width * (page->layout.columns - 1.0 / grid.across) / (page->layout.rows - 1.0 / grid.down);
         layout_scales(&figure, &page->layout, x, y);
     } while (widest_label(page) > gutter);
+    page->gutter = gutter;
 }
 
-static void draw_page(struct page *page)
+/* ---- panels ---- */
+
+struct sheet {
+    const struct figure *figure; /* all of it: title, legend, caption */
+    struct figure part[PANELS_MOST];
+    int parts;
+    struct page page[PANELS_MOST]; /* one for each panel */
+};
+
+/* Divides the page from top to bottom. */
+static void place_panels(struct sheet *sheet, double top, double bottom)
+{
+    struct page *page = sheet->page;
+    double left = EDGE, right = page->width - 2 * EDGE, width = right - left, height = bottom - top;
+    bool plane = sheet->figure->plane;
+    bool across =
+        plane && planes_across(sheet->figure, (int)(width / CELL_WIDTH), (int)(height / CELL_HEIGHT));
+
+    for (int i = 0; i < sheet->parts; i++) {
+        page[i].figure = &sheet->part[i];
+        page[i].from_x = left;
+        page[i].to_x = right;
+        page[i].from_y = top;
+        page[i].to_y = bottom;
+        page[i].x_labels = true;
+    }
+    if (sheet->parts > 1 && across) {
+        page[0].to_x = left + width / 2 - EDGE;
+        page[1].from_x = left + width / 2 + EDGE;
+    } else if (sheet->parts > 1) { /* two plots of one height; labels of a common axis stand below the lower one only */
+        double labels = TICK + FONT_SIZE + LINE + 4, plot = (height - BETWEEN - (plane ? 2 : 1) * labels) / 2;
+        page[0].x_labels = plane;
+        page[0].to_y = top + plot + (plane ? labels : 0);
+        page[1].from_y = page[0].to_y + BETWEEN;
+    }
+    for (int i = 0; i < sheet->parts; i++)
+        lay_out(&page[i]);
+    if (sheet->parts > 1 && !across) {
+        double gutter = fmax(page[0].gutter, page[1].gutter);
+        for (int i = 0; i < sheet->parts; i++) {
+            page[i].gutter = gutter;
+            lay_out(&page[i]);
+        }
+    }
+}
+
+/* What the panels have to say, in one line. */
+static void put_notes(const struct sheet *sheet, struct buffer *out)
+{
+    struct buffer note = {0};
+    int room = (int)(sheet->page->width / CELL_WIDTH);
+    for (int i = 0; i < sheet->parts; i++) {
+        figure_note(&sheet->part[i], &sheet->page[i].layout, room, &note);
+        buffer_put(out, out->len && note.len ? TEXT("; ") : TEXT(""));
+        buffer_put(out, buffer_text(&note));
+    }
+    buffer_free(&note);
+}
+
+static void draw_panel(struct page *page)
 {
     const struct cairo_api *api = page->api;
     const struct figure *figure = page->figure;
     double zero = fraction_of(&page->layout.y, 0), point[2];
 
-    draw_heading(page, page->height / 3, true);
     set_ink(page, light, 0.6);
     draw_ticks(page, false, true);
     draw_ticks(page, true, true);
@@ -256,6 +312,43 @@ static void draw_page(struct page *page)
     draw_ticks(page, false, false);
     draw_ticks(page, true, false);
     draw_axis_titles(page);
+}
+
+static bool draw_sheet(struct sheet *sheet, struct arena *arena)
+{
+    struct page *page = sheet->page;
+    struct page heading = *page; /* title and legend are those of all panels */
+    struct buffer note = {0};
+    bool drawn = true;
+
+    heading.figure = sheet->figure;
+    double top = draw_heading(&heading, page->height / 3, false), bottom = page->height - EDGE;
+    place_panels(sheet, top, bottom);
+    put_notes(sheet, &note);
+    if (note.len || (sheet->figure->caption && *sheet->figure->caption))
+        place_panels(sheet, top, bottom - LINE);
+    heading.layout = page->layout;
+    heading.left = page->left;
+    heading.right = page->right;
+    heading.top = page->top;
+    heading.bottom = page->bottom;
+    draw_heading(&heading, page->height / 3, true);
+    for (int i = 0; i < sheet->parts && drawn; i++) {
+        page[i].ink = arena_alloc(arena, page_ink_size(&page[i], GRAINS));
+        drawn = page[i].ink != NULL;
+        if (drawn)
+            draw_panel(&page[i]);
+        drawn &= !page[i].text.failed;
+    }
+    for (int i = 0; i < sheet->parts; i++)
+        buffer_free(&page[i].text);
+    set_ink(&heading, gray, 1);
+    page_text(&heading, EDGE + 4, page->height - EDGE, 0, note.len && !note.failed ? note.data : "");
+    page_text(&heading, page->right, page->height - EDGE, 1, sheet->figure->caption);
+    drawn &= !heading.text.failed && !note.failed;
+    buffer_free(&heading.text);
+    buffer_free(&note);
+    return drawn;
 }
 
 /* ---- files ---- */
@@ -300,10 +393,9 @@ static double page_length(double asked, double usual)
 bool picture_with(const struct cairo_api *api, const struct figure *figure, enum picture kind, double width,
                   double height, struct buffer *out, struct error *error)
 {
-    struct page page = {.api = api,
-                        .figure = figure,
-                        .width = page_length(width, PICTURE_WIDTH),
-                        .height = page_length(height, PICTURE_HEIGHT)};
+    struct page page = {
+        .api = api, .width = page_length(width, PICTURE_WIDTH), .height = page_length(height, PICTURE_HEIGHT)};
+    struct sheet sheet = {.figure = figure};
     struct arena arena = {0};
     const size_t before = out->len;
     cairo_surface_t *surface = make_surface(api, kind, page.width, page.height, out);
@@ -315,11 +407,9 @@ bool picture_with(const struct cairo_api *api, const struct figure *figure, enum
     api->paint(page.cairo);
     api->set_line_cap(page.cairo, CAIRO_LINE_CAP_ROUND);
     api->set_line_join(page.cairo, CAIRO_LINE_JOIN_ROUND);
-    lay_out(&page);
-    page.ink = arena_alloc(&arena, page_ink_size(&page, GRAINS));
-    if (page.ink)
-        draw_page(&page);
-    bool drawn = page.ink && !page.text.failed && api->status(page.cairo) == CAIRO_STATUS_SUCCESS;
+    sheet.parts = figure_parts(figure, sheet.part);
+    sheet.page[0] = sheet.page[1] = page;
+    bool drawn = draw_sheet(&sheet, &arena) && api->status(page.cairo) == CAIRO_STATUS_SUCCESS;
     api->destroy(page.cairo);
     if (kind == PICTURE_PNG)
         drawn = drawn && api->surface_write_to_png_stream(surface, take_bytes, out) == CAIRO_STATUS_SUCCESS;
@@ -328,7 +418,6 @@ bool picture_with(const struct cairo_api *api, const struct figure *figure, enum
     api->surface_destroy(surface);
     if (drawn && kind == PICTURE_SVG)
         forget_count(out, before);
-    buffer_free(&page.text);
     arena_reset(&arena);
     return drawn || error_memory(error); /* what else can fail */
 }

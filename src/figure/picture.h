@@ -15,6 +15,9 @@ struct page {
     const struct figure *figure;
     struct figure_layout layout;     /* its columns and rows are cells of CELL_WIDTH x CELL_HEIGHT */
     double width, height;            /* of the page */
+    double from_x, from_y, to_x, to_y; /* of the page: this panel, with its labels */
+    bool x_labels;                   /* below the plot */
+    double gutter;                   /* least width of the y labels: panels over each other are aligned */
     double left, top, right, bottom; /* of the plot */
     uint8_t *ink;                    /* scratch: which grains of the plot a curve has passed through */
     int grains;                      /* along a point: GRAINS, or a half or a quarter of it */

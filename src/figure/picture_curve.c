@@ -242,7 +242,8 @@ static void draw_exits(struct page *page, int index)
     const struct cairo_api *api = page->api;
     struct curve_exit exits[4];
 
-    curve_exits(&page->layout, &page->figure->curve[index], exits);
+    if (!curve_exits(page->figure, &page->layout, index, exits))
+        return;
     choose_color(page, index);
     for (int side = 0; side < 4; side++) {
         double x = page->left + exits[side].x * (page->right - page->left), dx = ahead[side][0];
@@ -266,7 +267,7 @@ void page_curves(struct page *page)
         for (int i = figure->curves - 1; i >= 0; i--) {
             const struct curve *curve = &figure->curve[i];
             bool dense = curve->points && is_dense(page, curve);
-            if (pass != (!curve->points ? 1 : dense ? 0 : 2))
+            if (!curve_drawn(figure, i) || pass != (!curve->points ? 1 : dense ? 0 : 2))
                 continue;
             choose_color(page, i);
             if (curve->points)
@@ -276,7 +277,7 @@ void page_curves(struct page *page)
         }
     }
     for (int i = 0; i < figure->curves; i++)
-        if (figure->curve[i].unbounded)
+        if (curve_drawn(figure, i))
             draw_exits(page, i);
 }
 #endif

@@ -35,19 +35,18 @@ static bool fixed_range(const struct axis *axis)
 
 static double least_of(const struct axis *axis)
 {
-    return axis->log ? DBL_TRUE_MIN : -DBL_MAX;
+    return axis->log ? fmax(axis->least, DBL_TRUE_MIN) : -DBL_MAX;
 }
 
 /* Of the samples that can be seen along the other axis: y follows a fixed window of x. */
-static void extend(struct extent *extent, const struct figure *figure, const struct curve *curve, bool vertical,
-                   size_t n)
+static void extend(struct extent *extent, const struct figure *figure, const struct curve *curve, bool vertical)
 {
     const struct axis *axis = vertical ? &figure->y : &figure->x, *other = vertical ? &figure->x : &figure->y;
     const double *value = vertical ? curve->y : curve->x, *across = vertical ? curve->x : curve->y;
     bool window = vertical && fixed_range(other);
     double least = least_of(axis), from = window ? other->from : least_of(other), to = window ? other->to : DBL_MAX;
 
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < curve->n; i++) {
         double v = value[i];
         if (!(v >= least && v <= DBL_MAX && across[i] >= from && across[i] <= to))
             continue;
@@ -56,41 +55,15 @@ static void extend(struct extent *extent, const struct figure *figure, const str
     }
 }
 
-static bool ascends(const double *x, size_t n)
-{
-    for (size_t i = 1; i < n; i++)
-        if (x[i] < x[i - 1])
-            return false;
-    return true;
-}
-
-/* All curves diverge: up to ten times what they reach in their first tenth. The time axis is not cut. */
-static struct extent early_extent(const struct figure *figure, bool vertical)
-{
-    struct extent all = {INFINITY, -INFINITY, 0}, early = all;
-
-    for (int c = 0; c < figure->curves; c++) {
-        const struct curve *curve = &figure->curve[c];
-        extend(&all, figure, curve, vertical, curve->n);
-        if (vertical || !ascends(curve->x, curve->n))
-            extend(&early, figure, curve, vertical, curve->n < 20 ? (curve->n + 1) / 2 : curve->n / 10);
-    }
-    double limit = 10 * fmax(fabs(early.low), fabs(early.high));
-    if (early.low <= early.high && limit > 0) {
-        all.low = fmax(all.low, -limit);
-        all.high = fmin(all.high, limit);
-    }
-    return all;
-}
-
 static size_t count_hidden(const struct figure *figure, bool vertical)
 {
+    const double least = least_of(vertical ? &figure->y : &figure->x);
     size_t hidden = 0;
     for (int c = 0; c < figure->curves; c++) {
         const struct curve *curve = &figure->curve[c];
         const double *value = vertical ? curve->y : curve->x;
-        for (size_t i = 0; i < curve->n; i++)
-            hidden += value[i] <= 0;
+        for (size_t i = 0; i < curve->n && curve_drawn(figure, c); i++)
+            hidden += value[i] < least;
     }
     return hidden;
 }
@@ -100,7 +73,8 @@ static struct scale linear_scale(const struct figure *figure, bool vertical, str
 {
     const struct axis *axis = vertical ? &figure->y : &figure->x;
     double air = vertical || figure->equal ? 0.04 : 0;
-    double thin = vertical ? 1e-6 : 1e-12; /* less than this part of its size is no variation worth labels */
+    /* Less than this part of its size is no variation worth labels. */
+    double thin = !vertical ? 1e-12 : axis->flat < 0 ? 1e-13 : 1e-6;
     double low = fmax(extent.low, -LARGEST), high = fmin(extent.high, LARGEST);
     double size = fmax(fabs(low), fabs(high)), factor = axis_factor(axis);
 
@@ -110,6 +84,9 @@ static struct scale linear_scale(const struct figure *figure, bool vertical, str
     } else if (size < 1 / LARGEST) {
         low = -factor;
         high = factor;
+    } else if (axis->flat > 0 && high - low <= axis->flat * size) {
+        low = low > 0 ? 0 : low * (1 + air);
+        high = high < 0 ? 0 : high * (1 + air);
     } else if (high - low <= thin * size) {
         low -= 0.1 * size;
         high += 0.1 * size;
@@ -158,10 +135,8 @@ struct extent axis_extent(const struct figure *figure, bool vertical)
     struct extent extent = {INFINITY, -INFINITY, 0};
 
     for (int c = 0; c < figure->curves && !fixed_range(axis); c++)
-        if (!figure->curve[c].unbounded)
-            extend(&extent, figure, &figure->curve[c], vertical, figure->curve[c].n);
-    if (extent.low > extent.high && !fixed_range(axis))
-        extent = early_extent(figure, vertical);
+        if (figure->curve[c].panel == figure->panel || (!vertical && !figure->plane))
+            extend(&extent, figure, &figure->curve[c], vertical);
     extent.hidden = axis->log ? count_hidden(figure, vertical) : 0;
     return extent;
 }

@@ -184,12 +184,18 @@ void raster_points(const struct raster *raster, const struct curve *curve, int a
     }
 }
 
-void curve_exits(const struct figure_layout *layout, const struct curve *curve, struct curve_exit exits[4])
+bool curve_exits(const struct figure *figure, const struct figure_layout *layout, int index,
+                 struct curve_exit exits[4])
 {
+    const struct curve *curve = &figure->curve[index];
+    struct curve_outside outside;
     bool inside = false;
     double old_x = 0, old_y = 0;
 
+    curve_outside(figure, layout, index, &outside);
     memset(exits, 0, 4 * sizeof *exits);
+    if (!outside.leaves || curve->points)
+        return false;
     for (size_t i = 0; i < curve->n; i++) {
         double x = fraction_of(&layout->x, curve->x[i]), y = fraction_of(&layout->y, curve->y[i]);
         double before[4] = {-old_x, old_x - 1, -old_y, old_y - 1}, after[4] = {-x, x - 1, -y, y - 1}; /* > 0: beyond */
@@ -201,22 +207,24 @@ void curve_exits(const struct figure_layout *layout, const struct curve *curve, 
                 side = s;
             }
         }
-        if (side >= 0 && !exits[side].left)
+        if (side >= (figure->plane ? 0 : 2) && !exits[side].left)
             exits[side] = (struct curve_exit){true, old_x + part * (x - old_x), old_y + part * (y - old_y)};
         inside = x >= 0 && x <= 1 && y >= 0 && y <= 1;
         old_x = x;
         old_y = y;
     }
+    return true;
 }
 
-void raster_exits(const struct raster *raster, const struct curve *curve)
+void raster_exits(const struct raster *raster, const struct figure *figure, int curve)
 {
     static const uint32_t arrow[2][4] = {{'<', '>', 'v', '^'},
                                          {0x2190, 0x2192, 0x2193, 0x2191}}; /* left right down up */
     const struct figure_layout *layout = raster->layout;
     struct curve_exit exits[4];
 
-    curve_exits(layout, curve, exits);
+    if (!curve_exits(figure, layout, curve, exits))
+        return;
     for (int side = 0; side < 4; side++) {
         int column = (int)(exits[side].x * (layout->columns - 1) + 0.5);
         int row = (int)((1 - exits[side].y) * (layout->rows - 1) + 0.5);

@@ -63,17 +63,49 @@ struct ticks ticks_search(double from, double to, int want, int most, bool loose
                 int digit = z + magnitude - exponent; /* power of ten of the step's first digit, as labelled */
                 int decimals = (nice[q] == 2.5 ? 1 : 0) - digit;
                 best = score;
-                ticks =
-                    (struct ticks){first * step * scale, step * scale, count, decimals > 0 ? decimals : 0, exponent};
+                ticks = (struct ticks){.first = first * step * scale,
+                                       .step = step * scale,
+                                       .count = count,
+                                       .decimals = decimals > 0 ? decimals : 0,
+                                       .exponent = exponent};
             }
         }
     }
     return ticks;
 }
 
+#define DIGITS 5 /* of a label, before the axis gets an offset */
+
+static int power_below(double x)
+{
+    return (int)floor(log10(x) + 1e-9);
+}
+
+/*
+ * Of a range so narrow that its labels would have more digits, what they have in common is taken off: the offset, below
+ * the lower end, so that no label is negative.
+ */
+static void take_offset(struct ticks *ticks)
+{
+    double last = ticks->first + (ticks->count - 1) * ticks->step, largest = fmax(fabs(ticks->first), fabs(last));
+    if (ticks->count < 2 || largest < 1e-3 || largest > 1e9 ||
+        power_below(largest) - power_below(ticks->step) < DIGITS)
+        return; /* what is very small or large has a power of ten, and its labels are short */
+    int power = power_below(last - ticks->first), digit = power_below(ticks->step);
+    double unit = pow(10, power);
+    ticks->offset = floor(ticks->first / unit + 1e-9) * unit;
+    ticks->offset_decimals = power < 0 ? -power : 0;
+    ticks->exponent = digit < -2 || power >= DIGITS ? digit : 0;
+    double digits = ticks->step / pow(10, ticks->exponent);
+    for (ticks->decimals = 0; ticks->decimals < 12 && fabs(digits - nearbyint(digits)) > 1e-6; digits *= 10)
+        ticks->decimals++;
+}
+
 struct ticks ticks_linear(double from, double to, int want, int most)
 {
-    return ticks_search(from, to, want, most, false);
+    struct ticks ticks = ticks_search(from, to, want, most, false);
+    take_offset(&ticks);
+    return ticks;
 }
 
 struct ticks ticks_log(double from, double to, int most)
@@ -86,7 +118,7 @@ struct ticks ticks_log(double from, double to, int most)
     for (size_t i = 0; i < COUNT_OF(steps); i++) {
         double first = ceil(low / steps[i]), last = floor(high / steps[i]);
         if (last >= first && last - first < most)
-            return (struct ticks){first * steps[i], steps[i], (int)(last - first) + 1, 0, 0};
+            return (struct ticks){.first = first * steps[i], .step = steps[i], .count = (int)(last - first) + 1};
     }
     return (struct ticks){0};
 }
@@ -99,9 +131,29 @@ double tick_value(const struct ticks *ticks, int i, bool log)
     return fabs(value) < 1e-6 * ticks->step ? 0 : value;
 }
 
+/* Through an integer: printf's %f would follow the locale. */
+static int decimal_text(double value, int decimals, char out[TICK_TEXT_SIZE])
+{
+    long long unit = 1;
+    for (int d = 0; d < decimals; d++)
+        unit *= 10;
+    long long digits = llround(fabs(value) * (double)unit);
+    const char *sign = value < 0 && digits ? "-" : "";
+    if (!decimals)
+        return snprintf(out, TICK_TEXT_SIZE, "%s%lld", sign, digits);
+    return snprintf(out, TICK_TEXT_SIZE, "%s%lld.%0*lld", sign, digits / unit, decimals, digits % unit);
+}
+
+int offset_text(const struct ticks *ticks, char out[TICK_TEXT_SIZE])
+{
+    char text[TICK_TEXT_SIZE];
+    decimal_text(fabs(ticks->offset), ticks->offset_decimals, text);
+    return snprintf(out, TICK_TEXT_SIZE, "%c %s", ticks->offset < 0 ? '+' : '-', text);
+}
+
 int tick_text(const struct ticks *ticks, int i, bool log, char out[TICK_TEXT_SIZE])
 {
-    double value = tick_value(ticks, i, log) / pow(10, ticks->exponent);
+    double value = (tick_value(ticks, i, log) - ticks->offset) / pow(10, ticks->exponent);
     int decimals = ticks->decimals;
 
     if (log) {
@@ -111,15 +163,7 @@ int tick_text(const struct ticks *ticks, int i, bool log, char out[TICK_TEXT_SIZ
             return snprintf(out, TICK_TEXT_SIZE, "1e%d", power);
         decimals = power < 0 ? -power : 0;
     }
-    /* Through an integer: printf's %f would follow the locale. */
-    long long unit = 1;
-    for (int d = 0; d < decimals; d++)
-        unit *= 10;
-    long long digits = llround(fabs(value) * (double)unit);
-    const char *sign = value < 0 && digits ? "-" : "";
-    if (!decimals)
-        return snprintf(out, TICK_TEXT_SIZE, "%s%lld", sign, digits);
-    return snprintf(out, TICK_TEXT_SIZE, "%s%lld.%0*lld", sign, digits / unit, decimals, digits % unit);
+    return decimal_text(value, decimals, out);
 }
 
 void tick_label(const struct ticks *ticks, int i, bool log, struct buffer *out)

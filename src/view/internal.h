@@ -48,8 +48,9 @@ bool run_in_progress(const struct session *session);
 /* The horizontal range of a focused time plot holds for all panes, so that they stay aligned. */
 bool view_has_time_range(const struct view *view);
 /* Moves the end of a time axis of so many cells to the next label where that is near. */
+bool is_range(const double range[2]); /* not automatic */
 void ranges_reach_label(struct axis *axis, int columns);
-void ranges_settle(const struct screen *screen, const struct place *place, struct figure *figure);
+bool ranges_settle(struct screen *screen, const struct place *place, struct figure *figure); /* false: no memory */
 
 /* ---- panes.c ---- */
 

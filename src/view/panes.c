@@ -49,8 +49,17 @@ static int shown_runs(const struct session *session, int place[1 + LIMIT_OVERLAY
     return count;
 }
 
+/* What `range` has fixed; NULL: nothing. */
+static const struct figure_range *fixed_range(struct screen *screen, const double range[2])
+{
+    struct figure_range *fixed = is_range(range) ? arena_array(&screen->arena, 1, sizeof *fixed) : NULL;
+    if (fixed)
+        *fixed = (struct figure_range){.end = {range[0], range[1]}, .quantity = QUANTITY_OTHER};
+    return fixed;
+}
+
 /* `width` [cell] decides how much time is shown: the same for all panes of a screen. */
-static struct figure_request make_request(const struct screen *screen, enum pane pane, int width, bool alone,
+static struct figure_request make_request(struct screen *screen, enum pane pane, int width, bool alone,
                                           int runs[1 + LIMIT_OVERLAY])
 {
     const struct session *session = screen->session;
@@ -76,6 +85,10 @@ static struct figure_request make_request(const struct screen *screen, enum pane
     if (view_has_time_range(view)) {
         request.window[0] = view->x[0];
         request.window[1] = view->x[1];
+    }
+    if (view->focus == pane) {
+        request.y = fixed_range(screen, view->y);
+        request.x = pane_is_timed(pane) ? NULL : fixed_range(screen, view->x);
     }
     return request;
 }
@@ -170,7 +183,8 @@ static bool make_figure(struct screen *screen, const struct place *place, const 
         empty_figure(screen, place, figure);
         figure->note = arena_text(&screen->arena, text_of(error.text));
     } else {
-        ranges_settle(screen, place, figure);
+        if (!ranges_settle(screen, place, figure))
+            return false;
         join_dense(screen, &request, figure);
     }
     if (time->known && pane_is_timed(place->pane))
@@ -232,14 +246,18 @@ static bool draw_pane(struct screen *screen, const struct place *place, const st
     struct rectangle at = {0, 0, place->at.width, pane_drawn_height(place)};
     struct canvas sheet = {at.width, at.height,
                            arena_array(&screen->arena, (size_t)at.width * (size_t)at.height, sizeof *sheet.cell)};
-    struct figure_layout layout;
+    struct figure_panel panel[PANELS_MOST];
 
     if (!sheet.cell || !figure_draw(figure, &sheet, 0, 0, at.width, at.height, screen->charset))
         return false;
-    figure_layout(figure, at.width, at.height, screen->charset, &layout);
-    if (pane_is_timed(place->pane)) {
-        cursors_draw(screen, &layout, &sheet, at, !place->joined);
-        draw_marks(screen, &layout, &sheet, at);
+    const int panels = figure_panels(figure, at.width, at.height, screen->charset, panel);
+    for (int i = 0; i < panels && pane_is_timed(place->pane); i++) {
+        const struct rectangle part = {panel[i].x, panel[i].y, panel[i].width, panel[i].height};
+        struct figure_layout layout;
+        figure_layout(&panel[i].figure, part.width, part.height, screen->charset, &layout);
+        cursors_draw(screen, &layout, &sheet, part, !place->joined && i == 0);
+        if (i == panels - 1)
+            draw_marks(screen, &layout, &sheet, part);
     }
     copy_rows(&sheet, screen->canvas, place->at);
     if (place->joined)
@@ -247,11 +265,24 @@ static bool draw_pane(struct screen *screen, const struct place *place, const st
     return true;
 }
 
+/* What the labels of all panels of a figure need. */
+static int widest_gutter(const struct screen *screen, const struct place *place, const struct figure *figure)
+{
+    struct figure_panel panel[PANELS_MOST];
+    const int panels = figure_panels(figure, place->at.width, pane_drawn_height(place), screen->charset, panel);
+    int gutter = 0;
+    for (int i = 0; i < panels; i++) {
+        struct figure_layout layout;
+        figure_layout(&panel[i].figure, panel[i].width, panel[i].height, screen->charset, &layout);
+        gutter = larger(gutter, layout.gutter);
+    }
+    return gutter;
+}
+
 /* All time plots over each other get labels of the same width, so that their axes are aligned. */
 bool panes_figures(struct screen *screen, const struct place *place, int places, struct figure *figure)
 {
     const struct shared_time time = share_time(screen, place, places);
-    struct figure_layout layout;
     for (int i = 0; i < places; i++)
         if (!make_figure(screen, &place[i], &time, &figure[i]))
             return false;
@@ -260,8 +291,7 @@ bool panes_figures(struct screen *screen, const struct place *place, int places,
         for (int j = 0; j < places && pane_is_timed(place[i].pane); j++) {
             if (!pane_is_timed(place[j].pane) || place[j].at.x != place[i].at.x)
                 continue;
-            figure_layout(&figure[j], place[j].at.width, pane_drawn_height(&place[j]), screen->charset, &layout);
-            gutter = larger(gutter, layout.gutter);
+            gutter = larger(gutter, widest_gutter(screen, &place[j], &figure[j]));
         }
         figure[i].gutter = gutter;
     }
@@ -282,6 +312,7 @@ bool panes_draw(struct screen *screen, const struct place *place, int places)
 int panes_time_axis(struct screen *screen, const struct place *place, int places, double span[2])
 {
     struct figure figure[PLACES_MOST];
+    struct figure_panel panel[PANELS_MOST];
     struct figure_layout layout;
     int found = -1;
     for (int i = places - 1; i >= 0; i--)
@@ -289,7 +320,8 @@ int panes_time_axis(struct screen *screen, const struct place *place, int places
             found = i;
     if (found < 0 || !panes_figures(screen, place, places, figure))
         return 0;
-    figure_layout(&figure[found], place[found].at.width, pane_drawn_height(&place[found]), screen->charset, &layout);
+    figure_panels(&figure[found], place[found].at.width, pane_drawn_height(&place[found]), screen->charset, panel);
+    figure_layout(&panel[0].figure, panel[0].width, panel[0].height, screen->charset, &layout);
     span[0] = layout.x.from;
     span[1] = layout.x.to;
     return larger(layout.columns, 1);

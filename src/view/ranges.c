@@ -10,7 +10,7 @@ bool run_in_progress(const struct session *session)
     return session->live.state == LIVE_RUNNING || session->live.state == LIVE_PAUSED;
 }
 
-static bool is_range(const double range[2])
+bool is_range(const double range[2])
 {
     return range[0] < range[1];
 }
@@ -38,12 +38,13 @@ static void extend(struct extent *extent, double value)
     }
 }
 
-static struct extent extent_of(const struct figure *figure, bool vertical)
+/* Of the curves of a panel. */
+static struct extent extent_of(const struct figure *figure, int panel, bool vertical)
 {
     struct extent extent = {HUGE_VAL, -HUGE_VAL};
     for (int c = 0; c < figure->curves; c++) {
         const struct curve *curve = &figure->curve[c];
-        for (size_t i = 0; i < curve->n && !curve->unbounded; i++)
+        for (size_t i = 0; i < curve->n && curve->panel == panel; i++)
             if (!vertical || !figure->x.fixed || (curve->x[i] >= figure->x.from && curve->x[i] <= figure->x.to))
                 extend(&extent, vertical ? curve->y[i] : curve->x[i]);
     }
@@ -102,39 +103,60 @@ static void extend_expected(const struct session *session, const struct figure *
     extend(extent, system->order == 2 ? -size : 0);
 }
 
-static void fix_axis(struct axis *axis, const double range[2])
+/* To whole decades. */
+static void settle_decades(struct axis *axis, struct extent extent)
 {
-    if (!is_range(range))
+    const double factor = axis->factor > 0 ? axis->factor : 1;
+    const double low = log10(fmax(extent.low, axis->least) / factor), high = log10(extent.high / factor);
+    if (axis->fixed || !isfinite(low) || !isfinite(high) || fabs(low) > 290 || fabs(high) > 290)
         return;
     axis->fixed = true;
-    axis->from = range[0];
-    axis->to = range[1];
+    axis->from = pow(10, floor(low + TOUCH)) * factor;
+    axis->to = pow(10, fmax(ceil(high - TOUCH), floor(low + TOUCH) + 1)) * factor;
 }
 
-void ranges_settle(const struct screen *screen, const struct place *place, struct figure *figure)
+/* The axes of one panel; the run that goes on is the first curve. */
+static void settle_panel(const struct screen *screen, const struct place *place, const struct figure *figure, int panel,
+                         struct axis *x, struct axis *y)
 {
-    const struct view *view = &screen->session->view;
-    struct extent extent = extent_of(figure, true);
+    const struct session *session = screen->session;
+    const bool first = figure->curves == 0 || figure->curve[0].panel == panel;
+    struct extent extent = extent_of(figure, panel, true), across = extent_of(figure, panel, false);
+    if (y->log) {
+        settle_decades(y, extent);
+        return;
+    }
     if (from_zero(place->pane) && extent.low <= extent.high)
         extend(&extent, 0);
-    extend_expected(screen->session, figure, place->pane, true, &extent);
-    if (view->focus == place->pane) {
-        fix_axis(&figure->y, view->y);
-        if (!pane_is_timed(place->pane))
-            fix_axis(&figure->x, view->x);
-    }
-    settle(&figure->y, extent, place->at.height);
+    if (first)
+        extend_expected(session, figure, place->pane, true, &extent);
+    settle(y, extent, place->at.height);
     if (!pane_is_plane(place->pane))
         return;
-    struct extent across = extent_of(figure, false);
-    extend_expected(screen->session, figure, place->pane, false, &across);
-    settle(&figure->x, across, place->at.height);
-    if (figure->equal && (!figure->x.fixed || !figure->y.fixed)) { /* at rest */
+    if (first)
+        extend_expected(session, figure, place->pane, false, &across);
+    settle(x, across, place->at.height);
+    if (figure->equal && (!x->fixed || !y->fixed)) { /* at rest */
         double room = 0.1 * fmax(fabs(across.low), fabs(across.high));
-        figure->x.fixed = figure->y.fixed = room > 0 && isfinite(room);
-        figure->x.from = across.low - room;
-        figure->x.to = across.high + room;
-        figure->y.from = extent.low - room;
-        figure->y.to = extent.high + room;
+        x->fixed = y->fixed = room > 0 && isfinite(room);
+        x->from = across.low - room;
+        x->to = across.high + room;
+        y->from = extent.low - room;
+        y->to = extent.high + room;
     }
+}
+
+bool ranges_settle(struct screen *screen, const struct place *place, struct figure *figure)
+{
+    settle_panel(screen, place, figure, 0, &figure->x, &figure->y);
+    if (!figure->second)
+        return true;
+    struct axis *second = arena_array(&screen->arena, 2, sizeof *second);
+    if (!second)
+        return false;
+    second[0] = figure->plane ? figure->second[0] : figure->x;
+    second[1] = figure->second[1];
+    settle_panel(screen, place, figure, 1, &second[0], &second[1]);
+    figure->second = second;
+    return true;
 }

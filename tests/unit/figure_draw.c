@@ -180,7 +180,7 @@ static const char drawn_log[] = "+- error ------------------------- -- rk4 -+\n"
                                 "|      0.001     0.01        0.1        1  |\n"
                                 "+- 2 values <= 0 not shown ------- dt [s] -+\n";
 
-static const char drawn_unbounded[] = "┌─ y [cm] ──────────── -- verlet  # euler ─┐\n"
+static const char drawn_leaving[] = "┌─ y [cm] ──────────── -- verlet  # euler ─┐\n"
                                       "│  5┤⠢⡄         ↑ ⢀⠔⠢⡀ #      #  ⡠⠒⢄  #    │\n"
                                       "│   │ ⠘⡄        #⢠⠃  ⠱⡀#      # ⡜  ⠈⢆ #    │\n"
                                       "│   │  ⠸⡀       ⢀⠇    ⢣#      #⢰⠁   ⠈⡆#    │\n"
@@ -191,7 +191,7 @@ static const char drawn_unbounded[] = "┌─ y [cm] ─────────
                                       "│ -5┤     ↓⠑⠤⠊  #      # ⠈⠢⠔⠁ #       # ⠘⠢ │\n"
                                       "│   └┬────────┬────────┬────────┬────────┬ │\n"
                                       "│   0.0      2.5      5.0      7.5    10.0 │\n"
-                                      "└────────────────────────────────── t [s] ─┘\n";
+                                      "└─ euler leaves at 1.42 s ───────── t [s] ─┘\n";
 
 static const char drawn_huge[] = "+- y [1e300 m] --------------+\n"
                                  "|  1+              .-_       |\n"
@@ -392,12 +392,12 @@ static void test_log_axes(void **state)
     expect(&figure, 44, 12, CHARSET_ASCII, drawn_log);
 }
 
-static void test_unbounded_curve_leaves_through_the_frame(void **state)
+static void test_a_curve_that_leaves_is_said_in_the_frame(void **state)
 {
     struct samples s, wild;
     struct curve curve[] = {
         {.label = "verlet", .x = s.x, .y = s.y, .n = 1000},
-        {.label = "euler", .x = wild.x, .y = wild.y, .n = 1000, .unbounded = true},
+        {.label = "euler", .x = wild.x, .y = wild.y, .n = 1000, .panel = 1},
     };
     struct figure figure = of(curve, 2);
     (void)state;
@@ -405,7 +405,7 @@ static void test_unbounded_curve_leaves_through_the_frame(void **state)
     swing(&wild, 1000);
     for (int i = 0; i < 1000; i++)
         wild.y[i] *= exp(0.3 * wild.x[i] * wild.x[i]);
-    expect(&figure, 44, 12, CHARSET_BRAILLE, drawn_unbounded);
+    expect(&figure, 44, 12, CHARSET_BRAILLE, drawn_leaving);
 }
 
 static void test_extreme_values(void **state)
@@ -457,7 +457,7 @@ int main(void)
         cmocka_unit_test(test_constant_and_few_samples),
         cmocka_unit_test(test_phase),
         cmocka_unit_test(test_log_axes),
-        cmocka_unit_test(test_unbounded_curve_leaves_through_the_frame),
+        cmocka_unit_test(test_a_curve_that_leaves_is_said_in_the_frame),
         cmocka_unit_test(test_extreme_values),
         cmocka_unit_test(test_shrinking),
         cmocka_unit_test(test_notes_and_gutter),

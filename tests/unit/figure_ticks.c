@@ -66,7 +66,7 @@ static void check_range(double from, double to, int want, int most)
         assert_int_equal(real_parse(text_of(text[i % 2]), &read), REAL_OK);
         if (value < from - rounding || value > to + rounding)
             fail_msg("[%g, %g]: tick %g outside", from, to, value);
-        if (fabs(read * pow(10, ticks.exponent) - value) > 1e-3 * ticks.step)
+        if (fabs(ticks.offset + read * pow(10, ticks.exponent) - value) > 1e-3 * ticks.step)
             fail_msg("[%g, %g]: label %s for %g", from, to, text[i % 2], value);
         if (i && read <= previous)
             fail_msg("[%g, %g]: label %s after %s", from, to, text[i % 2], text[(i + 1) % 2]);
@@ -85,6 +85,44 @@ static void test_random_ranges(void **state)
         double span = size * pow(10, -6 * uniform());
         int most = 1 + (int)(40 * uniform());
         check_range(from, from + span, 1 + i % 12, most);
+    }
+}
+
+/* What narrow ranges have in common stands in the title: labels stay short, and the title says it exactly. */
+static void test_narrow_ranges_have_an_offset(void **state)
+{
+    static const struct {
+        double from, to;
+        double offset;
+        int exponent;
+        const char *labels;
+    } known[] = {
+        {2.23265, 2.23270, 2.23265, -5, "0 1 2 3 4 5"},
+        {-2.23270, -2.23265, -2.2327, -5, "0 1 2 3 4 5"},
+        {999000, 999010, 999000, 0, "0 2 4 6 8 10"},
+        {9999.5, 10000.5, 9999, 0, "0.5 1.0 1.5"},
+        {18.7, 18.8, 0, 0, "18.70 18.72 18.74 18.76 18.78 18.80"},
+    };
+    (void)state;
+    for (size_t i = 0; i < COUNT_OF(known); i++) {
+        struct ticks ticks = ticks_linear(known[i].from, known[i].to, i == 3 ? 3 : 6, 12);
+        char text[128];
+        labels(&ticks, false, text, sizeof text);
+        assert_string_equal(text, known[i].labels);
+        assert_int_equal(ticks.exponent, known[i].exponent);
+        if (fabs(ticks.offset - known[i].offset) > 1e-9 * fabs(known[i].to))
+            fail_msg("[%g, %g]: offset %.10g", known[i].from, known[i].to, ticks.offset);
+    }
+    for (int i = 0; i < 5000; i++) { /* short labels whatever the range, none below zero where there is an offset */
+        double from = pow(10, 9 * uniform() - 3), to = from * (1 + pow(10, -9 * uniform()));
+        struct ticks ticks = ticks_linear(from, to, 5, 9);
+        for (int t = 0; t < ticks.count && ticks.offset != 0; t++) {
+            struct buffer label = {0};
+            tick_label(&ticks, t, false, &label);
+            if (label.len > 5 || label.data[0] == '-')
+                fail_msg("[%.17g, %.17g]: label %s, offset %.17g", from, to, label.data, ticks.offset);
+            buffer_free(&label);
+        }
     }
 }
 
@@ -184,7 +222,8 @@ static void test_locale_does_not_matter(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_random_ranges),     cmocka_unit_test(test_known_ranges),
+        cmocka_unit_test(test_random_ranges),     cmocka_unit_test(test_narrow_ranges_have_an_offset),
+        cmocka_unit_test(test_known_ranges),
         cmocka_unit_test(test_no_range_no_ticks), cmocka_unit_test(test_decades),
         cmocka_unit_test(test_random_decades),    cmocka_unit_test(test_locale_does_not_matter),
     };

@@ -1,0 +1,147 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the axes do not hold: which curves leave the frame, where, how far, and how the frame says so. */
+#include "internal.h"
+
+#define EDGE 0.011 /* [axis lengths] a live axis is not widened for so little; it is drawn at the frame */
+
+/* How far beyond the ends of an axis; 0: inside. */
+static double beyond(double fraction)
+{
+    return fraction < -EDGE ? -fraction : fraction > 1 + EDGE ? fraction - 1 : 0;
+}
+
+void curve_outside(const struct figure *figure, const struct figure_layout *layout, int index,
+                   struct curve_outside *outside)
+{
+    const struct curve *curve = &figure->curve[index];
+    const double *when = curve->t ? curve->t : figure->plane ? NULL : curve->x;
+    bool inside = false;
+    double farthest = 0;
+
+    *outside = (struct curve_outside){.at = NAN};
+    for (size_t i = 0; i < curve->n; i++) {
+        double x = fraction_of(&layout->x, curve->x[i]), y = fraction_of(&layout->y, curve->y[i]);
+        if (isnan(x) || isnan(y) || (!figure->plane && beyond(x) > 0) ||
+            (figure->y.log && curve->y[i] < figure->y.least))
+            continue;
+        double across = figure->plane ? beyond(x) : 0, up = beyond(y), far = fmax(across, up);
+        outside->total++;
+        outside->count += far > 0;
+        if (far > 0 && inside && !outside->leaves) {
+            outside->leaves = true;
+            outside->at = when ? when[i] : NAN;
+        }
+        inside |= !(far > 0);
+        if (far > farthest) {
+            farthest = far;
+            outside->along_x = across > up;
+            outside->farthest = outside->along_x ? curve->x[i] : curve->y[i];
+            outside->above = (outside->along_x ? x : y) > 0.5;
+        }
+    }
+}
+
+/* ---- how it is said ---- */
+
+/* Digits that tell values on this axis apart. */
+static int digits_on(const struct scale *scale)
+{
+    double size = fmax(fabs(scale->from), fabs(scale->to)), span = scale->to / size - scale->from / size;
+    return scale->log || !(span > 0) ? 3 : (int)fmin(3 + fmax(floor(-log10(span)), 0), 12);
+}
+
+/* A value of an axis in the unit that suits it. */
+static void put_value(struct buffer *out, const struct axis *axis, double value, int digits)
+{
+    const struct unit *unit = axis->unit ? unit_find(text_of(axis->unit)) : NULL;
+    const struct unit *suited = unit ? unit_display(unit->quantity, fabs(value)) : NULL;
+    if (suited)
+        buffer_format(out, "%.*g %s", digits, value / suited->factor, suited->row.name);
+    else
+        buffer_format(out, "%.*g%s%s", digits, value / axis_factor(axis), axis->unit && *axis->unit ? " " : "",
+                      axis->unit ? axis->unit : "");
+}
+
+static void put_curve(struct buffer *out, const struct figure *figure, const struct figure_layout *layout, int index,
+                      const struct curve_outside *outside, int detail)
+{
+    const struct curve *curve = &figure->curve[index];
+    const struct axis *axis = outside->along_x ? &figure->x : &figure->y;
+    const char mark[2] = {figure_mark(figure, index), '\0'};
+
+    buffer_put(out, text_of(curve->label && *curve->label ? curve->label : *mark ? mark : "the curve"));
+    buffer_put(out, text_of(!outside->leaves ? " is outside" : " leaves"));
+    if (isfinite(outside->at)) {
+        const struct axis time = {.unit = "s"};
+        buffer_put(out, TEXT(" at "));
+        put_value(out, figure->plane ? &time : &figure->x, outside->at, figure->plane ? 3 : digits_on(&layout->x));
+    }
+    if (detail > 0) {
+        buffer_put(out, text_of(outside->above ? ", up to " : ", down to "));
+        put_value(out, axis, outside->farthest, digits_on(outside->along_x ? &layout->x : &layout->y));
+    }
+    if (detail > 1 && !curve->thinned)
+        buffer_format(out, " (%zu of %zu samples)", outside->count, outside->total);
+}
+
+/* All curves that leave; "" for none. With detail -1 only how many. */
+static void put_outside(struct buffer *out, const struct figure *figure, const struct figure_layout *layout, int detail)
+{
+    struct curve_outside outside;
+    int count = 0;
+
+    for (int i = 0; i < figure->curves; i++) {
+        if (!curve_drawn(figure, i))
+            continue;
+        curve_outside(figure, layout, i, &outside);
+        if (!outside.count)
+            continue;
+        if (detail >= 0) {
+            buffer_put(out, count ? TEXT("; ") : TEXT(""));
+            put_curve(out, figure, layout, i, &outside, detail);
+        }
+        count++;
+    }
+    if (detail < 0 && count)
+        buffer_format(out, "%d curve%s outside", count, count == 1 ? "" : "s");
+}
+
+static void put_hidden(struct buffer *out, const struct figure *figure, const struct figure_layout *layout)
+{
+    if (!layout->hidden)
+        return;
+    buffer_format(out, "%s%zu value%s ", out->len ? ", " : "", layout->hidden, layout->hidden == 1 ? "" : "s");
+    if (figure->y.log && figure->y.least > 0) {
+        buffer_put(out, TEXT("below "));
+        put_value(out, &figure->y, figure->y.least, 3);
+    } else {
+        buffer_put(out, TEXT("<= 0"));
+    }
+    buffer_put(out, TEXT(" not shown"));
+}
+
+void figure_note(const struct figure *figure, const struct figure_layout *layout, int room, struct buffer *out)
+{
+    static const struct {
+        int detail;
+        bool note;
+    } ways[] = {{2, true}, {1, true}, {2, false}, {1, false}, {0, false}, {-1, false}};
+    struct buffer leaving = {0}, other = {0};
+
+    buffer_put(&other, text_of(figure->note));
+    put_hidden(&other, figure, layout);
+    for (size_t i = 0; i < COUNT_OF(ways); i++) {
+        buffer_clear(out);
+        buffer_clear(&leaving);
+        put_outside(&leaving, figure, layout, ways[i].detail);
+        buffer_put(out, buffer_text(&leaving));
+        if (!leaving.len || ways[i].note) {
+            buffer_put(out, leaving.len && other.len ? TEXT(", ") : TEXT(""));
+            buffer_put(out, buffer_text(&other));
+        }
+        if (!leaving.len || text_width(buffer_text(out)) <= room)
+            break;
+    }
+    buffer_free(&leaving);
+    buffer_free(&other);
+}
