@@ -68,8 +68,6 @@ const char *drawing_run_label(const struct drawing *d, const struct run *run);
 bool drawing_recording(struct drawing *d, const struct recording *recording);
 bool drawing_residual(struct drawing *d, const struct recording *recording);
 
-/* Largest absolute value, of those that are finite. */
-double drawing_largest(const double *x, size_t n);
 /* The unit in which numbers of this size are short; without one the axis is left as it is. */
 void axis_suit(struct axis *axis, enum quantity quantity, double size);
 /* Of the vertical axis; NULL: no memory. */

@@ -10,15 +10,6 @@
 #define FLAT 0.01         /* an energy that varies by less is shown from zero */
 #define AIR 0.04          /* of a range, beyond the curves */
 
-double drawing_largest(const double *x, size_t n)
-{
-    double most = 0;
-    for (size_t i = 0; i < n; i++)
-        if (isfinite(x[i]))
-            most = fmax(most, fabs(x[i]));
-    return most;
-}
-
 /* ---- ranges that were asked for ---- */
 
 static bool has_ends(const struct figure_range *range)
@@ -84,10 +75,18 @@ static bool fix_range(const struct drawing *d, bool vertical, enum quantity quan
 
 /* ---- curves of different size ---- */
 
+/* Of what is inside of the window of time. */
 static double size_of_curve(const struct drawing *d, int i, bool x)
 {
     const struct curve *curve = &d->curve[i];
-    return drawing_largest(x ? curve->x : curve->y, curve->n);
+    const bool timed = plot_is_timed(d->request->kind);
+    double most = 0;
+    for (size_t row = 0; row < curve->n; row++) {
+        const double value = x ? curve->x[row] : curve->y[row];
+        if (isfinite(value) && (!timed || (curve->x[row] >= d->window[0] && curve->x[row] <= d->window[1])))
+            most = fmax(most, fabs(value));
+    }
+    return most;
 }
 
 /* Of a plane the larger of both. */

@@ -144,11 +144,20 @@ static bool add_run(struct drawing *d, const struct run *run)
 
 /* ---- axes ---- */
 
+static double largest(const double *x, size_t n)
+{
+    double most = 0;
+    for (size_t i = 0; i < n; i++)
+        if (isfinite(x[i]))
+            most = fmax(most, fabs(x[i]));
+    return most;
+}
+
 static double size_of(const struct drawing *d, bool x)
 {
     double size = 0;
     for (int i = 0; i < d->curves; i++)
-        size = fmax(size, drawing_largest(x ? d->curve[i].x : d->curve[i].y, d->curve[i].n));
+        size = fmax(size, largest(x ? d->curve[i].x : d->curve[i].y, d->curve[i].n));
     return size;
 }
 

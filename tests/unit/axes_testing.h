@@ -85,6 +85,7 @@ struct read_axis {
     int n;
     bool log;
     double unit; /* value of 1, with the power of ten of the title */
+    double offset; /* that the title takes off, in that unit */
 };
 
 static inline double axis_unit(const struct axis *axis)
@@ -95,7 +96,7 @@ static inline double axis_unit(const struct axis *axis)
 static inline double read_place(const struct read_axis *axis, double value, double *reach)
 {
     const int last = axis->n - 1;
-    double v = value / axis->unit, a = axis->value[0], b = axis->value[last];
+    double v = value / axis->unit - axis->offset, a = axis->value[0], b = axis->value[last];
     if (axis->log) {
         v = v > 0 ? log10(v) : NAN;
         a = log10(a);
@@ -111,7 +112,7 @@ static inline bool read_axis_is_even(const struct read_axis *axis, double least)
 {
     double reach;
     for (int i = 0; i < axis->n; i++)
-        if (fabs(read_place(axis, axis->value[i] * axis->unit, &reach) - axis->at[i]) > least * (reach + 0.5) + 1e-6)
+        if (fabs(read_place(axis, (axis->value[i] + axis->offset) * axis->unit, &reach) - axis->at[i]) > least * (reach + 0.5) + 1e-6)
             return false;
     return true;
 }
@@ -162,6 +163,21 @@ static inline double read_power(const struct canvas *canvas, int from, int to, i
     return 1;
 }
 
+/* What a title in row y takes off: "y - 2.2326 m [1e-5 m]". */
+static inline double read_offset(const struct canvas *canvas, int from, int to, int y)
+{
+    for (int x = from + 3; x < to && cell_at(canvas, x, y) != '['; x++) {
+        const uint32_t sign = cell_at(canvas, x, y);
+        int end;
+        if ((sign != '-' && sign != '+') || cell_at(canvas, x - 1, y) != ' ' || cell_at(canvas, x + 1, y) != ' ')
+            continue;
+        const double offset = read_number(canvas, x + 2, y, to, &end);
+        if (!isnan(offset))
+            return sign == '-' ? offset : -offset;
+    }
+    return 0;
+}
+
 static inline bool is_x_tick(uint32_t c)
 {
     return c == '+' || c == 0x252C;
@@ -187,7 +203,9 @@ static inline bool read_x_axis(struct reader *r, double unit)
         if (end > x && r->x.n < TICKS_MOST)
             r->x.value[r->x.n++] = value;
     }
-    r->x.unit = unit * read_power(c, r->left, r->right, y + 2);
+    const double power = read_power(c, r->left, r->right, y + 2);
+    r->x.unit = unit * power;
+    r->x.offset = read_offset(c, r->left, r->right, y + 2) / power;
     return tick == r->x.n && tick > 1;
 }
 
@@ -209,7 +227,9 @@ static inline bool read_y_axis(struct reader *r, double unit, bool decades)
         r->y.value[r->y.n++] = value;
     }
     r->y.log = decades;
-    r->y.unit = unit * read_power(c, r->left, r->right, r->top);
+    const double power = read_power(c, r->left, r->right, r->top);
+    r->y.unit = unit * power;
+    r->y.offset = read_offset(c, r->left, r->right, r->top) / power;
     return r->y.n > 1;
 }
 

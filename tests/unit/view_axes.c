@@ -99,13 +99,47 @@ static void arrange(struct trial *s)
 
 /* ---- the figures ---- */
 
+#define PARTS_MOST (PANELS_MOST * PLACES_MOST)
+
+/* Panes, those of two panels as two. */
 struct panes {
     struct screen screen;
-    struct place place[PLACES_MOST];
-    struct figure figure[PLACES_MOST];
-    struct figure_layout layout[PLACES_MOST];
+    struct place place[PARTS_MOST];
+    struct figure figure[PARTS_MOST];
+    struct figure_layout layout[PARTS_MOST];
     int places;
 };
+
+/* With the curves of this panel only. */
+static struct figure part_of(struct panes *p, const struct figure *figure)
+{
+    struct figure part = *figure;
+    struct curve *curve = arena_array(&p->screen.arena, (size_t)figure->curves + 1, sizeof *curve);
+    assert_non_null(curve);
+    part.curve = curve;
+    part.curves = 0;
+    for (int i = 0; i < figure->curves; i++)
+        if (!figure->part || figure->curve[i].panel == figure->panel)
+            curve[part.curves++] = figure->curve[i];
+    return part;
+}
+
+static void add_panels(struct panes *p, const struct place *place, const struct figure *figure)
+{
+    struct figure_panel panel[PANELS_MOST];
+    const int panels = figure_panels(figure, place->at.width, pane_drawn_height(place), p->screen.charset, panel);
+    for (int i = 0; i < panels; i++) {
+        const bool covered = i + 1 < panels && !figure->plane; /* the next one has the axis of both */
+        const int seen = covered ? panel[i + 1].y - panel[i].y
+                         : figure->plane ? panel[i].height : place->at.height - panel[i].y;
+        struct place *part = &p->place[p->places];
+        *part = *place;
+        part->at = (struct rectangle){place->at.x + panel[i].x, place->at.y + panel[i].y, panel[i].width, seen};
+        part->open = covered || place->open;
+        p->figure[p->places] = part_of(p, &panel[i].figure);
+        figure_layout(&panel[i].figure, panel[i].width, panel[i].height, p->screen.charset, &p->layout[p->places++]);
+    }
+}
 
 static void open_panes(struct panes *p, const struct trial *s)
 {
@@ -113,12 +147,13 @@ static void open_panes(struct panes *p, const struct trial *s)
     *p = (struct panes){.screen = {.session = s->session, .charset = session_charset(s->session)}};
     if (division.plots) {
         const struct rectangle area = {0, division.state, s->width, division.plots};
-        p->places = screen_places(s->session, area, s->height, p->place);
-        assert_true(panes_figures(&p->screen, p->place, p->places, p->figure));
+        struct place place[PLACES_MOST];
+        struct figure figure[PLACES_MOST];
+        const int places = screen_places(s->session, area, s->height, place);
+        assert_true(panes_figures(&p->screen, place, places, figure));
+        for (int i = 0; i < places; i++)
+            add_panels(p, &place[i], &figure[i]);
     }
-    for (int i = 0; i < p->places; i++)
-        figure_layout(&p->figure[i], p->place[i].at.width, pane_drawn_height(&p->place[i]), p->screen.charset,
-                      &p->layout[i]);
 }
 
 /* The place whose time axis is printed below the pane. */
@@ -230,7 +265,8 @@ static bool read_pane(const struct panes *p, int place, const struct canvas *can
                               .bottom = at.y + at.height - (p->place[place].open ? 0 : 1),
                               .axis_row = bottom->at.y + bottom->at.height - 3};
     return p->layout[place].y_labels && read_x_axis(reader, axis_unit(&figure->x)) &&
-           read_y_axis(reader, axis_unit(&figure->y), p->layout[place].y_decades);
+           read_y_axis(reader, axis_unit(&figure->y), p->layout[place].y.log) &&
+           p->layout[place].y_decades == p->layout[place].y.log;
 }
 
 static int check_screen(const struct trial *s, const struct panes *p, int place, const struct canvas *canvas)

@@ -64,7 +64,7 @@ static void values_alone_of_first_order(void **state)
     (void)state;
     struct session *session = begin(false, "scene robertson; method radau5 dt=100ms; run 4 s");
     assert_shows(session, 80, 24, "- y1, y3 -");
-    assert_shows(session, 80, 24, "-- y1  # y2  x y3");
+    assert_shows(session, 80, 24, "-- y1  x y3");
     assert_hides(session, 80, 24, "E=");
     tell(session, "layout stack");
     log_clear(&session->log);
