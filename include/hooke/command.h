@@ -96,6 +96,7 @@ enum sync_choice { SYNC_AUTO, SYNC_ON, SYNC_OFF }; /* whether the next frame wai
 enum view_choice { VIEW_PAGE, VIEW_SCROLL };       /* the live view sweeps, then pages; or scrolls by whole cells */
 
 enum sums { SUMS_PLAIN, SUMS_COMPENSATED };
+enum turning { TURNING_ON, TURNING_OFF };
 
 struct settings {
     double dt;       /* [s] */
@@ -106,7 +107,7 @@ struct settings {
     int digits;                                     /* significant, in text */
     int charset, color, format, timing, phase_axes; /* the enums above, enum output_format, enum timing */
     int sync, view;
-    int kernel, sums; /* enum kernel, enum sums */
+    int kernel, sums, turning; /* enum kernel, enum sums, enum turning */
     double fps; /* frames a second of the live view */
 };
 

@@ -32,6 +32,7 @@ struct cost {
     int64_t jacobians; /* Jacobians */
     int64_t solves;    /* linear solves or closed-form solves */
     int64_t rejected;  /* rejected steps, their evaluations counted above */
+    int64_t turns;     /* steps that were ended at a turning point, see method_turns() */
 };
 
 /*
@@ -130,7 +131,7 @@ size_t method_work_size(const struct method *method, int n);
 bool method_begin(const struct method *method, struct step *step);
 void method_end(const struct method *method, struct step *step);
 /*
- * Where some force has a kink at v = 0 a step across loses its order. Methods above order 2 that may change their step
+ * Where some force has a kink at v = 0 a step across loses its order (unless the system says to go across). Methods above order 2 that may change their step
  * end one at each turning point then: method_adapt() by itself, steps of fixed size in pieces by method_turning_step().
  */
 bool method_turns(const struct method *method, const struct system *system);

@@ -177,6 +177,7 @@ struct scene {
     double value[PARAM_MAX];       /* SI */
     double uncertainty[PARAM_MAX]; /* one standard uncertainty, 0: exact */
     bool given[PARAM_MAX];         /* set by the user since the preset */
+    bool across;                   /* methods step across kinks at turning points, as they are printed */
 };
 
 /* Settings of a model under a name. */
@@ -320,6 +321,7 @@ struct system {
     bool velocity;     /* some force depends on velocity */
     bool conservative; /* every term has a potential: energy is constant */
     bool kinks;        /* n = 2, and some force is not smooth at v = 0 */
+    bool across;       /* methods step across such kinks, as they are printed */
     double mass;       /* [kg] or what takes its place: kinetic energy = mass v^2 / 2 */
     struct oscillator oscillator;
     double start[LIMIT_VARIABLES]; /* state at t0 */

@@ -250,6 +250,7 @@ struct order_point {
     bool refused; /* the method takes no steps of this size here */
     double error; /* largest over the variables, in units of their amplitudes; NAN: did not arrive */
     double slope; /* to the point before; NAN */
+    int64_t turns; /* extra steps that end at turning points */
     bool fitted;
 };
 

@@ -43,6 +43,12 @@ static void put_order(const struct session *session, const struct order *order, 
         cell_text(&table, point_state(point));
     }
     text_table_put(&table, out);
+    int64_t turns = 0;
+    for (int i = 0; i < order->points; i++)
+        turns = order->point[i].turns > turns ? order->point[i].turns : turns;
+    if (turns > 0)
+        buffer_format(out, "steps end at turning points, in up to %lld extra ones a run; 'set turning off' goes across\n",
+                      (long long)turns);
     const char *verdict = catalog_row(&order_verdict_catalog, order->verdict)->name;
     if (order->fitted)
         buffer_format(out, "order %.3f +- %.3f (* %d points, R^2 = %.8g), claimed %d: %s\n", order->slope, order->guard,
@@ -74,6 +80,7 @@ static void reply_order(const struct order *order, struct reply *reply)
         reply_object(reply, NULL);
         reply_real(reply, "dt", point->dt);
         reply_int(reply, "steps", point->steps);
+        reply_int(reply, "turning_steps", point->turns);
         reply_real(reply, "error", point->error);
         reply_real(reply, "slope", point->slope);
         reply_bool(reply, "fitted", point->fitted);

@@ -79,6 +79,21 @@ static void step_time_cell(struct text_table *table, const struct comparison *ro
     cell_take(table, &text);
 }
 
+/* Which rows took extra steps: they are not the methods as they are printed. */
+static void put_turning(const struct comparison *rows, int count, struct buffer *out)
+{
+    bool any = false;
+    for (int i = 0; i < count; i++) {
+        const int64_t turns = rows[i].run->cost.turns;
+        if (turns > 0)
+            buffer_format(out, "%s%s %lld", any ? ", " : "extra steps that end at turning points (set turning off): ",
+                          rows[i].run->method->row.name, (long long)turns);
+        any |= turns > 0;
+    }
+    if (any)
+        buffer_char(out, '\n');
+}
+
 /* Which rows have times that do not compare with the rest. */
 static void put_general(const struct comparison *rows, int count, struct buffer *out)
 {
@@ -156,6 +171,7 @@ static void reply_table(const struct session *session, const struct comparison *
     text_table_put(&table, &text);
     if (columns.timed && columns.mixed)
         put_general(rows, count, &text);
+    put_turning(rows, count, &text);
     for (int i = 0; i < count; i++)
         if (rows[i].verdict[0])
             buffer_format(&text, "%s%s%s: %s\n", rows[i].run->method->row.name, several ? " " : "",
@@ -179,6 +195,7 @@ static void reply_comparison(const struct comparison *row, struct reply *reply)
     reply_real(reply, "tol", run->plan.adaptive ? run->settings.tol : NAN);
     reply_int(reply, "steps", run->steps);
     reply_int(reply, "evals", run->cost.evals);
+    reply_int(reply, "turning_steps", run->cost.turns);
     reply_real(reply, "error", row->errors.max);
     reply_real(reply, "energy_error", row->ledger.error_max);
     reply_real(reply, "energy_factor", row->energy_factor);

@@ -89,6 +89,7 @@ static bool run_handler(struct session *session, const struct arguments *argumen
             return error_memory(error);
     }
     const uint64_t changes = session->changes;
+    session->setup.scene.across = session->setup.settings.turning == TURNING_OFF;
     const bool ok = command->handler(session, arguments, reply, error);
     /* A run that diverged is an error, and a change all the same. */
     if (before && session->changes != changes && undo_matters(session, before))

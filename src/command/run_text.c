@@ -28,6 +28,9 @@ void reply_run(const struct session *session, const struct run *run, struct repl
         buffer_put(&text, TEXT(", dE/E0 max "));
         buffer_short(&text, ledger.error_max, 2);
     }
+    if (run->cost.turns > 0)
+        buffer_format(&text, ", %lld extra step%s to end at turning points", (long long)run->cost.turns,
+                      run->cost.turns == 1 ? "" : "s");
     const struct data_distance data = run_data_distance(run, session_recording(session));
     if (isfinite(data.rms)) {
         const struct variable first = system_variable(&run->system, 0);
@@ -49,6 +52,7 @@ void reply_run(const struct session *session, const struct run *run, struct repl
     reply_real(reply, "tol", run->plan.adaptive ? run->settings.tol : NAN);
     reply_int(reply, "steps", run->steps);
     reply_int(reply, "evals", run->cost.evals);
+    reply_int(reply, "turning_steps", run->cost.turns);
     reply_real(reply, "t", run->t);
     reply_real(reply, "y", state_value(run, "y"));
     reply_real(reply, "v", state_value(run, "v"));

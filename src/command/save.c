@@ -198,7 +198,8 @@ static bool save_run(const struct session *session, const struct held_run *held,
     settings.record = run->settings.record;
     settings.kernel = (int)run->settings.kernel;
     settings.sums = run->settings.compensated ? SUMS_COMPENSATED : SUMS_PLAIN;
-    static const char *const kept[] = {"record", "kernel", "sums"};
+    settings.turning = run->scene.across ? TURNING_OFF : TURNING_ON;
+    static const char *const kept[] = {"record", "kernel", "sums", "turning"};
     for (size_t i = 0; i < COUNT_OF(kept); i++) {
         const struct row *row = catalog_find(&setting_catalog, text_of(kept[i]));
         buffer_format(text, "\nset %s ", kept[i]);

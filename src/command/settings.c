@@ -44,6 +44,13 @@ static const struct row sums_rows[] = {
     [SUMS_COMPENSATED] = {"compensated", "", "rounding grows as slowly as chance allows (Brouwer's law)", "Kahan 1965",
                           NULL},
 };
+static const struct row turning_rows[] = {
+    [TURNING_ON] = {"on", "", "steps end at turning points, in extra steps: methods above order 2 keep their order", "",
+                    NULL},
+    [TURNING_OFF] = {"off", "", "steps go across: methods run as they are printed", "", NULL},
+};
+static const struct catalog turning_catalog = CATALOG("way with turning points", turning_rows);
+
 static const struct row record_rows[] = {
     [RECORD_AUTO] = {"auto", "", "every step; very long runs are decimated, no peak is lost", "", NULL},
     [RECORD_ALL] = {"all", "", "every step, if the memory is there", "", NULL},
@@ -254,6 +261,9 @@ static const struct setting settings_rows[] = {
     {.row = BRIEF("sums", "", "whether fixed steps carry along what rounding takes from the state"),
      .offset = FIELD(sums),
      .choices = &sums_catalog},
+    {.row = BRIEF("turning", "", "whether steps end where the velocity turns, where a force such as |v| v has a kink"),
+     .offset = FIELD(turning),
+     .choices = &turning_catalog},
 };
 const struct catalog setting_catalog = CATALOG("setting", settings_rows);
 

@@ -194,6 +194,7 @@ enum step_status method_adapt(const struct method *method, struct step *step, st
             if (last)
                 controller->t_low = 0;
             controller->rejected = false;
+            step->cost.turns += turned;
             note_stiffness(method, step, controller);
             return STEP_OK;
         }

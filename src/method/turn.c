@@ -13,7 +13,7 @@
 
 bool method_turns(const struct method *method, const struct system *system)
 {
-    return system->kinks && method->order > 2 && !method->splitting && !method->growth &&
+    return system->kinks && !system->across && method->order > 2 && !method->splitting && !method->growth &&
            !(method->flags & (METHOD_MULTISTEP | METHOD_YARDSTICK));
 }
 
@@ -107,6 +107,7 @@ enum step_status method_turning_step(const struct method *method, struct step *s
         }
         if (!turned)
             break;
+        step->cost.turns++;
     }
     step->t = t + h;
     return STEP_OK;

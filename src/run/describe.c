@@ -133,7 +133,9 @@ static void describe_method(const struct system *system, const struct method *me
     const bool turns = method_turns(method, system);
     if (system->kinks && method->order > 2)
         buffer_format(text, "%-10s%s because quadratic drag is only C^1 there\n", "",
-                      turns ? "turning points: located," : "order is lost at turning points,");
+                      turns            ? "turning points: located by extra steps ('set turning off' goes across),"
+                      : system->across ? "turning points: crossed (turning off), the order is lost there,"
+                                       : "order is lost at turning points,");
 
     key(text, "steps");
     if (plan->adaptive) {

@@ -235,6 +235,7 @@ bool scene_bind(const struct scene *scene, struct system *system, struct error *
     begin(model, system);
     bind_rows(param, system);
     sum_up(system);
+    system->across = scene->across;
     if (typed_base(model)) /* sizes are those without what was typed, unless that is an oscillator, too */
         model->begin(param, system);
     if (model->typed && !typed_bind(model->typed, param, system, error))

@@ -61,6 +61,7 @@ static bool solve_point(const struct sweep_target *target, const struct contende
     solver.most = target->most;
     point->stop = solver_run(&solver, NULL, target->cancel);
     point->steps = solver.steps;
+    point->turns = solver.step.cost.turns;
     *cost = solver_cost(&solver) + solver.steps;
     if (point->stop == STOP_END)
         point->error = state_distance(target, solver.y);
