@@ -50,6 +50,7 @@ struct run_settings {
     enum kernel kernel; /* the fastest way that is allowed */
     bool compensated; /* fixed steps: what rounding takes from the state is carried along (Kahan 1965) */
     struct recording_rule record;
+    bool balanced;   /* somebody will ask for the energy balance: it is taken up while rows are in the cache */
     bool unbalanced; /* nobody will ask for the work of a run whose rows are more than a step apart: it is not kept */
     size_t memory; /* [byte] budget for the trace, 0: 1 GiB */
 };

@@ -248,7 +248,8 @@ struct run_settings session_run_settings(const struct session *session)
                                  .drag = session->setup.drag,
                                  .kernel = (enum kernel)settings->kernel,
                                  .compensated = settings->sums == SUMS_COMPENSATED,
-                                 .record = settings->record};
+                                 .record = settings->record,
+                                 .balanced = true};
 }
 
 enum charset session_charset(const struct session *session)

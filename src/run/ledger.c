@@ -54,30 +54,35 @@ static void same_work(const struct tally *tally, struct work_done *done, int fro
     }
 }
 
-#define LARGER(x, y) ((eight)(((eight_bits)((x) > (y)) & (eight_bits)(x)) | (~(eight_bits)((x) > (y)) & (eight_bits)(y))))
+#define LARGER(x, y) ((four)(((four_bits)((x) > (y)) & (four_bits)(x)) | (~(four_bits)((x) > (y)) & (four_bits)(y))))
 
-/* Extremes: numbers that are none are passed over. */
+/* The largest of them in pairs; `least` at least. */
+static inline double largest(const double *x, double least)
+{
+    const double a = x[0] > x[1] ? x[0] : x[1], b = x[2] > x[3] ? x[2] : x[3], most = a > b ? a : b;
+    return most > least ? most : least;
+}
+
+/* Extremes: numbers that are none are passed over. The largest energy is the unit where there was none at first. */
 CLONES static void note_extremes(struct tally *tally, double initial, const struct work_done *done, int from, int to)
 {
     int k = from;
-    if (to - from >= EIGHT) {
-        eight most = {0}, scale = {0};
-        for (; k + EIGHT <= to; k += EIGHT) {
-            const eight energy = *(const eight *)(const void *)(done->energy + k),
-                        missing = energy - initial - *(const eight *)(const void *)(done->all_work + k);
-            const eight lack = (eight)((eight_bits)missing & INT64_MAX), size = (eight)((eight_bits)energy & INT64_MAX);
+    double first[FOUR];
+    if (to - from >= FOUR) {
+        four most = {0};
+        for (; k + FOUR <= to; k += FOUR) {
+            const four missing = *(const four *)(const void *)(done->energy + k) - initial -
+                                  *(const four *)(const void *)(done->all_work + k);
+            const four lack = (four)((four_bits)missing & INT64_MAX);
             most = LARGER(lack, most);
-            scale = LARGER(size, scale);
         }
-        for (int j = 0; j < EIGHT; j++) {
-            tally->most = most[j] > tally->most ? most[j] : tally->most;
-            tally->scale = scale[j] > tally->scale ? scale[j] : tally->scale;
-        }
+        memcpy(first, &most, sizeof first);
+        tally->most = largest(first, tally->most);
     }
-    for (; k < to; k++) {
+    for (; k < to; k++)
         tally->most = fmax(tally->most, fabs(done->energy[k] - initial - done->all_work[k]));
+    for (k = from; k < to && initial == 0; k++)
         tally->scale = fmax(tally->scale, fabs(done->energy[k]));
-    }
 }
 
 /* ---- from state to state ---- */
@@ -308,6 +313,12 @@ bool ledger_ready(struct run *run, int64_t rows)
     trace_set_mark(trace, 0, &balance->tally);
     catch_up(run, balance, true);
     return true;
+}
+
+void ledger_warm(struct run *run)
+{
+    if (run->settings.balanced && run->system.order == 2)
+        settle(run);
 }
 
 void ledger_take(struct run *run, const double *row, int64_t count)

@@ -6,17 +6,17 @@
 #include <stdlib.h>
 
 /*
- * Are all numbers within bounds, bound [EIGHT] repeated? Magnitudes of doubles are ordered like their bits, NaN above
+ * Are all numbers within bounds, bound [FOUR] repeated? Magnitudes of doubles are ordered like their bits, NaN above
  * all: where one is too large, the difference to the bound is negative, and that survives in a sum of bits.
  */
-CLONES static bool all_within(const double *number, int64_t eights, const double *bound)
+CLONES static bool all_within(const double *number, int64_t fours, const double *bound)
 {
-    const eight_bits limit = *(const eight_bits *)(const void *)bound;
-    eight_bits beyond = {0};
-    for (int64_t i = 0; i < eights; i++)
-        beyond |= limit - (*(const eight_bits *)(const void *)(number + i * EIGHT) & INT64_MAX);
+    const four_bits limit = *(const four_bits *)(const void *)bound;
+    four_bits beyond = {0};
+    for (int64_t i = 0; i < fours; i++)
+        beyond |= limit - (*(const four_bits *)(const void *)(number + i * FOUR) & INT64_MAX);
     uint64_t any = 0;
-    for (int k = 0; k < EIGHT; k++)
+    for (int k = 0; k < FOUR; k++)
         any |= beyond[k];
     return (int64_t)any >= 0;
 }
@@ -25,13 +25,13 @@ CLONES static bool all_within(const double *number, int64_t eights, const double
 static int64_t rows_within(const double *row, int64_t count, int n, const double *bound)
 {
     int64_t within = 0;
-    if (EIGHT % n == 0) {
-        double repeated[EIGHT];
-        for (int i = 0; i < EIGHT; i++)
+    if (FOUR % n == 0) {
+        double repeated[FOUR];
+        for (int i = 0; i < FOUR; i++)
             repeated[i] = bound[i % n];
-        const int64_t eights = count * n / EIGHT;
-        if (all_within(row, eights, repeated))
-            within = eights * EIGHT / n;
+        const int64_t fours = count * n / FOUR;
+        if (all_within(row, fours, repeated))
+            within = fours * FOUR / n;
     }
     for (; within < count; within++)
         for (int k = 0; k < n; k++)
@@ -39,6 +39,8 @@ static int64_t rows_within(const double *row, int64_t count, int n, const double
                 return within;
     return count;
 }
+
+#define HOT_ROWS 1024 /* of two numbers: half of the fastest cache */
 
 static int64_t least(int64_t a, int64_t b)
 {
@@ -94,6 +96,8 @@ bool advance_many(struct run *run, const struct leg *leg, enum stop *stop)
                           .row = row};
     enum step_status status = STEP_OK;
     struct propagator *propagator = propagator_for(run, leg->grid.h);
+    if (!propagator)
+        march.count = least(march.count, HOT_ROWS);
     if (propagator)
         find_block(run, leg, march.first);
     int64_t taken = propagator ? propagate(propagator, march.first, march.count, run->y, row) : 0;
@@ -111,6 +115,7 @@ bool advance_many(struct run *run, const struct leg *leg, enum stop *stop)
     *stop = good < taken ? STOP_DIVERGED : stop_of_step(status);
     if (in_trace) {
         trace_close(run->trace, (size_t)good);
+        ledger_warm(run);
     } else {
         const int64_t recorded =
             ledger_ready(run, good) ? trace_record_many(run->trace, run->steps + 1, row, good) : 0;

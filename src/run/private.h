@@ -47,7 +47,7 @@ struct sum {
 /* In units of factor^2 J (see run_private). */
 struct tally {
     double most;           /* largest |E - E0 - work| after a step so far */
-    double scale;          /* largest |E| */
+    double scale;          /* largest |E|, or |E0| where that is not 0 */
     struct sum work, drag; /* since the start: drag, drive, jumps and changes of parameters; drag alone */
 };
 
@@ -142,7 +142,7 @@ struct balance {
 
 /* ---- work.c: work between states one step apart ---- */
 
-#define WORK_BLOCK 64 /* steps at once */
+#define WORK_BLOCK 128 /* steps at once: a power of 2 */
 
 /* Multiples of an angle, for the drive at even times. */
 struct turns {
@@ -287,10 +287,10 @@ void happenings_truncate(struct run *run, double ahead);
 #define CLONES
 #endif
 
-/* Eight numbers at once, in whatever registers there are. */
-typedef double eight __attribute__((vector_size(64), aligned(8), may_alias));
-typedef uint64_t eight_bits __attribute__((vector_size(64), aligned(8), may_alias));
-#define EIGHT 8
+/* Four numbers at once, in whatever registers there are; of wider ones, where there are none, compilers make a mess. */
+typedef double four __attribute__((vector_size(32), aligned(8), may_alias));
+typedef uint64_t four_bits __attribute__((vector_size(32), aligned(8), may_alias));
+#define FOUR 4
 
 /* propagate.c: the states after steps first + 1, … of a linear scene, without evaluating forces. */
 struct propagator *propagator_create(const struct run *run, double h); /* NULL: no memory, or a step that fails */
@@ -349,6 +349,7 @@ void balance_present(const struct run *run, struct balance *balance); /* at the 
 bool ledger_ready(struct run *run, int64_t rows);
 /* After steps to these states were offered to the trace; the marks of those that it took are set. */
 void ledger_take(struct run *run, const double *row, int64_t count);
+void ledger_warm(struct run *run); /* after steps went straight into the trace, if settings.balanced */
 void ledger_inside(struct run *run, double t, const double *y); /* the last row is this state, inside of the next step */
 void ledger_back(struct run *run);                       /* the run went back to a recorded row, the last one */
 void ledger_rescale(struct run *run, double factor);     /* run_private.factor becomes this */

@@ -288,15 +288,15 @@ CLONES static void extremes(const double *row, int64_t count, int n, int64_t *lo
 {
     double least = row[0], most = row[0];
     int64_t i = 0;
-    if (EIGHT % n == 0 && count >= EIGHT) {
-        eight smallest = *(const eight *)(const void *)row, largest = smallest;
-        for (const int64_t rows = EIGHT / n; i + rows <= count; i += rows) {
-            const eight x = *(const eight *)(const void *)(row + i * n);
-            const eight_bits less = (eight_bits)(x < smallest), more = (eight_bits)(x > largest);
-            smallest = (eight)((less & (eight_bits)x) | (~less & (eight_bits)smallest));
-            largest = (eight)((more & (eight_bits)x) | (~more & (eight_bits)largest));
+    if (FOUR % n == 0 && count >= FOUR) {
+        four smallest = *(const four *)(const void *)row, largest = smallest;
+        for (const int64_t rows = FOUR / n; i + rows <= count; i += rows) {
+            const four x = *(const four *)(const void *)(row + i * n);
+            const four_bits less = (four_bits)(x < smallest), more = (four_bits)(x > largest);
+            smallest = (four)((less & (four_bits)x) | (~less & (four_bits)smallest));
+            largest = (four)((more & (four_bits)x) | (~more & (four_bits)largest));
         }
-        for (int k = 0; k < EIGHT; k += n) {
+        for (int k = 0; k < FOUR; k += n) {
             least = smallest[k] < least ? smallest[k] : least;
             most = largest[k] > most ? largest[k] : most;
         }

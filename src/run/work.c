@@ -37,68 +37,7 @@ static double length_of(const struct work *work, int k)
     return work->t ? work->t[k + 1] - work->t[k] : work->h;
 }
 
-/* ---- where drag has a kink: a step across a turning point in two parts ---- */
-
-/* One coordinate between two states. */
-struct quintic {
-    double h, q0, v0, a0, q1, v1, a1;
-};
-
-/* At the share s of the step. */
-static void quintic_at(const struct quintic *p, double s, double *q, double *v)
-{
-    const double r = 1 - s, rs = r * s, rise = s * s * s * (10 + s * (6 * s - 15)), h = p->h;
-    *q = p->q0 + rise * (p->q1 - p->q0) + rs * h * (r * r * (1 + 3 * s) * p->v0 - s * s * (1 + 3 * r) * p->v1) +
-         rs * rs / 2 * h * h * (r * p->a0 + s * p->a1);
-    *v = 30 * rs * rs * (p->q1 - p->q0) / h + r * r * (1 + s * (2 - 15 * s)) * p->v0 +
-         s * s * (1 + r * (2 - 15 * r)) * p->v1 +
-         rs / 2 * h * (r * (2 - 5 * s) * p->a0 - s * (2 - 5 * r) * p->a1);
-}
-
-/* Where the velocity, of different signs at the ends, is 0: by bisection and secants (Illinois). */
-static double turning_point(const struct quintic *p)
-{
-    double a = 0, b = 1, fa = p->v0, fb = p->v1, s = 0.5, q, v;
-    for (int i = 0; i < 60 && b - a > 1e-15; i++) {
-        s = i % 3 == 2 ? (a + b) / 2 : a + (b - a) * (fa / (fa - fb));
-        quintic_at(p, s, &q, &v);
-        if (v == 0)
-            break;
-        if (signbit(v) == signbit(p->v0)) {
-            a = s;
-            fa = v;
-            fb /= 2;
-        } else {
-            b = s;
-            fb = v;
-            fa /= 2;
-        }
-    }
-    return s;
-}
-
-static void add_part(const struct system *system, const struct quintic *p, double t, double from, double to,
-                     double *work, double *drag)
-{
-    const double at[] = {0, INNER, 1 - INNER, 1}, weight[] = {1. / 12, 5. / 12, 5. / 12, 1. / 12};
-    for (int i = 0; i < 4; i++) {
-        const double s = from + at[i] * (to - from), share = weight[i] * (to - from) * p->h;
-        double y[2];
-        quintic_at(p, s, &y[0], &y[1]);
-        *work += share * system_power(system, t + s * p->h, y);
-        *drag += share * system_dissipation(system, t + s * p->h, y);
-    }
-}
-
-static void across(const struct system *system, const struct quintic *p, double t, double *work, double *drag)
-{
-    const double s = turning_point(p);
-    *work = *drag = 0;
-    add_part(system, p, t, 0, s, work, drag);
-    add_part(system, p, t, s, 1, work, drag);
-}
-
-/* ---- any system ---- */
+/* ---- powers ---- */
 
 struct power {
     double all, drag;
@@ -118,6 +57,72 @@ static struct power power_at(const struct system *system, bool drags, double t, 
     const double all = system_power(system, t, y);
     return (struct power){all, drags ? all : system_dissipation(system, t, y)};
 }
+
+/* ---- where drag has a kink: a step across a turning point in two parts ---- */
+
+/* One coordinate between two states. */
+struct quintic {
+    double h, q0, v0, a0, q1, v1, a1;
+};
+
+/* At the share s of the step. */
+static void quintic_at(const struct quintic *p, double s, double *q, double *v)
+{
+    const double r = 1 - s, rs = r * s, rise = s * s * s * (10 + s * (6 * s - 15)), h = p->h;
+    *q = p->q0 + rise * (p->q1 - p->q0) + rs * h * (r * r * (1 + 3 * s) * p->v0 - s * s * (1 + 3 * r) * p->v1) +
+         rs * rs / 2 * h * h * (r * p->a0 + s * p->a1);
+    *v = 30 * rs * rs * (p->q1 - p->q0) / h + r * r * (1 + s * (2 - 15 * s)) * p->v0 +
+         s * s * (1 + r * (2 - 15 * r)) * p->v1 +
+         rs / 2 * h * (r * (2 - 5 * s) * p->a0 - s * (2 - 5 * r) * p->a1);
+}
+
+#define NEAR_REST 1e-9 /* of the velocities: the power there goes with their square or cube */
+
+/* Where the velocity, of different signs at the ends, is 0: by secants and bisections (Illinois). */
+static double turning_point(const struct quintic *p)
+{
+    const double rest = NEAR_REST * (fabs(p->v0) + fabs(p->v1));
+    double a = 0, b = 1, fa = p->v0, fb = p->v1, s = 0.5, q, v = HUGE_VAL;
+    for (int i = 0; i < 60 && fabs(v) > rest; i++) {
+        s = i % 4 == 3 ? (a + b) / 2 : a + (b - a) * (fa / (fa - fb));
+        quintic_at(p, s, &q, &v);
+        if (signbit(v) == signbit(p->v0)) {
+            a = s;
+            fa = v;
+            fb /= 2;
+        } else {
+            b = s;
+            fb = v;
+            fa /= 2;
+        }
+    }
+    return s;
+}
+
+static void add_part(const struct system *system, bool drags, const struct quintic *p, double t, double from,
+                     double to, double *work, double *drag)
+{
+    const double at[] = {0, INNER, 1 - INNER, 1}, weight[] = {1. / 12, 5. / 12, 5. / 12, 1. / 12};
+    for (int i = 0; i < 4; i++) {
+        const double s = from + at[i] * (to - from), share = weight[i] * (to - from) * p->h;
+        double y[2];
+        quintic_at(p, s, &y[0], &y[1]);
+        const struct power power = power_at(system, drags, t + s * p->h, y);
+        *work += share * power.all;
+        *drag += share * power.drag;
+    }
+}
+
+static void across(const struct system *system, const struct quintic *p, double t, double *work, double *drag)
+{
+    const double s = turning_point(p);
+    const bool drags = drags_only(system);
+    *work = *drag = 0;
+    add_part(system, drags, p, t, 0, s, work, drag);
+    add_part(system, drags, p, t, s, 1, work, drag);
+}
+
+/* ---- any system ---- */
 
 /* Both inner points of one step. */
 static void inner_states(int half, double h, const double *y0, const double *a0, const double *y1, const double *a1,

@@ -191,6 +191,7 @@ static double time_recording(const struct precision_request *request, const stru
 {
     struct run_settings settings = settings_of(precision, point);
     double shortest = NAN;
+    settings.unbalanced = true; /* recording alone is timed */
     if (point->tol > 0) /* a run wants a first guess */
         settings.dt = precision->duration / (STUDY_TIMES - 1);
     for (int i = 0; i < 3 && !(shortest > 0.1); i++) {

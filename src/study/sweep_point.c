@@ -134,8 +134,19 @@ static bool needs_trace(const struct sweep_job *job)
     bool needed = job->watches;
     for (int m = 0; m < job->request->measures; m++) {
         const struct sweep_measure *measure = &job->request->measure[m];
-        needed |= measure->kind == SWEEP_ERROR || measure->kind == SWEEP_ENERGY_ERROR ||
-                  (measure->kind == SWEEP_OBSERVABLE && measure->observable->needs & NEED_WORK);
+        needed |= measure->kind == SWEEP_ERROR;
+    }
+    return needed;
+}
+
+/* Or the work done on the way? */
+static bool needs_work(const struct sweep_job *job)
+{
+    bool needed = false;
+    for (int m = 0; m < job->request->measures; m++) {
+        const struct sweep_measure *measure = &job->request->measure[m];
+        const bool observes = measure->kind == SWEEP_OBSERVABLE || measure->column == SWEEP_OBSERVABLE;
+        needed |= measure->kind == SWEEP_ENERGY_ERROR || (observes && measure->observable->needs & NEED_WORK);
     }
     return needed;
 }
@@ -150,6 +161,8 @@ void sweep_alone(struct sweep_worker *worker, int64_t i)
         struct run_settings settings = worker->settings;
         settings.record = needs_trace(job) ? (struct recording_rule){.rule = RECORD_AUTO, .every = 1}
                                            : (struct recording_rule){.rule = RECORD_EVERY, .every = INT64_MAX};
+        settings.balanced = false;
+        settings.unbalanced = !needs_work(job);
         run = run_create(&worker->scene, request->method, &settings, request->duration, &error);
     }
     if (!run) {

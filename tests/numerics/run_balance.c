@@ -271,6 +271,58 @@ static void test_nobody_asks(void **state)
     run_destroy(run);
 }
 
+/* Over many decimations: what the balance of a long run says is that of the same run recorded in full. */
+static void test_long_runs(void **state)
+{
+    (void)state;
+    static const double most[] = {0, 1e-5, 1e-5, 0.5}; /* with a drive the error of its work goes on for ever */
+    for (size_t i = 1; i <= 3; i++) {
+        const struct scene scene = make_scene(i);
+        struct run *few = start(&scene, "rk4", (struct run_settings){.dt = 0.01, .memory = (size_t)2000 * 24}, 10000),
+                   *all = start(&scene, "rk4", (struct run_settings){.dt = 0.01, .record = {RECORD_ALL, 0, 0}}, 10000);
+        go_to(few, 10000);
+        go_to(all, 10000);
+        const struct ledger got = ask(few), wanted = ask(all);
+        assert_same_ledger(got, wanted, scenes[i].param[0]);
+        assert_int_equal(trace_count(all->trace), 1000001);
+        assert_true(trace_count(few->trace) < 2200 && got.error_max < most[i]);
+        run_destroy(few);
+        run_destroy(all);
+    }
+}
+
+/* A force that counts how often it is asked. */
+static int64_t powers;
+
+static double counted_power(const double *c, double t, const double *y)
+{
+    (void)t;
+    powers++;
+    return -(c[1] * c[0] * y[1] * y[1]);
+}
+
+/* Asked after each step, it costs what one step costs, however long the run is; unasked, nothing. */
+static void test_cost_of_a_question(void **state)
+{
+    (void)state;
+    struct scene scene = make_scene(1);
+    struct run *run = start(&scene, "rk4", (struct run_settings){.dt = 0.01, .kernel = KERNEL_GENERAL}, HUGE_VAL);
+    struct term_row counted = *run->system.term[1].row;
+    counted.power = counted_power;
+    run->private_state->epoch[0].system.term[1].row = &counted;
+    go_steps(run, 20000);
+    assert_int_equal(powers, 0);
+    ask(run);
+    for (int i = 0; i < 100; i++) {
+        powers = 0;
+        go_steps(run, 1);
+        ask(run);
+        run_observable(run, observable_named("energy-error"));
+        assert_true(powers <= 4);
+    }
+    run_destroy(run);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -278,6 +330,7 @@ int main(void)
         cmocka_unit_test(test_however_it_is_cut),     cmocka_unit_test(test_back),
         cmocka_unit_test(test_jumps_and_changes),     cmocka_unit_test(test_columns),
         cmocka_unit_test(test_rows_inside_of_steps),  cmocka_unit_test(test_nobody_asks),
+        cmocka_unit_test(test_long_runs),             cmocka_unit_test(test_cost_of_a_question),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
