@@ -197,6 +197,9 @@ coverage: ## line coverage of the quick tests
 bench: all ## speed as ratios, measured in one run (never a test); BENCH=adaptive: that topic only
 	$(Q)CC='$(CC)' FLAGS='$(CFLAGS)' LIBS='$(LIBS)' BUILD='$(TOP)' BENCH='$(BENCH)' scripts/bench
 
+fresh: ## both commands of the README in minimal Debian roots made for that (needs root)
+	$(Q)scripts/fresh
+
 fuzz: ## run each fuzz target for FUZZ_SECONDS (default 60)
 	$(Q)scripts/fuzz $(or $(FUZZ_SECONDS),60) $(FUZZERS)
 
@@ -229,7 +232,7 @@ clean: ## remove build/
 help: ## this list
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  %-16s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
-.PHONY: all optional tests-build check check-optional check-all check-asan check-valgrind coverage bench fuzz lint format reference screens-update install uninstall clean help
+.PHONY: all optional tests-build check check-optional check-all check-asan check-valgrind coverage bench fresh fuzz lint format reference screens-update install uninstall clean help
 .SECONDARY:
 
 -include $(LIBRARY_OBJECTS:.o=.d) $(PROGRAM_OBJECTS:.o=.d) $(patsubst %.o,%.d,$(call object,$(TEST_SOURCES)))
