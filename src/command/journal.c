@@ -34,15 +34,20 @@ void journal_free(struct leg *leg, int legs)
 
 bool journal_copy(const struct leg *leg, int legs, struct leg **copy)
 {
-    struct held_run to = {.legs = 0};
-    struct error ignored;
-    bool ok = true;
-    for (int i = 0; i < legs && ok; i++)
-        ok = journal_add(&to, leg[i], text_of(leg[i].condition), &ignored);
-    if (!ok)
-        journal_free(to.leg, to.legs);
-    *copy = ok ? to.leg : NULL;
-    return ok;
+    size_t room = 1; /* as journal_add() has it */
+    while (room < (size_t)legs)
+        room *= 2;
+    *copy = legs > 0 ? malloc(room * sizeof **copy) : NULL;
+    if (legs == 0 || !*copy)
+        return legs == 0;
+    memcpy(*copy, leg, (size_t)legs * sizeof *leg);
+    for (int i = 0; i < legs; i++)
+        if (leg[i].condition && !((*copy)[i].condition = strdup(leg[i].condition))) {
+            journal_free(*copy, i);
+            *copy = NULL;
+            return false;
+        }
+    return true;
 }
 
 struct leg *journal_pending(const struct held_run *held)

@@ -101,6 +101,18 @@ void table_note(const char *format, ...)
     va_end(args);
 }
 
+void table_verdict(bool good, const char *format, ...)
+{
+    va_list args;
+    met += good;
+    missed += !good;
+    printf("  %s: ", good ? "met" : "MISSED");
+    va_start(args, format);
+    vprintf(format, args);
+    va_end(args);
+    putchar('\n');
+}
+
 /* ---- scenes and methods ---- */
 
 void bench_die(const char *what, const char *why)
@@ -146,9 +158,10 @@ static const struct topic {
     const char *name;
     void (*run)(void);
 } topics[] = {
-    {"fixed", bench_fixed}, {"linear", bench_linear},     {"cost", bench_cost},
-    {"text", bench_text},   {"adaptive", bench_adaptive}, {"stiff", bench_stiff},
-    {"sweep", bench_sweep},  {"forces", bench_forces},
+    {"commands", bench_commands}, {"ranking", bench_ranking}, {"fixed", bench_fixed},
+    {"linear", bench_linear},     {"cost", bench_cost},       {"text", bench_text},
+    {"adaptive", bench_adaptive}, {"stiff", bench_stiff},     {"sweep", bench_sweep},
+    {"forces", bench_forces},
 };
 
 static const char *instructions(void)
@@ -176,7 +189,7 @@ int main(int argc, char **argv)
         topics[i].run();
     }
     if (!found)
-        bench_die(argv[1], "topics are fixed, linear, cost, text, adaptive, stiff, sweep, forces");
+        bench_die(argv[1], "topics are commands, ranking, fixed, linear, cost, text, adaptive, stiff, sweep, forces");
     printf("\n%d goals met, %d missed\n", met, missed);
     return 0;
 }

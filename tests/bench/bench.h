@@ -30,6 +30,8 @@ void table_begin(const char *title, const char *unit); /* unit: of the times */
 /* ratio = hooke/other; goal NAN: none. A verdict on times that wander by more than 10 % has a ~. */
 void table_row(const char *what, const struct arm *hooke, const char *other_name, const struct arm *other, double goal);
 void table_absent(const char *other_name, const char *why);
+/* A goal that is no ratio of times. */
+void table_verdict(bool good, const char *format, ...) __attribute__((format(printf, 2, 3)));
 void table_note(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
 /* ---- scenes and methods by name; the benchmark ends where one is missing ---- */
@@ -61,10 +63,12 @@ hand_loop *hand_find(const struct hand_scene *scene, const char *method);
 
 solve_function hand_dop853_oscillator, hand_dop853_kepler, hand_rodas5p_vanderpol, hand_rodas5p_robertson;
 solve_function gsl_rk8pd, gsl_msbdf, gsl_bsimp;
-hand_loop gsl_rk4_loop;
+hand_loop *gsl_loop(const char *method, const char *scene); /* its rk4, with the scene's terms only */
 
 /* ---- topics ---- */
 
+void bench_commands(void);
+void bench_ranking(void);
 void bench_fixed(void);
 void bench_linear(void);
 void bench_cost(void);

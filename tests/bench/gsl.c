@@ -64,20 +64,27 @@ bool gsl_bsimp(const struct problem *problem, double tol, const double *start, d
     return solve(gsl_odeiv2_step_bsimp, problem, tol, start, end);
 }
 
-static int oscillator(double t, const double *y, double *dydt, void *known)
-{
-    const struct known *f = known;
-    (void)t;
-    dydt[0] = y[1];
-    dydt[1] = -f->k * y[0] - f->c * fabs(y[1]) * y[1] - f->b * y[0] * y[0] * y[0] +
-              f->mu * (1 - y[0] * f->narrow * (y[0] * f->narrow)) * y[1];
-    return GSL_SUCCESS;
-}
+/* Each scene's terms, and no others; the library calls them through a pointer. */
+#define LOOP(scene, value)                                                                                             \
+    static int scene(double t, const double *y, double *dydt, void *known)                                             \
+    {                                                                                                                  \
+        const struct known *f = known;                                                                                 \
+        (void)t;                                                                                                       \
+        dydt[0] = y[1];                                                                                                \
+        dydt[1] = value;                                                                                               \
+        return GSL_SUCCESS;                                                                                            \
+    }                                                                                                                  \
+    static void scene##_loop(const struct known *known, double h, int64_t first, int64_t count, double *state,         \
+                             double *row)                                                                              \
+    {                                                                                                                  \
+        rk4(scene, known, h, first, count, state, row);                                                                \
+    }
 
-void gsl_rk4_loop(const struct known *known, double h, int64_t first, int64_t count, double *state, double *row)
+static void rk4(int (*force)(double, const double *, double *, void *), const struct known *known, double h,
+                int64_t first, int64_t count, double *state, double *row)
 {
     struct known copy = *known;
-    const gsl_odeiv2_system system = {oscillator, NULL, 2, &copy};
+    const gsl_odeiv2_system system = {force, NULL, 2, &copy};
     gsl_odeiv2_step *step = gsl_odeiv2_step_alloc(gsl_odeiv2_step_rk4, 2);
     double error[2];
     for (int64_t i = 0; step && i < count; i++, row += 2) {
@@ -85,4 +92,15 @@ void gsl_rk4_loop(const struct known *known, double h, int64_t first, int64_t co
         memcpy(row, state, 2 * sizeof *row);
     }
     gsl_odeiv2_step_free(step);
+}
+
+LOOP(duffing, -f->k *y[0] - f->b * y[0] * y[0] * y[0])
+LOOP(drag, -f->k *y[0] - f->c * fabs(y[1]) * y[1])
+LOOP(vanderpol, -f->k *y[0] + f->mu * (1 - y[0] * f->narrow * (y[0] * f->narrow)) * y[1])
+
+hand_loop *gsl_loop(const char *method, const char *scene)
+{
+    (void)method;
+    return strcmp(scene, "duffing") == 0 ? duffing_loop : strcmp(scene, "quadratic drag") == 0 ? drag_loop
+                                                                                                : vanderpol_loop;
 }

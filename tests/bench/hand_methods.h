@@ -56,6 +56,9 @@ INLINE void NAME(symplectic_euler)(ARGUMENTS)
 INLINE void NAME(verlet)(ARGUMENTS)
 {
     (void)damped;
+    struct known with = *given;
+    with.fade = exp(-with.gamma * h / 2); /* may set errno: no compiler takes it out of the loop */
+    given = &with;
     LOOP_BEGIN
     const REAL rest = {0};
     REAL a = force(f, (double)first * h, y, rest);

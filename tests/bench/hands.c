@@ -44,7 +44,8 @@ INLINE double no_flow(const struct known *f, double h, double v)
 
 INLINE double linear_flow(const struct known *f, double h, double v)
 {
-    return v * exp(-f->gamma * h); /* constant in the loop */
+    (void)h;
+    return v * f->fade;
 }
 
 INLINE double quadratic_flow(const struct known *f, double h, double v)

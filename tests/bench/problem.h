@@ -16,6 +16,7 @@ enum { PROBLEM_MAX = 4 /* variables */, PROBLEM_CHECKS = 8 };
  */
 struct known {
     double k, gamma, c, b, drive, omega, phase, mu, narrow;
+    double fade; /* of v by linear drag in half a step: for loops */
 };
 
 /* Steps first + 1 … first + count; state in and out; row [count][n] */
@@ -41,7 +42,7 @@ typedef bool solve_function(const struct problem *problem, double tol, const dou
 
 #ifdef HAVE_BOOST /* odeint.cpp */
 solve_function boost_fehlberg78, boost_dopri5, boost_rosenbrock4;
-hand_loop boost_euler_loop, boost_rk4_loop, boost_dopri5_loop;
+hand_loop *boost_loop(const char *method, const char *scene); /* NULL: none */
 #endif
 
 #endif

@@ -1,0 +1,230 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * What people type, as whole processes: the processor time (user and system) of the program with a command, start and
+ * end included, against that of a program by hand that does the same job and is linked with the same libraries.
+ */
+#include "bench.h"
+
+#include <fcntl.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#define WORDS 32
+#define FOLDER "build/bench/"
+
+struct command {
+    char text[WORDS][1024];
+    char *word[WORDS + 1];
+    int count;
+};
+
+static const char *program(void)
+{
+    const char *build = getenv("BUILD");
+    static char path[512];
+    snprintf(path, sizeof path, "%s/hooke", build ? build : "build");
+    return path;
+}
+
+__attribute__((format(printf, 2, 3))) static void put(struct command *command, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    if (command->count == WORDS)
+        bench_die("command", "too many words");
+    vsnprintf(command->text[command->count++], sizeof command->text[0], format, args);
+    va_end(args);
+}
+
+/* Milliseconds of processor time; NAN: it failed. */
+static double run_command(void *self)
+{
+    struct command *command = self;
+    struct rusage usage;
+    int status;
+    for (int i = 0; i < command->count; i++)
+        command->word[i] = command->text[i];
+    command->word[command->count] = NULL;
+    const pid_t child = fork();
+    if (child == 0) {
+        const int nowhere = open("/dev/null", O_RDWR);
+        for (int i = 0; i < 3; i++)
+            dup2(nowhere, i);
+        execv(command->word[0], command->word);
+        _exit(127);
+    }
+    if (child < 0 || wait4(child, &status, 0, &usage) != child || !WIFEXITED(status) || WEXITSTATUS(status) != 0)
+        return NAN;
+    return 1e3 * (double)(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
+           1e-3 * (double)(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
+}
+
+static struct command typed(const char *line)
+{
+    struct command command = {.count = 0};
+    put(&command, "%s", program());
+    put(&command, "-n");
+    put(&command, "-c");
+    put(&command, "%s", line);
+    return command;
+}
+
+static struct command by_hand(const char *job)
+{
+    struct command command = {.count = 0};
+    put(&command, FOLDER "hand");
+    put(&command, "%s", job);
+    return command;
+}
+
+static void row(const char *what, struct command *hooke, struct command *hand, double goal)
+{
+    struct arm arm[] = {ARM(run_command, hooke), ARM(run_command, hand)};
+    if (isnan(run_command(hooke)) || isnan(run_command(hand))) {
+        table_absent(what, "failed");
+        return;
+    }
+    contest(arm, 2);
+    table_row(what, &arm[0], "C program", &arm[1], goal);
+}
+
+/* The words that hand programs want of a run: scene, method, steps, dt, start. */
+static void put_run(struct command *command, const struct hand_scene *hand, const char *method, long steps, double h)
+{
+    const struct scene scene = bench_scene(hand->preset, NULL, 0);
+    struct system system;
+    struct error error = {0};
+    if (!scene_bind(&scene, &system, &error))
+        bench_die(hand->name, error.text);
+    put(command, "%s", hand->name);
+    put(command, "%s", method);
+    put(command, "%ld", steps);
+    put(command, "%.17g", h);
+    for (int i = 0; i < hand->n; i++)
+        put(command, "%.17g", system.start[i]);
+}
+
+static void run_row(const struct hand_scene *scene, const char *method, long steps, const char *record, double goal)
+{
+    const double h = 1e-3;
+    char line[256], what[64];
+    if (!hand_find(scene, method))
+        return;
+    snprintf(line, sizeof line, "scene %s; method %s dt=%gs; set record %s; run %.17g s", scene->preset, method, h,
+             record, (double)steps * h);
+    struct command hooke = typed(line), hand = by_hand("run");
+    put_run(&hand, scene, method, steps, h);
+    snprintf(what, sizeof what, "run, %s, %s", method, scene->name);
+    row(what, &hooke, &hand, goal);
+}
+
+static void runs(void)
+{
+    static const char *const methods[] = {"euler", "symplectic-euler", "verlet", "rk4"};
+    table_begin("Whole commands: run, 5e5 steps, all recorded", "ms of processor time");
+    for (const struct hand_scene *scene = hand_scenes; scene->name; scene++)
+        for (size_t m = 0; scene->n == 2 && m < COUNT_OF(methods); m++) {
+            const bool dear = strcmp(scene->name, "driven") == 0 || strcmp(scene->name, "quadratic drag") == 0;
+            run_row(scene, methods[m], 500000, "all", dear ? 1.3 : 1.15);
+        }
+    table_begin("Whole commands: run, 5e6 steps, as recorded by default", "ms of processor time");
+    run_row(hand_scene("spring"), "verlet", 5000000, "auto", 0.9);
+    run_row(hand_scene("duffing"), "rk4", 5000000, "auto", 0.9);
+}
+
+/* So many lines of a script, each of so many steps. */
+static void line_row(const char *what, const char *line, int count, long steps, const char *scene, const char *method)
+{
+    const struct hand_scene *scene_by_hand = hand_scene(scene);
+    static const char name[] = FOLDER "lines.hk";
+    FILE *file = fopen(name, "w");
+    if (!file)
+        bench_die(name, "cannot be written");
+    fprintf(file, "scene %s; method %s dt=1ms\nrun 1 ms\n", scene_by_hand->preset, method);
+    for (int i = 0; i < count; i++)
+        fprintf(file, "%s\n", line);
+    if (fclose(file) != 0)
+        bench_die(name, "cannot be written");
+    struct command hooke = {.count = 0}, hand = by_hand("lines");
+    put(&hooke, "%s", program());
+    put(&hooke, "-n");
+    put(&hooke, "-f");
+    put(&hooke, "%s", name);
+    put(&hand, "%s", name);
+    put_run(&hand, scene_by_hand, method, steps, 1e-3);
+    row(what, &hooke, &hand, NAN);
+}
+
+static void recording(const char *name, int count)
+{
+    FILE *file = fopen(name, "w");
+    if (!file)
+        bench_die(name, "cannot be written");
+    for (int i = 0; i < count; i++)
+        fprintf(file, "%.2f %.9f\n", 0.01 * i, 0.05 * exp(-1e-3 * i) * cos(0.0866 * i));
+    if (fclose(file) != 0)
+        bench_die(name, "cannot be written");
+}
+
+static void others(void)
+{
+    static const char name[] = FOLDER "recording.txt";
+    table_begin("Whole commands", "ms of processor time");
+    struct command hooke = typed("quit"), hand = by_hand("quit");
+    row("quit: starting and ending", &hooke, &hand, 1.3);
+    line_row("1000 lines 'step', rk4, quadratic drag", "step", 1000, 1, "quadratic drag", "rk4");
+    line_row("100 lines 'continue 1 s', rk4, duffing", "continue 1 s", 100, 1000, "duffing", "rk4");
+
+    hooke = typed("duration = 100 s; timing off; compare euler symplectic-euler verlet rk4 dt=1ms");
+    hand = by_hand("compare");
+    const char *const words[] = {"100000", "0.001", "8.6602540378443873", "0.05", "euler", "symplectic-euler", "verlet",
+                                 "rk4"};
+    for (size_t i = 0; i < COUNT_OF(words); i++)
+        put(&hand, "%s", words[i]);
+    row("compare, four methods, 1e5 steps", &hooke, &hand, NAN);
+
+    hooke = typed("duration = 8 s; timing off; precision euler verlet rk4 dt=0.000244140625:0.0625");
+    hand = by_hand("precision");
+    const char *const words_of[] = {"8", "8.6602540378443873", "0.05", "euler", "verlet", "rk4"};
+    for (size_t i = 0; i < COUNT_OF(words_of); i++)
+        put(&hand, "%s", words_of[i]);
+    row("precision, three methods, untimed", &hooke, &hand, NAN);
+
+    hooke = typed("scene driven; method rk4 dt=10ms; duration = 20 s; "
+                  "sweep F0=0.0002:1.024:0.0002 measure=max --threads 1");
+    hand = by_hand("sweep");
+    const char *const swept[] = {"5120", "2000", "0.01", "75", "0.3", "8.2", "0"};
+    for (size_t i = 0; i < COUNT_OF(swept); i++)
+        put(&hand, "%s", swept[i]);
+    row("sweep, 5120 points of 2000 steps", &hooke, &hand, 1.25);
+
+    recording(name, 100000);
+    hooke = typed("load " FOLDER "recording.txt; measure period");
+    hand = by_hand("measure");
+    put(&hand, "%s", name);
+    row("load and measure period, 1e5 rows", &hooke, &hand, NAN);
+    recording(name, 12000);
+    hooke = typed("load " FOLDER "recording.txt; fit damped");
+    hand = by_hand("fit");
+    put(&hand, "%s", name);
+    put(&hand, "8.66");
+    row("load and fit damped, 12000 rows", &hooke, &hand, NAN);
+
+    hooke = typed("scene duffing; method rk4 dt=1ms; run 200 s; export " FOLDER "rows.csv t,y,v --force");
+    hand = by_hand("export");
+    put(&hand, "%s", FOLDER "hand.csv");
+    put_run(&hand, hand_scene("duffing"), "rk4", 200000, 1e-3);
+    row("run and export, 2e5 rows", &hooke, &hand, 1);
+}
+
+void bench_commands(void)
+{
+    runs();
+    others();
+    table_note("C program: one for the job, with loops for this method and scene, same flags, same libraries linked.");
+}
