@@ -54,12 +54,16 @@ SUNDIALS_LIBS := $(foreach l,cvode sunlinsoldense sunnonlinsolfixedpoint sunmatr
 SUNDIALS_LIBS := $(shell \
   echo '_Static_assert(SUNDIALS_VERSION_MAJOR == 6, ""); int main(void) { return !CVodeCreate(CV_BDF, 0); }' | \
   $(CC) -include cvode/cvode.h -x c -o /dev/null - $(SUNDIALS_LIBS) -lm >/dev/null 2>&1 && echo '$(SUNDIALS_LIBS)')
+# Loaded when a recording is in such a file.
+CONTAINER_CFLAGS := $(foreach l,archive expat freexl,$(shell p=$(if $(filter archive,$(l)),libarchive,$(l)); \
+  $(PKG) --exists $$p 2>/dev/null && echo -DHAVE_$(shell echo $(l) | tr a-z A-Z) $$($(PKG) --cflags $$p)))
 endif
-OPTIONAL_CPPFLAGS := $(CAIRO_CFLAGS) $(if $(SUNDIALS_LIBS),-DHOOKE_SUNDIALS)
+OPTIONAL_CPPFLAGS := $(CONTAINER_CFLAGS) $(CAIRO_CFLAGS) $(if $(SUNDIALS_LIBS),-DHOOKE_SUNDIALS)
 # What is compiled with them.
-OPTIONAL_SOURCES := $(wildcard src/figure/*.c tests/unit/figure_*.c) src/method/catalog.c src/method/cvode.c
+OPTIONAL_SOURCES := $(wildcard src/figure/*.c tests/unit/figure_*.c) src/method/catalog.c src/method/cvode.c \
+  src/data/archive.c src/data/xml.c src/data/workbook_old.c $(wildcard tests/unit/data_container*.c)
 # Tests that say something else with them than without.
-OPTIONAL_TESTS = $(shell grep -liE 'cairo|cvode|"\# needs' $(TEST_SOURCES) $(TEST_SCRIPTS))
+OPTIONAL_TESTS = $(shell grep -liE 'cairo|cvode|libarchive|"\# needs' $(TEST_SOURCES) $(TEST_SCRIPTS))
 
 CPPFLAGS += -D_GNU_SOURCE -DHOOKE_VERSION='"$(VERSION)"' -Iinclude -Ibuild
 CFLAGS   := -std=c11 $(OPT_$(CONFIG)) $(WARNINGS) $(NUMBERS) $(HARDEN) -fPIE $(CFLAGS_EXTRA)
@@ -142,7 +146,7 @@ $(filter-out $(D)/tests/%,$(OPTIONAL_OBJECTS)): $(D)/%.o: src/%.c Makefile
 endif
 
 optional: ## the optional libraries that this build uses
-	@echo $(strip $(if $(CAIRO_CFLAGS),cairo) $(if $(SUNDIALS_LIBS),sundials))
+	@echo $(strip $(if $(CAIRO_CFLAGS),cairo) $(shell echo $(patsubst -DHAVE_%,%,$(filter -DHAVE_%,$(CONTAINER_CFLAGS))) | tr A-Z a-z) $(if $(SUNDIALS_LIBS),sundials))
 
 # ---- tests ------------------------------------------------------------------------------------------------------------
 # tests/<kind>/<layer>_<subject>.c is linked with the layers up to <layer> only.

@@ -70,6 +70,23 @@ void buffer_clear(struct buffer *buffer);
 void buffer_free(struct buffer *buffer);
 struct text buffer_text(const struct buffer *buffer);
 
+/* ---- shared libraries, looked up when they are needed ---- */
+
+struct library {
+    void *handle; /* NULL: not loaded */
+};
+
+struct library_symbol {
+    const char *name;
+    size_t offset; /* [byte] of the function pointer in the table */
+};
+
+/* Finds `count` functions of the shared library `name` (as dlopen takes it) for the table. False: there is no such
+ * library (*missing NULL), or it has no function *missing. Allocates inside of the dynamic linker only. */
+bool library_load(struct library *library, const char *name, const struct library_symbol *symbol, size_t count,
+                  void *table, const char **missing);
+void library_unload(struct library *library);
+
 /* ---- errors ----
  *
  * A fallible function returns bool and fills a caller-owned error: a sentence for the user that names the input and

@@ -38,6 +38,7 @@ struct recording {
     char name[LIMIT_NAME + 1]; /* what users call it */
     char *path;
     char format[32]; /* the row that read it */
+    const char *container; /* what it was packed in ("zip", "xlsx" …); NULL: plain text */
     size_t rows;     /* after what was dropped */
     size_t dropped;  /* rows in the file that could not be used */
     struct column *column;
@@ -47,6 +48,9 @@ struct recording {
     int time, value; /* chosen columns; time -1: TIME_RATE */
     enum time_source source;
     double rate; /* [1/s] 1/dt */
+    double header_rate;  /* [1/s] what the file says above its table, 0: nothing */
+    double header_start; /* [s] and when the first sample was taken */
+    bool header_rules;   /* these are better than the times beside the values, which are rounded or counts */
     double dt;   /* [s] (t_last - t_first)/(rows - 1) */
     int header_lines;
     char separator;     /* '\t' ',' ';' ' ', '\n': a single column */

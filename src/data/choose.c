@@ -226,6 +226,20 @@ static int time_among(const struct recording *recording, const struct profile *p
     return left >= 0 ? left : first;
 }
 
+/* The newest row first, as some loggers write: no time column rises, and one falls. */
+static bool runs_backwards(const struct recording *recording, const struct profile *profile)
+{
+    bool falls = false;
+    for (int i = 0; i < recording->columns; i++) {
+        if (!is_time(&recording->column[i]) || profile[i].numbers < 3)
+            continue;
+        if (profile[i].ahead)
+            return false;
+        falls |= profile[i].falling >= MOSTLY;
+    }
+    return falls;
+}
+
 /* A run without times of its own shares those of another. */
 static int time_column(const struct recording *recording, const struct profile *profile)
 {
@@ -280,6 +294,13 @@ static bool choose_time(struct recording *recording, const struct profile *profi
         return true;
     }
     recording->time = named >= 0 ? named : guessed_time(recording, profile);
+    if (recording->header_rate > 0 && (recording->time < 0 || recording->header_rules)) {
+        recording->time = recording->header_rules ? -1 : index_column(recording, profile);
+        recording->source = recording->time >= 0 ? TIME_INDEX : TIME_RATE;
+        recording_warn(recording, "the times are those of the sampling rate that the file's header says: %.6g Hz",
+                       recording->header_rate);
+        return true;
+    }
     if (recording->time < 0)
         return no_time(recording, profile, error);
     if (!in_run(recording, recording->time))
@@ -317,10 +338,8 @@ static bool choose_run(struct recording *recording, const struct profile *profil
                        struct error *error)
 {
     int column = -1;
-    if (!side_by_side(recording)) {
-        int unused;
-        return options->run.len == 0 || recording->runs > 0 || run_find(recording, options->run, &unused, error);
-    }
+    if (!side_by_side(recording)) /* below each other, if at all: the times will show */
+        return true;
     recording->taken = -1;
     if (options->run.len > 0)
         return run_find(recording, options->run, &recording->taken, error);
@@ -353,6 +372,11 @@ bool recording_choose(struct recording *recording, const struct load_options *op
         return error_memory(error);
     for (int i = 0; i < recording->columns; i++)
         profile[i] = profile_of(recording, recording->column[i].value);
+    if (runs_backwards(recording, profile)) {
+        recording_reverse(recording);
+        for (int i = 0; i < recording->columns; i++)
+            profile[i] = profile_of(recording, recording->column[i].value);
+    }
 
     if (!choose_run(recording, profile, options, error))
         return false;

@@ -41,6 +41,8 @@ void recording_describe(const struct recording *recording, struct buffer *text)
         }
     safe_text(text, path, false);
     buffer_put(text, TEXT(": "));
+    if (recording->container)
+        buffer_format(text, "%s, ", recording->container);
     put_column(text, &recording->column[recording->value]);
     buffer_format(text, ", %zu rows, ", recording->rows);
     buffer_short(text, recording->t[0], 6);

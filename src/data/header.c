@@ -65,8 +65,8 @@ static const struct {
     double factor;
 } spellings[] = {
     {"sec secs second seconds Sekunden Sekunde", "s", 1},
-    {"msec millisecond milliseconds", "ms", 1},
-    {"us µs μs", "s", 1e-6},
+    {"msec millis millisecond milliseconds", "ms", 1},
+    {"us µs μs micros usec microsecond microseconds", "s", 1e-6},
     {"minute minutes", "min", 1},
     {"h hour hours", "min", 60},
     {"meter meters metre metres metri", "m", 1},
@@ -167,6 +167,30 @@ static bool find_tail(struct text text, struct text *before, struct text *unit)
     return text_split(unit, '/', before) && before->len > 0 && !unit_find(*before) && find_unit(*unit, &factor);
 }
 
+/* "ms", "cm" as a name is a unit; a single letter (s, m, g) may be a quantity's symbol. */
+static bool is_unit_name(struct text name)
+{
+    double factor;
+    const struct unit *unit = name.len >= 2 ? find_unit(name, &factor) : NULL;
+    return unit &&
+           (unit->quantity == QUANTITY_TIME || unit->quantity == QUANTITY_LENGTH || unit->quantity == QUANTITY_ANGLE);
+}
+
+/* Are they all units, single letters among them: "s cm"? */
+static bool all_unit_names(const struct table_layout *layout)
+{
+    struct text names = layout->names, name;
+    double factor;
+    int units = 0, long_units = 0;
+    while (header_field(&names, layout->name_separator, &name) && name.len > 0) {
+        if (!find_unit(name, &factor))
+            return false;
+        long_units += is_unit_name(name);
+        units++;
+    }
+    return units >= 2 && long_units > 0;
+}
+
 static void set_name(struct column *column, struct text before, struct text after)
 {
     const struct text parts[] = {before, before.len && after.len ? TEXT(" ") : TEXT(""), after};
@@ -179,7 +203,8 @@ static void set_name(struct column *column, struct text before, struct text afte
     column->name[len] = '\0';
 }
 
-static bool name_column(struct column *column, struct text field, struct text unit_field, struct buffer *scratch)
+static bool name_column(struct column *column, struct text field, struct text unit_field, bool units,
+                        struct buffer *scratch)
 {
     struct text before, unit, after = TEXT(""), none = TEXT("");
     if (!clean(field, scratch))
@@ -192,6 +217,11 @@ static bool name_column(struct column *column, struct text field, struct text un
     if (has_unit && before.len + after.len == 0) {
         before = unit; /* "(s)" and nothing else is a name, too */
         after = none;
+    }
+    if (!has_unit && unit_field.len == 0 && (units || is_unit_name(whole))) {
+        before = unit = whole; /* a name that is a unit is one */
+        after = none;
+        has_unit = true;
     }
     set_name(column, has_unit ? before : whole, has_unit ? after : none);
     column_unit(column, has_unit ? unit : none);
@@ -210,6 +240,7 @@ bool table_columns(const struct table_layout *layout, struct recording *recordin
 {
     struct text names = layout->names, units = layout->units, name, unit;
     struct buffer scratch = {0};
+    const bool all_units = units.len == 0 && all_unit_names(layout);
     bool done = true;
     recording->columns = layout->columns;
     recording->column = arena_array(&recording->arena, (size_t)layout->columns, sizeof *recording->column);
@@ -220,7 +251,7 @@ bool table_columns(const struct table_layout *layout, struct recording *recordin
         if (!header_field(&units, layout->name_separator, &unit))
             unit = TEXT("");
         column->run = -1;
-        done = name_column(column, name, unit, &scratch);
+        done = name_column(column, name, unit, all_units, &scratch);
     }
     buffer_free(&scratch);
     return (done && recording->column) || error_memory(error);

@@ -32,7 +32,7 @@ static struct shape shape_of(struct text line, struct reading reading)
     while (shape.fields <= (int)LIMIT_COLUMNS && table_field(&line, reading.separator, &field)) {
         enum cell cell = table_cell(field, reading.decimal, &value);
         shape.fields++;
-        shape.numbers += cell == CELL_NUMBER;
+        shape.numbers += cell == CELL_NUMBER || cell == CELL_STAMP;
         shape.words += cell == CELL_WORD;
         shape.last_empty = field.len == 0;
         if (cell != CELL_NUMBER)
@@ -97,8 +97,10 @@ static size_t first_row(const struct table_text *text, const struct found *found
         double value;
         if (table_skipped(line))
             continue;
-        if (!table_field(&line, found->reading.separator, &field) ||
-            table_cell(field, found->reading.decimal, &value) != CELL_NUMBER)
+        if (!table_field(&line, found->reading.separator, &field))
+            break;
+        const enum cell cell = table_cell(field, found->reading.decimal, &value);
+        if (cell != CELL_NUMBER && cell != CELL_STAMP)
             break;
         first = i;
     }
@@ -150,10 +152,10 @@ static void find_names(const struct table_text *text, size_t first, size_t from,
     *above = 0;
     for (size_t i = first; i-- > from && candidates < 2;) {
         struct text line = text_trim(text->head[i].text);
-        const bool comment = line.len > 0 && line.at[0] == '#';
-        if (line.len == 0 || (comment && memchr(line.at, '=', line.len)))
+        const bool comment = table_comment(line);
+        if (line.len == 0 || (comment ? memchr(line.at, '=', line.len) != NULL : table_skipped(line)))
             continue;
-        /* Names may follow a #, as in "# t y". */
+        /* Names may follow a # or %, as in "# t y". */
         line = comment ? (struct text){line.at + 1, line.len - 1} : text->head[i].text;
         if (!comment && *above == 0)
             *above = field_count(line, layout->separator);

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "stamp.h"
 #include "table.h"
 
 #include <math.h>
@@ -33,10 +34,31 @@ bool table_line(struct text *rest, struct text *line)
     return true;
 }
 
+/* # and %, and sigrok's "; word". */
+bool table_comment(struct text line)
+{
+    line = text_trim(line);
+    return line.len > 0 && (line.at[0] == '#' || line.at[0] == '%' ||
+                            (line.len > 2 && line.at[0] == ';' && line.at[1] == ' ' &&
+                             ((line.at[2] | 32) >= 'a' && (line.at[2] | 32) <= 'z')));
+}
+
+/* A line drawn below the names. */
+static bool is_rule(struct text line)
+{
+    size_t strokes = 0;
+    for (size_t i = 0; i < line.len; i++) {
+        if (!strchr("-=_+|\t ", line.at[i]) || !line.at[i])
+            return false;
+        strokes += strchr("-=_", line.at[i]) != NULL;
+    }
+    return strokes >= 3;
+}
+
 bool table_skipped(struct text line)
 {
     line = text_trim(line);
-    return line.len == 0 || line.at[0] == '#';
+    return line.len == 0 || table_comment(line) || is_rule(line);
 }
 
 static bool is_blank(char c)
@@ -87,17 +109,112 @@ static bool is_word(struct text text, const char *word)
     return text.len == strlen(word) && strncasecmp(text.at, word, text.len) == 0;
 }
 
+/* What stands where there is no number. */
+static bool is_missing(struct text field)
+{
+    static const char *const words[] = {"nan",    "-nan",    "na",      "n/a",    "#n/a", "#nv",
+                                        "null",   "none",    "-",       "--",     "---",  "\xE2\x80\x93",
+                                        "1.#ind", "-1.#ind", "#div/0!", "#value!"};
+    for (size_t i = 0; i < COUNT_OF(words); i++)
+        if (is_word(field, words[i]))
+            return true;
+    return field.len == 0;
+}
+
+/* Blanks that keep digits together, and the Swiss apostrophe. */
+static size_t group_blank(struct text rest)
+{
+    static const char *const blanks[] = {"\xE2\x80\xAF", "\xE2\x80\x89", "\xC2\xA0", "\xE2\x80\x99", "'"};
+    for (size_t i = 0; i < COUNT_OF(blanks); i++)
+        if (text_starts(rest, text_of(blanks[i])))
+            return strlen(blanks[i]);
+    return 0;
+}
+
+static bool is_digit(char c)
+{
+    return c >= '0' && c <= '9';
+}
+
+enum { ODD_MAX = 48 };
+
+/*
+ * Takes what is odd out of a number: Unicode's minus, Fortran's D, marks between groups of three digits. A single group
+ * without decimals could be decimals behind the other mark (16,500): it is not taken out. Returns the length, 0: too
+ * long or not odd.
+ */
+static size_t plain_digits(struct text field, char decimal, char out[ODD_MAX])
+{
+    const char group = decimal == '.' ? ',' : '.';
+    size_t len = 0, since = 0, groups = 0, blanks = 0;
+    bool point = false, odd = false;
+    for (size_t i = 0; i < field.len;) {
+        const struct text rest = {field.at + i, field.len - i};
+        const size_t blank = len > 0 && is_digit(out[len - 1]) ? group_blank(rest) : 0;
+        char c = field.at[i];
+        if (len + 1 >= ODD_MAX)
+            return 0;
+        if (blank > 0 || (c == group && !point && since >= 1 && since <= 3 && (groups == 0 || since == 3))) {
+            groups += blank == 0;
+            blanks += blank > 0;
+            if ((groups + blanks > 1 && since != 3) || point)
+                return 0;
+            since = 0;
+            odd = true;
+            i += blank > 0 ? blank : 1;
+            continue;
+        }
+        if (text_starts(rest, TEXT("\xE2\x88\x92"))) {
+            c = '-';
+            i += 2;
+            odd = true;
+        } else if ((c == 'D' || c == 'd') && len > 0 && (is_digit(out[len - 1]) || out[len - 1] == decimal)) {
+            c = 'E';
+            odd = true;
+        }
+        if ((c == decimal || c == 'E') && groups + blanks > 0 && since != 3 && !point)
+            return 0;
+        point |= c == decimal || c == 'E';
+        since = is_digit(c) ? since + 1 : 0;
+        out[len++] = c;
+        i++;
+    }
+    const bool whole_groups = groups + blanks == 0 || point || since == 3;
+    return odd && whole_groups && (groups != 1 || blanks > 0 || point) ? len : 0;
+}
+
+static bool odd_number(struct text field, char decimal, double *value)
+{
+    char digits[ODD_MAX];
+    size_t used;
+    double number;
+    const struct text plain = {digits, plain_digits(field, decimal, digits)};
+    if (plain.len == 0 || real_scan(plain, decimal, &number, &used) != REAL_OK || used != plain.len)
+        return false;
+    *value = number;
+    return true;
+}
+
 enum cell table_cell(struct text field, char decimal, double *value)
 {
     size_t used;
-    *value = NAN;
-    if (field.len == 0 || is_word(field, "nan"))
-        return CELL_EMPTY;
     double number;
+    struct stamp stamp;
+    *value = NAN;
+    if (field.len == 0)
+        return CELL_EMPTY;
     enum real_status status = real_scan(field, decimal, &number, &used);
     if ((status == REAL_OK || status == REAL_UNDERFLOW) && used == field.len) {
         *value = number;
         return CELL_NUMBER;
+    }
+    if (is_missing(field))
+        return CELL_EMPTY;
+    if (odd_number(field, decimal, value))
+        return CELL_NUMBER;
+    if (stamp_parse(field, &stamp)) {
+        *value = (double)stamp.day * 86400 + stamp.second;
+        return CELL_STAMP;
     }
     const bool negative = field.at[0] == '-';
     struct text word = negative ? (struct text){field.at + 1, field.len - 1} : field;

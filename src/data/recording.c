@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "container.h"
 #include "table.h"
 
 #include <math.h>
@@ -34,12 +35,7 @@ void recording_warn(struct recording *recording, const char *format, ...)
 static const struct {
     const char *start, *what;
 } binaries[] = {
-    {"\xD0\xCF\x11\xE0", "an Excel workbook (.xls)"},
-    {"PK\x03\x04", "a zip archive (.xlsx, .ods, .cap …)"},
-    {"\x1F\x8B", "a gzip archive"},
     {"%PDF", "a PDF document"},
-    {"\xFF\xFE", "UTF-16 text"},
-    {"\xFE\xFF", "UTF-16 text"},
     {"\x89PNG", "a picture (PNG)"},
     {"{\\rtf", "a rich text document (.rtf)"},
 };
@@ -135,6 +131,7 @@ static bool read_text(struct table_text *text, const struct load_options *option
     bool done = table_head(text, &scratch) || error_memory(error);
     if (done) {
         table_find(text, 0, options, &text->layout, &text->problem);
+        recording->header_rate = table_rate(text);
         const struct format *format = probe(text);
         snprintf(recording->format, sizeof recording->format, "%s", format->row.name);
         done = format->read(text, options, recording, error) && recording_choose(recording, options, error) &&
@@ -144,27 +141,86 @@ static bool read_text(struct table_text *text, const struct load_options *option
     return done;
 }
 
+/* One table of text. */
+static bool read_part(struct text content, const char *shown, const struct load_options *options,
+                      struct recording *recording, struct error *error)
+{
+    struct table_text text = {.name = shown, .text = content, .first = 1, .header = 1};
+    if (text_starts(text.text, TEXT("\xEF\xBB\xBF")))
+        text.text = (struct text){text.text.at + 3, text.text.len - 3};
+    return refuse_binary(text.text, text.name, error) && read_text(&text, options, recording, error);
+}
+
+/* Is there a table in it at all? */
+static bool has_table(struct text content, const char *shown, const struct load_options *options, struct error *error)
+{
+    struct arena scratch = {0};
+    struct table_text text = {.name = shown, .text = content, .first = 1, .header = 1};
+    const bool found = refuse_binary(content, shown, error) && (table_head(&text, &scratch) || error_memory(error)) &&
+                       table_find(&text, 0, options, &text.layout, error);
+    arena_reset(&scratch);
+    return found;
+}
+
+/* The parts of a container as runs of the recording. */
+static bool name_runs(const struct contents *contents, struct recording *recording, struct error *error)
+{
+    recording->run = arena_array(&recording->arena, contents->parts, sizeof *recording->run);
+    if (!recording->run)
+        return error_memory(error);
+    for (size_t i = 0; i < contents->parts; i++)
+        snprintf(recording->run[i].name, sizeof recording->run[i].name, "%s", contents->part[i].name);
+    recording->runs = (int)contents->parts;
+    return true;
+}
+
+/* Of several tables the one that is wanted, else the first. The runs inside of it, if it knows any, are then its own.
+ */
+static bool read_parts(const struct contents *contents, const char *shown, const struct load_options *options,
+                       struct recording *recording, struct error *error)
+{
+    struct load_options own = *options;
+    struct recording tables = {0};
+    size_t taken = 0;
+    bool done = name_runs(contents, &tables, error);
+    if (done && options->run.len > 0) {
+        int wanted;
+        done = run_find(&tables, options->run, &wanted, error);
+        taken = done ? (size_t)wanted : 0;
+        own.run = TEXT("");
+    } else {
+        while (done && taken + 1 < contents->parts &&
+               !has_table(buffer_text(&contents->part[taken].text), shown, options, error))
+            taken++;
+    }
+    done = done && read_part(buffer_text(&contents->part[taken].text), shown, &own, recording, error);
+    if (done && recording->runs == 0) {
+        done = name_runs(contents, recording, error);
+        recording->taken = (int)taken;
+    }
+    arena_reset(&tables.arena);
+    return done;
+}
+
 static bool load(const char *path, const struct load_options *options, struct recording *recording, struct error *error)
 {
-    struct buffer content = {0};
+    struct contents contents = {0};
     char shown[SHORT_NAME];
     struct text file = last_component(text_of(path));
-    struct table_text text = {.name = short_name(file, shown), .first = 1, .header = 1};
-    bool done = file_read(path, LIMIT_FILE, &content, error);
+    short_name(file, shown);
+    bool done = contents_read(path, shown, &contents, error);
     if (done) {
-        text.text = buffer_text(&content);
-        if (text_starts(text.text, TEXT("\xEF\xBB\xBF")))
-            text.text = (struct text){text.text.at + 3, text.text.len - 3};
         recording->path = arena_text(&recording->arena, text_of(path));
+        recording->container = contents.container;
         if (options->name.len > 0)
             snprintf(recording->name, sizeof recording->name, "%.*s", (int)options->name.len, options->name.at);
         else
             name_recording(recording, file);
-        done = recording->path
-                   ? refuse_binary(text.text, text.name, error) && read_text(&text, options, recording, error)
-                   : error_memory(error);
+        done = !recording->path      ? error_memory(error)
+               : contents.parts == 1 ? read_part(buffer_text(&contents.part[0].text), shown, options, recording, error)
+                                     : read_parts(&contents, shown, options, recording, error);
     }
-    buffer_free(&content);
+    contents_free(&contents);
     return done;
 }
 

@@ -2,6 +2,7 @@
 /*
  * The rows of a table into columns, in one pass over the file. What cannot be read is counted and said.
  */
+#include "stamp.h"
 #include "table.h"
 
 #include <math.h>
@@ -22,6 +23,7 @@ struct reader {
     struct recording *recording;
     const struct table_layout *layout;
     struct tally ragged, extra, *words; /* words: of each column */
+    struct stamp_column *stamps;        /* of each column */
     struct text recent[RECENT];         /* recent[i % RECENT]: row i, while it is one of the last */
     size_t room;                        /* rows there is memory for */
     bool ended;                         /* the newest row has a line end */
@@ -171,8 +173,10 @@ static bool read_row(struct reader *reader, struct text line, size_t number)
     double value;
     while (next_cell(&rest, reader->layout, &field, &cell, &value)) {
         if (fields < recording->columns) {
+            if (cell == CELL_STAMP)
+                value = stamp_seconds(&reader->stamps[fields], field);
             recording->column[fields].value[recording->rows] = value;
-            numbers += cell == CELL_NUMBER;
+            numbers += cell == CELL_NUMBER || cell == CELL_STAMP;
             words |= cell == CELL_WORD;
         } else if (cell == CELL_NUMBER) {
             return false;
@@ -229,7 +233,7 @@ static bool is_cut(const struct reader *reader)
     double value;
     enum cell cell = table_cell(last, layout->decimal, &value);
     struct text above = last_field(reader->recent[(row - 1) % RECENT], layout->separator);
-    if (cell == CELL_WORD)
+    if (cell == CELL_WORD || text_is(last, "-"))
         return table_cell(above, layout->decimal, &value) != CELL_WORD;
     if (agree && agreed > 0)
         return decimals(last, layout->decimal) < agreed && (cell == CELL_NUMBER || last.len == 0);
@@ -312,7 +316,8 @@ bool table_rows(const struct table_text *text, const struct table_layout *layout
     if (!table_columns(layout, recording, error))
         return false;
     reader.words = arena_array(&recording->arena, (size_t)recording->columns, sizeof *reader.words);
-    if (!reader.words)
+    reader.stamps = arena_array(&recording->arena, (size_t)recording->columns, sizeof *reader.stamps);
+    if (!reader.words || !reader.stamps)
         return error_memory(error);
     /* As many rows as there are if the first are as long as the others. */
     size_t lines = 0;
@@ -348,6 +353,7 @@ bool table_rows(const struct table_text *text, const struct table_layout *layout
     recording->dropped += reader.ragged.count;
     name_columns(recording);
     warn_rows(&reader);
+    stamp_columns(recording, reader.stamps);
     return true;
 }
 

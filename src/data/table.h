@@ -52,15 +52,17 @@ struct table_block {
     struct text head[3]; /* lines of the header, as the format needs them */
 };
 
-enum cell { CELL_NUMBER, CELL_EMPTY, CELL_WORD };
+enum cell { CELL_NUMBER, CELL_EMPTY, CELL_WORD, CELL_STAMP /* a date or a time of day */ };
 
 /* lines.c: LF, CRLF, CR CR LF and CR end a line. False: nothing left. */
 bool table_line(struct text *rest, struct text *line);
-bool table_skipped(struct text line); /* blank or a # comment */
+bool table_comment(struct text line); /* # … or % …, or as sigrok-cli writes them: ; word */
+bool table_skipped(struct text line); /* blank, a comment, or a line drawn below the names */
 /* Cuts the next field off *rest, trimmed and without its quotes. False: nothing left. Separator ' ' is any run of
  * blanks. */
 bool table_field(struct text *rest, char separator, struct text *field);
-enum cell table_cell(struct text field, char decimal, double *value); /* NAN unless a number; "inf" is one */
+/* NAN unless a number ("inf" is one) or a stamp, whose value is in seconds since 1970 or midnight. */
+enum cell table_cell(struct text field, char decimal, double *value);
 size_t text_fitting(struct text text, size_t most);                   /* bytes of whole characters, at most `most` */
 const char *short_name(struct text text, char out[SHORT_NAME]);       /* safe to show */
 
@@ -77,6 +79,11 @@ bool table_columns(const struct table_layout *layout, struct recording *recordin
 void column_unit(struct column *column, struct text unit); /* as a file spells it */
 bool name_has_word(const char *name, const char *words);   /* one of the blank-separated words, any case */
 
+/* rate.c: the sampling rate [Hz] that a line above the table says ("# Sample rate: 50 Hz"); 0: none does. */
+double table_rate(const struct table_text *text);
+/* The number behind `key` in one of the first lines, any case: "Sample Interval" of "Sample Interval,0.02". */
+bool head_number(const struct table_text *text, const char *key, double *value, struct text *rest);
+
 /* rows.c: columns and rows of the layout into the recording; t gets the number of each row, counted from 0. */
 bool table_rows(const struct table_text *text, const struct table_layout *layout, struct recording *recording,
                 struct error *error);
@@ -91,6 +98,9 @@ bool run_find(const struct recording *recording, struct text wanted, int *run, s
 void run_list(const struct recording *recording, struct buffer *text); /* "Run #1 = taken, Run #2" */
 /* Below each other: `find` gives the blocks (at most BLOCKS, 0: an ordinary table) and what the header says about
  * separators; the one wanted, else the first with a table, is given to `read` as a text of its own. */
+/* Runs below each other without a header between them: the clock goes back to where it began. Keeps the rows of the run
+ * that is wanted, else of the first. Needs the times [s]. */
+bool take_run_below(struct recording *recording, const struct load_options *options, struct error *error);
 typedef int table_blocks(const struct table_text *text, struct table_block *block, struct load_options *options);
 typedef bool table_block_read(const struct table_text *part, const struct table_block *block,
                               struct recording *recording, struct error *error);
@@ -100,6 +110,7 @@ bool runs_of_blocks(const struct table_text *text, const struct load_options *op
 /* choose.c, time.c: which columns are meant, and time [s] and value [SI] from them. */
 bool recording_choose(struct recording *recording, const struct load_options *options, struct error *error);
 bool enough_rows(const struct recording *recording, struct error *error); /* two are the least */
+void recording_reverse(struct recording *recording);      /* the last row first */
 bool recording_time(struct recording *recording, const struct load_options *options, struct error *error);
 
 void recording_warn(struct recording *recording, const char *format, ...) PRINTF_LIKE(2, 3);

@@ -11,47 +11,29 @@ static const struct row picture_rows[] = {
 const struct catalog picture_catalog = CATALOG("picture", picture_rows);
 
 #ifdef HAVE_CAIRO
-#include <dlfcn.h>
-#include <string.h>
 
 #define LIBRARY "libcairo.so.2"
 
 bool cairo_load(struct cairo_api *api, const char *library, struct error *error)
 {
-    static const struct {
-        const char *name;
-        size_t place;
-    } functions[] = {
-#define PLACE_OF(name) {"cairo_" #name, offsetof(struct cairo_api, name)},
-        CAIRO_FUNCTIONS(PLACE_OF)
-#undef PLACE_OF
+    static const struct library_symbol functions[] = {
+#define SYMBOL(name) {"cairo_" #name, offsetof(struct cairo_api, name)},
+        CAIRO_FUNCTIONS(SYMBOL)
+#undef SYMBOL
     };
-
+    const char *missing;
     *api = (struct cairo_api){0};
-    /* It stays in memory: fontconfig and pixman keep caches that only they can find. */
-    api->library = dlopen(library, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
-    if (!api->library) {
-        error_set(error, ERROR_COMMAND, "pictures are drawn by cairo, but %s cannot be loaded", library);
-        return error_hint(error, "install libcairo2, or write a text figure into a file that ends in .txt");
-    }
-    for (size_t i = 0; i < COUNT_OF(functions); i++) {
-        void *symbol = dlsym(api->library, functions[i].name);
-        if (!symbol) {
-            cairo_unload(api);
-            return error_set(error, ERROR_COMMAND, "%s has no %s: it is too old to draw pictures", library,
-                             functions[i].name);
-        }
-        /* ISO C has no cast from an object pointer to a function pointer: the bytes are copied. */
-        memcpy((char *)api + functions[i].place, &symbol, sizeof symbol);
-    }
-    return true;
+    if (library_load(&api->library, library, functions, COUNT_OF(functions), api, &missing))
+        return true;
+    if (missing)
+        return error_set(error, ERROR_COMMAND, "%s has no %s: it is too old to draw pictures", library, missing);
+    error_set(error, ERROR_COMMAND, "pictures are drawn by cairo, but %s cannot be loaded", library);
+    return error_hint(error, "install libcairo2, or write a text figure into a file that ends in .txt");
 }
 
 void cairo_unload(struct cairo_api *api)
 {
-    if (api->library)
-        dlclose(api->library);
-    api->library = NULL;
+    library_unload(&api->library);
 }
 
 bool figure_picture(const struct figure *figure, enum picture kind, double width, double height, struct buffer *out,

@@ -61,7 +61,7 @@ struct cairo_api {
 #define MEMBER(name) __typeof__(cairo_##name) *name;
     CAIRO_FUNCTIONS(MEMBER)
 #undef MEMBER
-    void *library; /* NULL: nothing to close */
+    struct library library;
 };
 
 /* Looks for the shared library under this name; false with an error that says what is missing. */

@@ -29,6 +29,9 @@ static const struct {
     {"labview-multi", "", "labview", "Position", 60, 0, 5.2, 5e-7, 1},
     {"cassy", "", "cassy", "Weg s_A1", 60, 0, 5.2, 5e-6, 0},
     {"picoscope", "", "picoscope", "Channel A", 60, -0.5, 5.2, 5e-9, 0},
+    {"oscilloscope", "unit=cm", "oscilloscope", "CH1", 60, 0, 5.2, 5e-6, 0},
+    {"tektronix", "unit=cm", "tektronix", "CH1", 60, 0, 5.2, 5e-7, 0},
+    {"labelled", "", "labelled", "distance", 60, 0, 5.2, 5e-4, 0},
     {"hand-made", "tunit=ms unit=cm", "hand-made", "column 2", 60, 0, 5.2, 5e-4, 0},
     {"table", "", "table", "x", 60, 0, 5.2, 5e-4, 0},
 };

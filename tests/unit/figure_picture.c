@@ -523,7 +523,7 @@ static void test_without_the_library(void **state)
     assert_non_null(strstr(error.hint, "install libcairo2"));
     assert_false(cairo_load(&api, "libm.so.6", &error));
     assert_non_null(strstr(error.text, "libm.so.6 has no cairo_"));
-    assert_null(api.library);
+    assert_null(api.library.handle);
 }
 
 /* Fonts are kept in a way that leak checkers do not see: they are let go. */
