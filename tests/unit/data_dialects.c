@@ -210,7 +210,6 @@ static const struct {
      "no time column (the file counts samples): say the sampling rate", "2 Distance"},
     {"\"Position (mm) Run #1\"\n1,5\n2,5\n3,5\n", 0, "", ERROR_IO, "rate=100", "Position Run #1"},
     {"length period\n1.474 2.421\n1.301 2.284\n1.147 2.148\n", 0, "", ERROR_IO, "no time column", "1 length, 2 period"},
-    {"t,y\n3,1.5\n2,2.5\n1,3.5\n", 0, "", ERROR_IO, "'t' do not rise", "rate="},
     {"Time,Distance\n0,01,5,3\n0,02,5,4\n0,03,5,6\n", 0, "", ERROR_IO, "could be separators or decimal marks",
      "semicolons"},
     {"0,01,5,30\n0,02,5,40\n0,03,5,60\n", 0, "", ERROR_IO, "could be separators or decimal marks", "semicolons"},
