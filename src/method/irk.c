@@ -57,8 +57,7 @@ static enum step_status diagonal_step(const struct implicit_tableau *tableau, st
         return STEP_NO_SOLUTION;
     if (stiffly_accurate(tableau) && !step->low)
         return step_finish(step, sum);
-    for (int i = 0; i < n; i++)
-        z[i] = step->h * weighted_sum(tableau->b, stages, slope, n, i);
+    diagonal_increment(tableau, n, step->h, slope, z);
     return step_increase(step, z);
 }
 

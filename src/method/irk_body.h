@@ -58,4 +58,12 @@ INLINE enum step_status diagonal_stages(const struct implicit_tableau *tableau, 
     return STEP_OK;
 }
 
+/* z: in, the last stage's increment, out, that of the step */
+INLINE void diagonal_increment(const struct implicit_tableau *tableau, int n, double h, const double *k, double *z)
+{
+    for (int i = 0; i < n; i++)
+        z[i] = tableau->stages == 1 ? tableau->b[0] / tableau->diagonal * z[i]
+                                    : h * weighted_sum(tableau->b, tableau->stages, k, n, i);
+}
+
 #endif

@@ -31,6 +31,7 @@ struct known {
 CLOSED_SHAPES(KNOWN_SLOPE)
 NEWTON_SHAPES(KNOWN_SLOPE)
 
+#define HAS_KINK(i, name) | (name##_flags & TERM_KINK)
 #define CLOSED_STAGE(shape)                                                                                            \
     INLINE enum step_status shape##_stage(const void *known, struct step *step, double t, double h, const double *y,   \
                                           double *z, double *sum, double *work)                                        \
@@ -39,7 +40,7 @@ NEWTON_SHAPES(KNOWN_SLOPE)
         double force;                                                                                                  \
         (void)work;                                                                                                    \
         shape##_force(&of->forces, t, y, &force);                                                                      \
-        return oscillator_stage(&of->oscillator, force, step, h, y, z, sum);                                           \
+        return oscillator_stage(&of->oscillator, (0 TERMS_OF_##shape(HAS_KINK)) != 0, force, step, h, y, z, sum);      \
     }
 CLOSED_SHAPES(CLOSED_STAGE)
 
@@ -110,26 +111,28 @@ INLINE int64_t diagonal_march(const struct method *method, stage_function *stage
     double k[IMPLICIT_STAGES * N] = {0}, y[N], z[N] = {0}, sum[N] = {0}, base[N], work[ROOM], last[N] = {0};
     double *const kept = step->work + (stages - 1) * N, *const newest = k + (stages - 1) * N;
     struct step own = {.system = step->system, .h = step->h, .y = y};
+    struct cost cost = {0};
     bool warm = step->warm;
     copy_numbers(N, step->y, y);
     if (tableau->fsal && warm)
         copy_numbers(N, kept, newest);
     int64_t i = 0;
     for (double *row = march->row; i < march->count; i++, row += N) {
-        const struct cost cost = own.cost;
+        own.cost = (struct cost){0};
         if (tableau->fsal)
             copy_numbers(N, newest, last);
         own.t = march->origin + (double)(march->first + i) * own.h;
         bool good = diagonal_stages(tableau, N, stage, slope, known, &own, warm, k, z, sum, base, work) == STEP_OK;
         if (good && !accurate)
-            for (int j = 0; j < N; j++)
-                z[j] = own.h * weighted_sum(tableau->b, stages, k, N, j);
+            diagonal_increment(tableau, N, own.h, k, z);
         if (!good || !finish(accurate, z, sum, y)) {
-            own.cost = cost;
             copy_numbers(N, last, newest);
             break;
         }
         warm = true;
+        cost.evals += own.cost.evals;
+        cost.jacobians += own.cost.jacobians;
+        cost.solves += own.cost.solves;
         copy_numbers(N, y, row);
     }
     if (tableau->fsal)
@@ -137,9 +140,9 @@ INLINE int64_t diagonal_march(const struct method *method, stage_function *stage
     newton_forget(step->work + (stages + 3) * N);
     copy_numbers(N, y, step->y);
     step->warm = warm;
-    step->cost.evals += own.cost.evals;
-    step->cost.jacobians += own.cost.jacobians;
-    step->cost.solves += own.cost.solves;
+    step->cost.evals += cost.evals;
+    step->cost.jacobians += cost.jacobians;
+    step->cost.solves += cost.solves;
     return i;
 }
 

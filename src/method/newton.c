@@ -120,9 +120,10 @@ enum step_status newton_solve(const struct newton *equations, struct step *step,
 
 static enum step_status solve_oscillator(struct step *step, double t, double h, const double *y, double *z, double *sum)
 {
+    const struct oscillator *o = &step->system->oscillator;
     double force;
     system_force(step->system, t, y, &force);
-    return oscillator_stage(&step->system->oscillator, force, step, h, y, z, sum);
+    return oscillator_stage(o, o->quadratic != 0, force, step, h, y, z, sum);
 }
 
 enum step_status newton_stage(struct step *step, double t, double h, const double *y, double *z, double *sum,

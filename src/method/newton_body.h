@@ -225,9 +225,10 @@ INLINE void newton_weights(const struct system *system, int n, const double *y, 
 
 /*
  * q' = q + h v', v' = v + h (F(q) - stiffness h v' - damping v' - quadratic |v'| v'): a scalar equation in v', because
- * the force that does not depend on velocity is linear in q. force: that at t and y.
+ * the force that does not depend on velocity is linear in q. force: that at t and y; dragged:
+ * o->quadratic is not 0.
  */
-INLINE enum step_status oscillator_stage(const struct oscillator *o, double force, struct step *step, double h,
+INLINE enum step_status oscillator_stage(const struct oscillator *o, bool dragged, double force, struct step *step, double h,
                                          const double *y, double *z, double *sum)
 {
     step->cost.evals++;
@@ -235,11 +236,12 @@ INLINE enum step_status oscillator_stage(const struct oscillator *o, double forc
     double a = 1 + o->damping * h + o->stiffness * h * h, r = y[1] + h * force;
     if (!isfinite(a) || !isfinite(r))
         return STEP_NONFINITE;
-    double v = drag_root(a, o->quadratic * h, r);
+    double v = dragged ? drag_root(a, o->quadratic * h, r) : r / a;
+    const double share = dragged ? o->quadratic * h * fabs(v) : -0.0, rate = dragged ? o->quadratic * fabs(v) : -0.0;
     /* Where it is small, the increment by the force: the rounding of a would shift v in the same way at every step. */
-    bool small = fabs(a - 1 + o->quadratic * h * fabs(v)) < 1;
+    bool small = fabs(a - 1 + share) < 1;
     z[0] = h * v;
-    z[1] = small ? h * (force - (o->stiffness * h + o->damping + o->quadratic * fabs(v)) * v) : v - y[1];
+    z[1] = small ? h * (force - (o->stiffness * h + o->damping + rate) * v) : v - y[1];
     sum[0] = y[0] + z[0];
     sum[1] = small ? y[1] + z[1] : v;
     return isfinite(v) ? STEP_OK : STEP_NO_SOLUTION;
