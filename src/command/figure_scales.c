@@ -89,34 +89,41 @@ static double size_of_curve(const struct drawing *d, int i, bool x)
     return most;
 }
 
-/* Of a plane the larger of both. */
-static double curve_size(const struct drawing *d, const struct figure *figure, int i)
+/* Of each curve; of a plane the larger of both. NULL: no memory. */
+static const double *curve_sizes(const struct drawing *d, const struct figure *figure)
 {
-    const double y = size_of_curve(d, i, false);
-    return figure->equal ? fmax(y, size_of_curve(d, i, true)) : y;
+    double *size = arena_array(d->arena, (size_t)d->curves + 1, sizeof *size);
+    for (int i = 0; size && i < d->curves; i++) {
+        size[i] = size_of_curve(d, i, false);
+        if (figure->equal)
+            size[i] = fmax(size[i], size_of_curve(d, i, true));
+    }
+    return size;
+}
+
+static double least_size(const double *size, int n)
+{
+    double least = HUGE_VAL;
+    for (int i = 0; i < n; i++)
+        least = size[i] > 0 ? fmin(least, size[i]) : least;
+    return least;
 }
 
 /* The size between the curves that differ most from their neighbours; 0: all are alike. What rests has no size. */
-static double parting_size(const struct drawing *d, const struct figure *figure)
+static double parting_size(const double *size, int n)
 {
-    double least = HUGE_VAL, most = 0, widest = 1, parting = 0;
-    for (int i = 0; i < d->curves; i++) {
-        const double size = curve_size(d, figure, i);
+    double most = 0, widest = 1, parting = 0;
+    for (int i = 0; i < n; i++) {
         double next = HUGE_VAL;
-        if (size == 0)
-            continue;
-        least = fmin(least, size);
-        most = fmax(most, size);
-        for (int j = 0; j < d->curves; j++) {
-            const double other = curve_size(d, figure, j);
-            next = other > size ? fmin(next, other) : next;
-        }
-        if (isfinite(next) && next / size > widest) {
-            widest = next / size;
-            parting = sqrt(size) * sqrt(next);
+        most = fmax(most, size[i]);
+        for (int j = 0; j < n; j++)
+            next = size[j] > size[i] ? fmin(next, size[j]) : next;
+        if (size[i] > 0 && isfinite(next) && next / size[i] > widest) {
+            widest = next / size[i];
+            parting = sqrt(size[i]) * sqrt(next);
         }
     }
-    return most > ALIKE * least ? parting : 0;
+    return most > ALIKE * least_size(size, n) ? parting : 0;
 }
 
 static bool is_positive(const struct drawing *d, enum quantity quantity)
@@ -130,17 +137,6 @@ static bool is_positive(const struct drawing *d, enum quantity quantity)
     return true;
 }
 
-static void choose_logarithm(const struct drawing *d, struct figure *figure)
-{
-    double least = HUGE_VAL;
-    for (int i = 0; i < d->curves; i++) {
-        const double size = curve_size(d, figure, i);
-        least = size > 0 ? fmin(least, size) : least;
-    }
-    figure->y.log = true;
-    figure->y.least = DECADES_LEFT * least;
-}
-
 static double panel_size(const struct drawing *d, bool x, int panel)
 {
     double size = 0;
@@ -151,13 +147,13 @@ static double panel_size(const struct drawing *d, bool x, int panel)
 }
 
 static bool part_panels(struct drawing *d, struct figure *figure, enum quantity across, enum quantity up,
-                        double parting)
+                        const double *size, double parting)
 {
     struct axis *second = arena_array(d->arena, 2, sizeof *second);
     if (!second)
         return error_memory(d->error);
     for (int i = 0; i < d->curves; i++)
-        d->curve[i].panel = curve_size(d, figure, i) > parting;
+        d->curve[i].panel = size[i] > parting;
     second[0] = figure->x;
     second[1] = figure->y;
     for (int panel = 0; panel < 2; panel++) {
@@ -203,11 +199,17 @@ bool drawing_scales(struct drawing *d, struct figure *figure, const enum quantit
         return false;
     figure->y.flat = request->y ? -1 : request->kind == PLOT_ENERGY ? FLAT : 0;
     const bool one = asked || request->full || request->log;
-    const double parting = one ? 0 : parting_size(d, figure);
+    if (one)
+        return true;
+    const double *size = curve_sizes(d, figure);
+    if (!size)
+        return error_memory(d->error);
+    const double parting = parting_size(size, d->curves);
     if (!(parting > 0))
-        return one || note_flat(d, figure);
+        return note_flat(d, figure);
     if (!is_positive(d, quantity[1]))
-        return part_panels(d, figure, quantity[0], quantity[1], parting);
-    choose_logarithm(d, figure);
+        return part_panels(d, figure, quantity[0], quantity[1], size, parting);
+    figure->y.log = true;
+    figure->y.least = DECADES_LEFT * least_size(size, d->curves);
     return true;
 }

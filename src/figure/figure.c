@@ -233,7 +233,7 @@ static void draw_y_axis(const struct sheet *sheet)
     }
 }
 
-#define FEW_ROWS 2
+#define FEW_ROWS 3
 
 static bool alone_in_panel(const struct figure *figure, int curve)
 {
