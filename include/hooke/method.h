@@ -17,7 +17,8 @@ enum step_status {
     STEP_OK,
     STEP_NONFINITE,   /* the new state is not finite; y is unchanged */
     STEP_NO_SOLUTION, /* the implicit equation was not solved; y is unchanged */
-    STEP_STALLED      /* the tolerance asks for a step below the rounding of t; y is unchanged (method_adapt only) */
+    STEP_STALLED,     /* the tolerance asks for a step below the rounding of t; y is unchanged (method_adapt only) */
+    STEP_SLIDES       /* both sides of a switch lead back to it, or switches pile up; y is unchanged (the same) */
 };
 
 typedef enum step_status step_function(const struct method *method, struct step *step);
@@ -210,6 +211,17 @@ int64_t lanes_evals(const struct lanes *lanes, int lane); /* so far */
  * proposal as it was, and so does one to a turning point. step->h is then the step taken. A state that is not finite is
  * retried with h/4, up to 20 times. Anything but STEP_OK leaves y, t and the controller as they were.
  */
+/* The branches of a system's switches at t, where the next step begins. */
+struct switches_state {
+    bool known, begins, piled; /* begins: some have changed at t; piled: too many in too short a time */
+    int fresh;      /* the one at which the last step ended, -1: none */
+    double t;       /* [s] */
+    unsigned count; /* of switches, */
+    int shorter;    /* of blocks of them, each in a much shorter time than the one before, */
+    double since, block; /* [s] where this block began, and how long the last one took */
+    double branch[LIMIT_SWITCHES];
+};
+
 struct controller {
     double tol;       /* at least 10 eps */
     double h;         /* [s] proposal for the next step, 0: choose a first one */
@@ -219,6 +231,7 @@ struct controller {
     double stiffness; /* |h| * the Jacobian's norm, estimated and smoothed: near the stability limit means stiff */
     unsigned since;   /* accepted steps */
     bool rejected;
+    struct switches_state switches;
 };
 
 enum step_status method_adapt(const struct method *method, struct step *step, struct controller *controller,

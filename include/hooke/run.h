@@ -92,6 +92,7 @@ enum stop {                 /* why a run is where it is */
             STOP_CANCELLED,
             STOP_NO_SOLUTION, /* implicit equation not solved */
             STOP_STALLED,     /* adaptive step below rounding */
+            STOP_SLIDES,      /* along a switch, or switches pile up: adaptive only */
             STOP_FULL,        /* memory budget used up */
             STOP_SINGULAR     /* the solution itself goes to infinity: said by run_diagnose() */
 };
@@ -99,7 +100,8 @@ enum stop {                 /* why a run is where it is */
 /* It did not get where it should, and cannot: no step on from there. */
 static inline bool stop_is_failure(enum stop stop)
 {
-    return stop == STOP_DIVERGED || stop == STOP_NO_SOLUTION || stop == STOP_STALLED || stop == STOP_SINGULAR;
+    return stop == STOP_DIVERGED || stop == STOP_NO_SOLUTION || stop == STOP_STALLED || stop == STOP_SLIDES ||
+           stop == STOP_SINGULAR;
 }
 
 const char *stop_name(

@@ -320,6 +320,7 @@ struct system {
     bool autonomous;   /* no TERM_TIME */
     bool velocity;     /* some force depends on velocity */
     bool conservative; /* every term has a potential: energy is constant */
+    int switches;      /* of typed equations, with branches that can be frozen (switch.c) */
     bool kinks;        /* n = 2, and some force is not smooth at v = 0 */
     bool across;       /* methods step across such kinks, as they are printed */
     double mass;       /* [kg] or what takes its place: kinetic energy = mass v^2 / 2 */
@@ -461,6 +462,18 @@ const struct bound_term *system_whole(const struct system *system);
  * a built-in term.
  */
 const struct program *term_program(const struct bound_term *term, int *values);
+
+/*
+ * Switches of typed equations: where abs(), sign(), if(), <, min(), max(), step(), floor(), mod() go from one branch to
+ * another. A frozen system stays on its branches and is smooth; its guards are above 0 as long as they are the right
+ * ones. branch, guard: [system->switches].
+ */
+#define LIMIT_SWITCHES 12
+void system_branches(const struct system *system, double t, const double *y, double *branch);
+void system_freeze(const struct system *system, const double *branch, struct system *frozen);
+void system_guards(const struct system *frozen, double t, const double *y, double *guard);
+/* Of switch i, beyond the guard that is 0 at (t, y). */
+double system_next_branch(const struct system *frozen, int i, double t, const double *y);
 
 #define LIMIT_OBSERVED 64 /* quantities that a typed scene observes */
 

@@ -9,6 +9,7 @@
  * computed. First step: Hairer, Norsett, Wanner 1993, Solving ODEs I, II.4.
  */
 #include "step.h"
+#include "switch.h"
 
 #include <assert.h>
 #include <float.h>
@@ -36,6 +37,7 @@ static const struct filter {
 #define FAILURES 20      /* steps in a row that give no number: each makes the next a quarter */
 #define LEAST_ULPS 4     /* of t: a smaller step is only rounding, though the clock counts it */
 #define MEMORY 0.4       /* share of the newest estimate in the smoothed stiffness, */
+#define PROBE 1e-4       /* of a step: how far ahead the direction of a switch is looked for */
 #define ESTIMATE_EACH 4  /* steps, because the estimate costs as much as a fifth of a step */
 
 /* RMS of x_i / (tol max(scale_i, |y_i|, |z_i|)) */
@@ -147,24 +149,17 @@ static void take_back(struct step *step, struct controller *controller, double t
     controller->rejected = true;
 }
 
-enum step_status method_adapt(const struct method *method, struct step *step, struct controller *controller,
-                              double t_end)
+/* One accepted step; where the system is on frozen branches, `switches` say which. */
+static enum step_status adapt(const struct method *method, struct step *step, struct controller *controller,
+                              double t_end, struct switches_state *switches)
 {
     const double least = 10 * DBL_EPSILON, tol = controller->tol > least ? controller->tol : least;
     const double t = step->t, span = t_end - t;
     const double most = largest_estimate(method, tol);
-    const bool turns = method_turns(method, step->system);
+    const bool turns = !switches && method_turns(method, step->system);
     const struct controller was = *controller; /* after a failure another try begins where this one did */
     const size_t size = (size_t)step->system->n * sizeof *step->y;
     double before[LIMIT_VARIABLES], low[LIMIT_VARIABLES], own_error[LIMIT_VARIABLES], *asked = step->error;
-    assert(method->flags & METHOD_ADAPTIVE);
-    if (span == 0)
-        return STEP_OK;
-    if (method->adapt)
-        return method->adapt(method, step, controller, t_end);
-    if (controller->h == 0)
-        controller->h = first_step(step, tol, method->order, span);
-    controller->h = copysign(controller->h, span);
     memcpy(before, step->y, size);
     if (step->low)
         memcpy(low, step->low, size);
@@ -177,8 +172,12 @@ enum step_status method_adapt(const struct method *method, struct step *step, st
         step->tol = most;
         enum step_status status = method_step(method, step);
         bool turned = false;
+        int ended = -1;
         if (turns && status == STEP_OK)
             status = turn_step(method, step, t, before, low, &turned);
+        if (switches && status == STEP_OK)
+            status = switch_step(method, step, t, before, low, &ended);
+        turned = turned || ended >= 0;
         last = last && !turned;
         double error = status == STEP_OK ? norm(step->system, step->tol, step->error, before, step->y) : NAN;
         step->error = asked;
@@ -196,6 +195,8 @@ enum step_status method_adapt(const struct method *method, struct step *step, st
             controller->rejected = false;
             step->cost.turns += turned;
             note_stiffness(method, step, controller);
+            if (switches)
+                switch_next(step, switches, ended);
             return STEP_OK;
         }
 
@@ -214,4 +215,41 @@ enum step_status method_adapt(const struct method *method, struct step *step, st
             return status == STEP_OK ? STEP_STALLED : status;
         }
     }
+}
+
+/* On frozen branches. */
+static enum step_status adapt_between_switches(const struct method *method, struct step *step,
+                                               struct controller *controller, double t_end)
+{
+    const struct system *whole = step->system;
+    step_function *kernel = step->kernel;
+    struct system frozen;
+    const double by = PROBE * fmin(fabs(controller->h), fabs(t_end - step->t));
+    enum step_status status = switch_begin(step, &controller->switches, copysign(by, t_end - step->t), &frozen);
+    if (status != STEP_OK)
+        return status;
+    step->system = &frozen;
+    step->kernel = NULL;
+    status = adapt(method, step, controller, t_end, &controller->switches);
+    step->system = whole;
+    step->kernel = kernel;
+    if (controller->switches.begins)
+        step->warm = false;
+    return status;
+}
+
+enum step_status method_adapt(const struct method *method, struct step *step, struct controller *controller,
+                              double t_end)
+{
+    const double least = 10 * DBL_EPSILON, span = t_end - step->t;
+    assert(method->flags & METHOD_ADAPTIVE);
+    if (span == 0)
+        return STEP_OK;
+    if (method->adapt)
+        return method->adapt(method, step, controller, t_end);
+    if (controller->h == 0)
+        controller->h = first_step(step, controller->tol > least ? controller->tol : least, method->order, span);
+    controller->h = copysign(controller->h, span);
+    return step->system->switches > 0 ? adapt_between_switches(method, step, controller, t_end)
+                                      : adapt(method, step, controller, t_end, NULL);
 }

@@ -146,6 +146,29 @@ struct equations {
     int outputs, room;
 };
 
+bool equations_reserve(struct equations *e, int more); /* room for more outputs */
+
+/* ---- switches (program_switch.c) ---- */
+
+/* A branch is 1 where the argument is above 0 and 0 where it is below; or the largest integer not above it. */
+enum switch_kind { SWITCH_SIGN, SWITCH_WHOLE };
+
+struct switches {
+    int name;   /* the first of LIMIT_SWITCHES names for branches */
+    int moving; /* the first names are t and the state: so many */
+    int count;
+    int argument[LIMIT_SWITCHES]; /* nodes, themselves frozen; each depends on the branches before only */
+    enum switch_kind kind[LIMIT_SWITCHES];
+    bool full; /* there are more */
+};
+
+/*
+ * Adds the switches' arguments as outputs, then `count` that are those from `first` on with every switch frozen. Nothing
+ * where there are no switches, or too many.
+ */
+bool equations_freeze(struct equations *e, int first, int count, struct switches *found, struct error *error);
+bool expr_switches(const struct expr *expr); /* has it any? NULL: none */
+
 /* One operation: places are doubles in the frame. What an operation writes is none of its operands. */
 struct instruction {
     struct node node; /* operand: places */

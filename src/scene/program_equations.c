@@ -101,8 +101,7 @@ bool equations_let(struct equations *e, int name, const struct expr *expr, struc
     return true;
 }
 
-/* Room for more outputs. */
-static bool reserve(struct equations *e, int more)
+bool equations_reserve(struct equations *e, int more)
 {
     if (e->outputs + more <= e->room)
         return true;
@@ -122,7 +121,7 @@ bool equations_add(struct equations *e, const struct expr *expr, struct error *e
     const int node = add_expr(e, expr);
     if (!graph_check(&e->graph, error))
         return false;
-    if (!reserve(e, 1))
+    if (!equations_reserve(e, 1))
         return error_memory(error);
     e->output[e->outputs++] = node;
     return true;
@@ -142,7 +141,7 @@ bool equations_derive(struct equations *e, int first, int count, const int *name
         return false;
     bool *mark = calloc((size_t)before, sizeof *mark);
     int *slope = malloc((size_t)before * sizeof *slope);
-    const bool fine = mark && slope && reserve(e, count * names);
+    const bool fine = mark && slope && equations_reserve(e, count * names);
     for (int i = 0; fine && i < count; i++)
         mark[e->output[first + i]] = true;
     if (fine)

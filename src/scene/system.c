@@ -215,7 +215,7 @@ static void begin(const struct model *model, struct system *system)
     system->model = model;
     system->n = model->n;
     system->order = model->order;
-    system->terms = 0;
+    system->terms = system->switches = 0;
     system->typed.row = NULL;
     system->mass = system->t0 = 0;
     memset(system->start, 0, (size_t)model->n * sizeof *system->start);
@@ -241,6 +241,7 @@ bool scene_bind(const struct scene *scene, struct system *system, struct error *
     if (model->typed && !typed_bind(model->typed, param, system, error))
         return false;
     sum_up(system);
+    system->switches = model->typed ? typed_switches(system) : 0;
     if (model->typed && (!typed_base(model) || system->oscillator.whole))
         model->begin(param, system);
     for (int i = 0; i < system->terms; i++)

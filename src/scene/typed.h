@@ -91,6 +91,9 @@ struct typed_part {
     struct typed_part *next;
     uint64_t zeros;             /* bits of the parameters that are 0 */
     struct typed_term term[GROUPS], all;
+    struct typed_term frozen;      /* all, with the branches of switches as given values; add NULL: no switches */
+    struct program *argument;      /* of each switch */
+    struct switches switches;
     int given; /* values of a bound term behind the first: the mass, the parameters, what its programs keep */
     atomic_bool checked; /* force and potential agree */
 };
@@ -101,6 +104,11 @@ const struct typed_term *typed_term_of(const double *c);
 
 struct typed_part *typed_part_create(const struct typed *typed, uint64_t zeros, struct error *error);
 void typed_part_destroy(struct typed_part *part);
+
+/* ---- switches (typed_switch.c) ---- */
+
+bool typed_freeze(const struct typed *typed, uint64_t zeros, struct typed_part *part, struct error *error);
+int typed_switches(const struct system *system); /* that are located: 0 for an oscillator, which has turning points */
 
 /* ---- binding (typed_bind.c) ---- */
 

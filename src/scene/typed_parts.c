@@ -262,6 +262,8 @@ void typed_part_destroy(struct typed_part *part)
     for (int g = 0; g < GROUPS; g++)
         term_free(&part->term[g]);
     term_free(&part->all);
+    term_free(&part->frozen);
+    program_destroy(part->argument);
     free(part);
 }
 
@@ -283,7 +285,7 @@ struct typed_part *typed_part_create(const struct typed *typed, uint64_t zeros, 
         bound[first + i] = zeros >> i & 1;
     for (int i = 0; fine && i < typed->observes; i++)
         fine = equations_let(m.equations, first + typed->reads + i, typed->observe[i], error);
-    fine = fine && make_groups(&m, part) && make_looks(&m, part);
+    fine = fine && make_groups(&m, part) && make_looks(&m, part) && typed_freeze(typed, zeros, part, error);
     equations_destroy(m.equations);
     free(bound);
     free(value);

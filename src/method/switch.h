@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Switches in adaptive steps (switch.c). */
+#ifndef HOOKE_METHOD_SWITCH_H
+#define HOOKE_METHOD_SWITCH_H
+
+#include "step.h"
+
+/*
+ * At the start of a step, by which a step of about `by` is planned: the branches there, and the system frozen on them.
+ * STEP_SLIDES: no branch leads away from a switch.
+ */
+enum step_status switch_begin(struct step *step, struct switches_state *state, double by, struct system *frozen);
+
+/*
+ * After a step of the frozen system from `before` at t: one across the end of a branch is taken again, up to there;
+ * then step->h is less and *ended the switch, else it is -1.
+ */
+enum step_status switch_step(const struct method *method, struct step *step, double t, const double *before,
+                             const double *low, int *ended);
+
+/* After that step was accepted. */
+void switch_next(const struct step *step, struct switches_state *state, int ended);
+
+#endif
