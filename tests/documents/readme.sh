@@ -20,7 +20,12 @@ mkdir -p build/lab
 for example in examples/*.hk examples/*/*.hk; do
     [ -f "$example" ] || continue
     said=$("$hooke" --batch "$example" 2>&1)
-    ok "$example runs" $? "$(tail -5 <<<"$said")"
+    status=$?
+    if [ "$status" -ne 0 ] && grep -q 'built without cairo' <<<"$said"; then
+        n=$((n + 1)); echo "ok $n - $example runs # SKIP built without cairo"
+    else
+        ok "$example runs" "$status" "$(tail -5 <<<"$said")"
+    fi
 done
 
 # Examples of the help: each pair of lines is pasted into a session that has a recording, a fit and a run.

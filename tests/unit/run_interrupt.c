@@ -7,6 +7,8 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "unit/cpu_time.h"
+
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -23,7 +25,7 @@ static volatile int64_t requested_at;
 static void on_alarm(int number)
 {
     (void)number;
-    requested_at = clock_ns();
+    requested_at = cpu_ns();
     atomic_store_explicit(&cancel.requested, 1, memory_order_relaxed);
 }
 
@@ -80,7 +82,7 @@ static void test_random_interrupts(void **state)
             requested_at = 0;
             interrupt_after(1 + (long)(random >> 8) % 1500);
             more = run_advance(cut, &target, 0, &cancel);
-            const int64_t now = clock_ns();
+            const int64_t now = cpu_ns();
             interrupt_after(0);
             more = cut->stop == STOP_CANCELLED;
             if (more && requested_at) {
