@@ -3,6 +3,7 @@
 #ifndef COMMAND_ROWS
 #include "choices.h"
 #include "findings.h"
+#include "text_table.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -115,6 +116,36 @@ static char letter_given(const struct arguments *given, const char *name, const 
     return is_given(given, name) ? letters[given_for(given, name)->item->index] : 0;
 }
 
+#define PREVIEW_ROWS 5
+
+/* The first rows as they were understood. Nothing is kept. */
+static void reply_preview(const struct recording *recording, struct arena *arena, struct reply *reply)
+{
+    const struct column *value = &recording->column[recording->value];
+    struct text_table table = {.arena = arena, .columns = 3, .gap = 2, .indent = 2};
+    struct buffer head = {0}, text = {0};
+    reply_line(reply, "format %s%s%s: %s", recording->format, recording->container ? ", out of " : "",
+               recording->container ? recording->container : "",
+               catalog_find(&format_catalog, text_of(recording->format))->brief);
+    cell_text(&table, "line");
+    cell_text(&table, "t [s]");
+    buffer_format(&head, "%s [%s]", value->name, value->quantity == QUANTITY_OTHER ? "as in the file"
+                                                                                     : quantity_unit(value->quantity));
+    cell_take(&table, &head);
+    for (size_t i = 0; i < recording->rows && i < PREVIEW_ROWS; i++) {
+        struct buffer t = {0}, y = {0};
+        cell_count(&table, recording->line[i]);
+        buffer_short(&t, recording->t[i], 9);
+        buffer_short(&y, recording->y[i], 9);
+        cell_take(&table, &t);
+        cell_take(&table, &y);
+    }
+    text_table_put(&table, &text);
+    reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+    reply_line(reply, "nothing was loaded: the same line without --preview does it");
+}
+
 HANDLER(load)
 {
     const struct given *file = given_for(given, "FILE");
@@ -139,6 +170,13 @@ HANDLER(load)
         if (!error->where.at)
             error->where = file->item->text;
         return false;
+    }
+    if (is_given(given, "preview")) {
+        reply_description(recording, reply);
+        reply_preview(recording, given->arena, reply);
+        reply_recording(recording, reply);
+        recording_destroy(recording);
+        return true;
     }
     struct buffer kept = {0};
     put_options(given, &kept);
@@ -290,15 +328,17 @@ HANDLER(data)
 COMMAND(load, .row = {"load", "", "read a recording from a file", "", NULL}, .group = "DATA",
         .text = "Finds the table, its separator, decimal mark, columns and units by itself and says what it found; "
                 "every finding can be\n"
-                "overruled. A file without times needs rate=. A recording of the same name is replaced.",
-        .examples = "load bare.txt\nload disk.txt y=2 unit=cm as=disk", .see = "data fit measure plot",
+                "overruled. A file without times needs rate=. A recording of the same name is replaced. Of several "
+                "tables in a file or archive\n"
+                "run= takes one. --preview shows the first rows as they were understood and loads nothing.",
+        .examples = "load bare.txt\nload disk.txt y=2 unit=cm as=disk\nload disk.txt --preview", .see = "data fit measure plot",
         .flags = COMMAND_CHANGES,
         ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED), KEY("t", TYPE_TEXT), KEY("y", TYPE_TEXT),
                   KEY("run", TYPE_TEXT), KEY("unit", TYPE_UNIT),
                   KEY("tunit", TYPE_UNIT, .quantity = QUANTITY_TIME),
                   KEY("rate", TYPE_VALUE, .quantity = QUANTITY_FREQUENCY),
                   KEY("decimal", TYPE_CHOICE, .choices = &decimal_catalog),
-                  KEY("sep", TYPE_CHOICE, .choices = &separator_catalog), KEY("as", TYPE_TEXT)))
+                  KEY("sep", TYPE_CHOICE, .choices = &separator_catalog), KEY("as", TYPE_TEXT), OPTION("preview", TYPE_NONE)))
 
 COMMAND(data, .row = {"data", "", "list recordings, choose one, clean it, choose the part in use", "", NULL},
         .group = "DATA",
