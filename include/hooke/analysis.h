@@ -88,6 +88,16 @@ double series_peak_frequency(const struct series *series, struct arena *arena);
 bool series_spectrum(const struct series *series, struct arena *arena, const double **frequency,
                      const double **amplitude, size_t *bins);
 
+struct spectrum_peak {
+    struct measured frequency; /* [Hz] */
+    struct measured amplitude; /* as y */
+};
+/*
+ * The strongest line, and others that stand out; returns how many, 0: there is none. Least-squares sines with the
+ * uncertainty of a steady tone (Rife and Boorstyn 1974) in the noise around the line.
+ */
+int series_peaks(const struct series *series, struct arena *arena, struct spectrum_peak *peak, int most);
+
 /* ---- rates ---- */
 
 struct derivative {

@@ -529,6 +529,20 @@ struct figure_range {
     struct text text;       /* as typed, for messages */
 };
 
+#define PEAKS_EACH 3  /* lines that are named of one spectrum */
+#define PEAKS_MOST 16 /* and in all */
+
+struct figure_peak {
+    const char *label; /* of the curve */
+    struct spectrum_peak line;
+    enum quantity quantity; /* of the amplitude */
+};
+
+struct figure_peaks {
+    struct figure_peak peak[PEAKS_MOST];
+    int count;
+};
+
 struct figure_request {
     enum plot_kind kind;
     const int *run; /* places in the session */
@@ -555,6 +569,7 @@ struct figure_request {
     double span;  /* [s] of time shown, 0: as much as the width can show */
     int pages;    /* the window moves on by span / pages */
     double until; /* [s] the axis reaches to here at least, where known; NAN */
+    struct figure_peaks *peaks; /* takes the lines of spectra; NULL: nobody asks */
     const struct figure_window *shared; /* of all time plots of a screen; NULL: chosen for this one */
 };
 

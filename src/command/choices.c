@@ -23,6 +23,7 @@ static const struct row quantities[] = {
     [MEASURE_REYNOLDS] = ROW("reynolds", "Reynolds number at the largest speed"),
     [MEASURE_K] = ROW("k", "spring constant from the period and the mass"),
     [MEASURE_SPRING] = ROW("spring", "k and the spring's effective mass from T^2 against m of several recordings"),
+    [MEASURE_SPECTRUM] = ROW("spectrum", "frequency and amplitude of the lines that stand out"),
 };
 const struct catalog quantity_catalog = CATALOG("quantity to measure", quantities);
 

@@ -378,6 +378,22 @@ static bool measure_k(struct measuring *m)
     return say(m, &text);
 }
 
+static bool measure_spectrum(struct measuring *m)
+{
+    struct spectrum_peak found[PEAKS_EACH];
+    struct figure_peaks peaks = {0};
+    const int count = series_peaks(&m->subject.series, m->given->arena, found, PEAKS_EACH);
+    if (count == 0)
+        return error_set(m->error, ERROR_COMMAND, "no line stands out in the spectrum of %s", m->subject.name);
+    if (!keep(m, "frequency", found[0].frequency, QUANTITY_FREQUENCY, NAN))
+        return false;
+    for (; peaks.count < count; peaks.count++)
+        peaks.peak[peaks.count] =
+            (struct figure_peak){m->subject.name, found[peaks.count], m->subject.series.quantity};
+    spectrum_report(&peaks, 1, m->reply);
+    return true;
+}
+
 HANDLER(measure)
 {
     static bool (*const measures[])(struct measuring *) = {
@@ -385,13 +401,13 @@ HANDLER(measure)
         [MEASURE_AMPLITUDE] = measure_amplitude, [MEASURE_DECAY] = measure_decay,
         [MEASURE_ENERGY] = measure_energy,       [MEASURE_DRIFT] = measure_drift,
         [MEASURE_REYNOLDS] = measure_reynolds,   [MEASURE_K] = measure_k,
-        [MEASURE_SPRING] = measure_spring};
+        [MEASURE_SPRING] = measure_spring,     [MEASURE_SPECTRUM] = measure_spectrum};
     const struct item *quantity = given_for(given, "QUANTITY")->item;
     const enum measurable which = (enum measurable)quantity->index;
     const bool energy = is_given(given, "energy") || which == MEASURE_ENERGY;
     const struct given *column = given_for(given, "COLUMN");
-    if (column->count && (energy || which > MEASURE_DECAY))
-        return error_at(error, column->where, "period, frequency, amplitude and decay are measured of a column");
+    if (column->count && (energy || which > MEASURE_DECAY) && which != MEASURE_SPECTRUM)
+        return error_at(error, column->where, "period, frequency, amplitude, decay and spectrum are measured of a column");
     struct measuring m = {session, given, reply, {.run = NULL}, quantity->row->name, error};
     /* The Reynolds number can be asked for before anything has moved. */
     if (which == MEASURE_REYNOLDS && session->runs == 0 && session->recordings == 0) {
@@ -416,7 +432,7 @@ COMMAND(measure, .row = {"measure", "", "measure a quantity of a run or a record
                 "'period windows=N' tells whether T depends on the amplitude. 'spring' takes every recording whose "
                 "mass is known ('data\n"
                 "mass'): T^2 against m gives k and the effective mass of the spring, and each k is held against the "
-                "first.",
+                "first. 'spectrum' gives the lines that stand out.",
         .examples = "run; measure period\nload disk.txt; measure amplitude windows=6", .see = "fit list plot",
         .flags = COMMAND_ANYTIME,
         ARGUMENTS(PLACE("QUANTITY", TYPE_CHOICE, .flags = ARG_REQUIRED, .choices = &quantity_catalog),

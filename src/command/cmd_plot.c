@@ -3,6 +3,7 @@
 #ifndef COMMAND_ROWS
 #include "choices.h"
 #include "figure_drawing.h"
+#include "measuring.h"
 #include "precision_text.h"
 
 #include <math.h>
@@ -186,6 +187,26 @@ static void reply_where(const struct session *session, const struct figure_reque
         reply_line(reply, "'layout log' shows it whole");
 }
 
+/* The lines of spectra in words and as records; with names where there are several curves. */
+void spectrum_report(const struct figure_peaks *peaks, int curves, struct reply *reply)
+{
+    for (int i = 0; i < peaks->count; i++) {
+        const struct figure_peak *peak = &peaks->peak[i];
+        struct buffer text = {0};
+        if (curves > 1 && peak->label)
+            buffer_format(&text, "%s: ", peak->label);
+        put_measured(&text, "line at f", peak->line.frequency, QUANTITY_FREQUENCY);
+        put_measured(&text, "   A", peak->line.amplitude, peak->quantity);
+        reply_text(reply, buffer_text(&text));
+        buffer_free(&text);
+        reply_begin(reply, "peak");
+        reply_string(reply, "of", peak->label);
+        reply_measured(reply, "frequency", peak->line.frequency, QUANTITY_FREQUENCY);
+        reply_measured(reply, "amplitude", peak->line.amplitude, peak->quantity);
+        reply_end(reply);
+    }
+}
+
 HANDLER(plot)
 {
     const struct given *window = given_for(given, "window"), *file = given_for(given, ">");
@@ -194,6 +215,7 @@ HANDLER(plot)
                                      .trail = session->view.trail,
                                      .log = is_given(given, "log"),
                                      .full = is_given(given, "full")};
+    struct figure_peaks peaks = {0};
     struct figure figure;
     int width, height;
     bool as_text = true;
@@ -209,6 +231,7 @@ HANDLER(plot)
     request.width = as_text ? width : PICTURE_COLUMNS;
     request.charset = as_text ? request.charset : CHARSET_BRAILLE;
     request.all_time = !as_text;
+    request.peaks = &peaks;
     if (window->count)
         memcpy(request.window, window->item->range, sizeof request.window);
     if (!choose_ranges(given, &request, error))
@@ -229,6 +252,8 @@ HANDLER(plot)
         else if (ok)
             ok = figure_picture(&figure, picture, 0, 0, &content, error);
         ok = ok && write_file(session, given, &content, reply, error);
+        if (ok)
+            spectrum_report(&peaks, request.runs + (request.recording >= 0), reply);
         buffer_free(&content);
         return ok;
     }
@@ -241,6 +266,8 @@ HANDLER(plot)
     if (ok)
         reply_text(reply, buffer_text(&text));
     buffer_free(&text);
+    if (ok)
+        spectrum_report(&peaks, request.runs + (request.recording >= 0), reply);
     if (ok && in_log)
         reply_where(session, &request, reply);
     return ok || error_memory(error);

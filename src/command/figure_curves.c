@@ -9,7 +9,7 @@
 #define VISITS_A_PERIOD 256 /* a screen looks at no more of them */
 #define VISITS_MOST (1 << 17)
 #define SPECTRUM_SAMPLES 4096
-#define SAMPLES_A_PERIOD 16 /* of a spectrum */
+#define SAMPLES_A_PERIOD 24 /* of a spectrum: its axis goes to ten times the line */
 
 /* ---- rows ---- */
 
@@ -275,9 +275,8 @@ bool data_spectrum(const struct series *series, struct arena *arena, struct curv
     return true;
 }
 
-/* Sampled evenly, no finer than a spectrum of a few harmonics needs: the newest part where that is not all of it. */
-bool run_spectrum(const struct run *run, double from, double to, double period, struct arena *arena,
-                  struct curve *curve, struct error *error)
+bool run_even_series(const struct run *run, double from, double to, double period, struct arena *arena,
+                     struct series *series, struct error *error)
 {
     const double step = isfinite(period) ? fmax(run->settings.dt, period / SAMPLES_A_PERIOD) : run->settings.dt;
     const double most = floor((to - from) / step);
@@ -285,11 +284,11 @@ bool run_spectrum(const struct run *run, double from, double to, double period, 
     double *t = arena_array(arena, n + 1, sizeof *t), *y = arena_array(arena, n + 1, sizeof *y);
     if (!t || !y)
         return error_memory(error);
-    struct series series = {t, y, 0, system_variable(&run->system, 0).quantity};
+    *series = (struct series){t, y, 0, system_variable(&run->system, 0).quantity};
     for (size_t i = 0; i < n; i++) {
-        t[series.n] = to - (double)(n - i) * step;
-        y[series.n] = run_position(run, t[series.n]);
-        series.n += isfinite(y[series.n]) ? 1 : 0;
+        t[series->n] = to - (double)(n - i) * step;
+        y[series->n] = run_position(run, t[series->n]);
+        series->n += isfinite(y[series->n]) ? 1 : 0;
     }
-    return data_spectrum(&series, arena, curve, error);
+    return true;
 }

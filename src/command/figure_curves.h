@@ -36,9 +36,10 @@ bool chosen_at_rows(const struct run *run, const struct chosen_column *column, c
 void state_at_rows(const struct run *run, int i, const struct chosen_rows *rows, double *out);
 /* The first variable between recorded rows; NAN outside. */
 double run_position(const struct run *run, double t);
-/* Amplitude spectrum of the position between two times; frequency [Hz]. */
-bool run_spectrum(const struct run *run, double from, double to, double period, struct arena *arena,
-                  struct curve *curve, struct error *error);
+/* The position between two times, evenly, no finer than a spectrum of a few harmonics needs: the newest part where that
+ * is not all of it. */
+bool run_even_series(const struct run *run, double from, double to, double period, struct arena *arena,
+                     struct series *series, struct error *error);
 /* Amplitudes of successive windows against their times. */
 bool data_envelope(const struct series *series, struct arena *arena, struct curve *curve, struct error *error);
 bool data_spectrum(const struct series *series, struct arena *arena, struct curve *curve, struct error *error);

@@ -37,6 +37,7 @@ struct drawing {
     double period;             /* [s] of the first run, NAN: none */
     double window[2];          /* [s] */
     double shown, total;       /* [s] */
+    struct spectrum_peak line; /* of a spectrum: the strongest, of several the highest; frequency 0: none */
     struct data_motion motion; /* of the recording, where the plot needs it */
 };
 
@@ -74,6 +75,11 @@ void axis_suit(struct axis *axis, enum quantity quantity, double size);
 const char *drawing_y_label(const struct drawing *d, int panel);
 /* Ranges, logarithm and panels (figure_scales.c); quantities of x and y. */
 bool drawing_scales(struct drawing *d, struct figure *figure, const enum quantity quantity[2]);
+/* The spectrum of a series, or of the window of a run, and its lines (figure_spectrum.c). */
+bool drawing_spectrum(struct drawing *d, const struct series *series, struct curve *curve);
+bool drawing_run_spectrum(struct drawing *d, const struct run *run, struct curve *curve);
+struct axis spectrum_axis(const struct drawing *d);
+void spectrum_note(const struct drawing *d, struct buffer *text); /* names the line; nothing: there is none */
 
 /* [s] that the scene, or the sizes of what moves, lead to expect of a run; NAN: none. */
 double run_rhythm(const struct run *run);

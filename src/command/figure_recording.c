@@ -82,7 +82,7 @@ bool drawing_recording(struct drawing *d, const struct recording *recording)
     if (d->request->kind != PLOT_SPECTRUM)
         return true;
     curve->points = false;
-    return data_spectrum(&series, d->arena, curve, d->error);
+    return drawing_spectrum(d, &series, curve);
 }
 
 bool drawing_residual(struct drawing *d, const struct recording *recording)

@@ -7,8 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define HARMONICS 6 /* shown of a spectrum */
-
 static const struct observable *observable(const char *name)
 {
     return (const struct observable *)(const void *)catalog_find(&observable_catalog, text_of(name));
@@ -86,7 +84,7 @@ static bool add_run(struct drawing *d, const struct run *run)
         return error_memory(d->error);
     if (d->request->kind == PLOT_SPECTRUM) {
         d->curves++;
-        return run_spectrum(run, d->window[0], d->window[1], d->period, d->arena, curve, d->error);
+        return drawing_run_spectrum(d, run, curve);
     }
     if (d->request->kind == PLOT_ENVELOPE) {
         struct series series;
@@ -176,6 +174,8 @@ static const char *make_note(const struct drawing *d)
     else if (isfinite(d->period) && plot_rows[request->kind].periods &&
              d->shown * PERIOD_COLUMNS_DOTS > d->period * (request->width - FRAME_COLUMNS))
         buffer_format(&text, "%.0f periods: envelope", d->shown / d->period);
+    else if (request->kind == PLOT_SPECTRUM)
+        spectrum_note(d, &text);
     else if (request->kind == PLOT_ENERGY && d->motion.n > 0)
         buffer_put(&text, text_of(d->motion.how_k));
     const char *note = text.len ? arena_text(d->arena, buffer_text(&text)) : NULL;
@@ -314,7 +314,7 @@ bool session_figure(const struct session *session, const struct figure_request *
                               .equal = (phase && d.omega0 != 1) || (request->kind == PLOT_ORBIT && !request->columns),
                               .note = make_note(&d)};
     figure->x = plane      ? quantity_axis(x_name, across.quantity, size_of(&d, true))
-                : spectrum ? (struct axis){.label = "f", .unit = "Hz"}
+                : spectrum ? spectrum_axis(&d)
                            : quantity_axis("t", QUANTITY_TIME, d.window[1]);
     figure->y = quantity_axis(drawing_y_label(&d, 0), y_quantity(&d), size_of(&d, false));
     if (!figure->y.label)
@@ -327,11 +327,6 @@ bool session_figure(const struct session *session, const struct figure_request *
     }
     if (request->follow && plot_is_timed(request->kind))
         figure->x = request->shared ? request->shared->axis : time_axis(d.window);
-    else if (spectrum && d.curve[0].n > 0) {
-        const double nyquist = d.curve[0].x[d.curve[0].n - 1];
-        figure->x.fixed = true;
-        figure->x.to = isfinite(d.period) ? fmin(nyquist, HARMONICS / d.period) : nyquist;
-    }
     if (!residual && !spectrum && request->kind != PLOT_ENVELOPE && !request->at.len)
         mark_present(&d, figure);
     const enum quantity quantities[2] = {

@@ -281,6 +281,64 @@ static void spectrum_shows_the_amplitude(void **state)
     }
 }
 
+/* What is said of a line holds: in white noise 68 of 100 lie within one standard uncertainty, and where the line is not
+ * steady most lie within two. */
+static void peaks_have_honest_uncertainties(void **state)
+{
+    (void)state;
+    random_state = 27;
+    const int draws = 200;
+    for (int damped = 0; damped < 2; damped++) {
+        int one = 0, two = 0;
+        double pulls = 0;
+        for (int i = 0; i < draws; i++) {
+            struct truth truth = {.amplitude = 3, .offset = 21, .period = 0.75, .rate = 40, .span = 30.3, .noise = 0.5};
+            truth.phase = TWO_PI * random_uniform();
+            truth.gamma = damped ? 0.2 : 0;
+            struct synthetic s = synthetic_make(&truth);
+            struct arena arena = {0};
+            struct spectrum_peak peak[3];
+            assert_int_equal(series_peaks(&s.series, &arena, peak, 3), 1);
+            const double pull = (peak[0].frequency.value - 1 / 0.75) / peak[0].frequency.uncertainty;
+            pulls += pull * pull;
+            one += fabs(pull) < 1;
+            two += fabs(pull) < 2;
+            arena_reset(&arena);
+            synthetic_free(&s);
+        }
+        if (!damped)
+            assert_in_range(one, draws * 58 / 100, draws * 78 / 100);
+        assert_true(two > draws * 9 / 10);
+        assert_true(damped || fabs(pulls / draws - 1) < 0.35); /* chi^2 of 200: 1 +- 0.1 */
+    }
+}
+
+static void peaks_are_all_found_and_nothing_else(void **state)
+{
+    (void)state;
+    random_state = 28;
+    static double t[2000], y[2000];
+    struct series series = {t, y, 2000, QUANTITY_LENGTH};
+    struct arena arena = {0};
+    struct spectrum_peak peak[3];
+    for (size_t i = 0; i < 2000; i++) {
+        t[i] = 0.02 * (double)i;
+        y[i] = 5 + 2 * cos(TWO_PI * 0.16 * t[i] + 1) + 0.3 * cos(TWO_PI * 1.23 * t[i]) + 0.01 * random_uniform();
+    }
+    assert_int_equal(series_peaks(&series, &arena, peak, 3), 2);
+    assert_true(close_to(peak[0].frequency.value, 0.16, 1e-3) && close_to(peak[0].amplitude.value, 2, 0.02));
+    assert_true(close_to(peak[1].frequency.value, 1.23, 1e-3) && close_to(peak[1].amplitude.value, 0.3, 0.02));
+    int lines = 0;
+    for (int draw = 0; draw < 100; draw++) {
+        for (size_t i = 0; i < 2000; i++)
+            y[i] = draw % 2 ? random_normal() : random_uniform();
+        lines += series_peaks(&series, &arena, peak, 3);
+        arena_reset(&arena);
+    }
+    assert_in_range(lines, 0, 1);
+    arena_reset(&arena);
+}
+
 static void refusals_have_reasons(void **state)
 {
     (void)state;
@@ -325,6 +383,8 @@ int main(void)
         cmocka_unit_test(position_and_energy_agree),
         cmocka_unit_test(decay_covers_the_truth),
         cmocka_unit_test(spectrum_shows_the_amplitude),
+        cmocka_unit_test(peaks_have_honest_uncertainties),
+        cmocka_unit_test(peaks_are_all_found_and_nothing_else),
         cmocka_unit_test(refusals_have_reasons),
         cmocka_unit_test(windows_share_memory),
     };
