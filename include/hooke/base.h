@@ -195,6 +195,8 @@ void buffer_short(struct buffer *buffer, double value,
 /* "1.9373 +- 0.0002": the uncertainty to 1 digit (2 if it starts with 1), the value to match; no uncertainty: 6 digits.
  */
 void buffer_uncertain(struct buffer *buffer, double value, double uncertainty);
+/* A phase [rad] in degrees; from a whole turn on the turns apart: "381 turns + 204.9 deg". "-" where not finite. */
+void buffer_phase(struct buffer *buffer, double radians);
 
 /* A measured number. uncertainty: one standard uncertainty, >= 0, NAN if unknown. */
 struct measured {

@@ -108,6 +108,7 @@ struct settings {
     int charset, color, format, timing, phase_axes; /* the enums above, enum output_format, enum timing */
     int sync, view;
     int kernel, sums, turning; /* enum kernel, enum sums, enum turning */
+    bool dt_given, tol_given, duration_given; /* by the user: else tol and duration are those of the scene */
     double fps; /* frames a second of the live view */
 };
 
@@ -115,6 +116,8 @@ struct setting {
     struct row row;
     enum quantity quantity;
     size_t offset, bytes;          /* of the field in struct settings */
+    size_t given;                  /* 0, or the offset of the bool that says the user has set it */
+    double (*natural)(const struct preset *preset); /* its value where he has not; NULL: a new session's */
     bool display;                  /* how results look, not part of the experiment: neither saved nor undone */
     const struct catalog *choices; /* the field is an int at the choice's place; NULL: a double */
     double least, most;            /* of a number: allowed are least < x <= most; most 0: not a number */
@@ -441,6 +444,8 @@ bool param_is_start(const struct scene *scene, int place);
 bool param_matters(const struct scene *scene, int place);
 /* Of a new run: dt, tol (0 unless the method adapts), drag, recording. */
 struct run_settings session_run_settings(const struct session *session);
+/* [s] of methods that adapt: the setting dt where the user has set it, else the scene's own. */
+double session_first_step(const struct session *session);
 /* Short state for a prompt or a state line: "spring m=200 g k=15 N/m | euler dt=10 ms | t=9.6 s". */
 void session_state_line(const struct session *session, struct buffer *text);
 

@@ -188,7 +188,23 @@ struct preset {
         const char *param; /* NULL: end */
         double value;      /* SI */
     } value[16];           /* what differs from the parameters' defaults */
+    /* How long what it shows takes [s], the tolerance it needs, and a first step [s] of methods that adapt. 0: the
+     * lab's (preset_duration() and so on; 0 for the first step: the setting dt). */
+    double duration, tol, first;
 };
+
+#define LAB_DURATION 10.0 /* [s] */
+#define LAB_TOL 1e-6
+
+static inline double preset_duration(const struct preset *preset)
+{
+    return preset->duration > 0 ? preset->duration : LAB_DURATION;
+}
+
+static inline double preset_tol(const struct preset *preset)
+{
+    return preset->tol > 0 ? preset->tol : LAB_TOL;
+}
 
 extern const struct catalog preset_catalog;
 

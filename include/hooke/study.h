@@ -198,6 +198,7 @@ struct compare_request {
     int dts;
     const double *tol; /* [tols] adaptive where the method can; fixed-step methods use dt */
     int tols;
+    double first;    /* [s] first step of methods that adapt, 0: dt[0] */
     double duration; /* [s] */
     bool compensated; /* sums of fixed steps */
     struct recording_rule record;
@@ -208,6 +209,7 @@ struct compare_request {
 struct comparison {           /* one method at one setting */
     struct run *run;          /* owned by the caller after study_compare */
     struct run_errors errors; /* against the exact solution; without one end, max and floor against the reference */
+    double duration;          /* [s] asked for */
     const struct method *reference[2]; /* what that reference was made with, NULL: not needed, or there is none */
     struct ledger ledger;
     double order;         /* log(error ratio)/log(dt ratio) to the row before of the same method, NAN for the first */

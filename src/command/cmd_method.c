@@ -70,9 +70,9 @@ HANDLER(method)
         setup->method = method;
         setup->method_chosen |= name->count > 0;
         if (dt->count)
-            setup->settings.dt = dt->item->value.value;
+            setup->settings.dt = dt->item->value.value, setup->settings.dt_given = true;
         if (tol->count)
-            setup->settings.tol = tol->item->value.value;
+            setup->settings.tol = tol->item->value.value, setup->settings.tol_given = true;
         session_changed(session);
         warn_if_inapplicable(session, reply);
     }

@@ -27,7 +27,10 @@ bool allow_long(struct session *session, double seconds, double steps, bool forc
         return session->confirmed || error_set(error, ERROR_CANCELLED, "not run");
     }
     error_set(error, ERROR_COMMAND, "%s", question);
-    return error_hint(error, "--force runs it all the same");
+    return session->setup.settings.duration_given || session->setup.scene.preset->duration == 0
+               ? error_hint(error, "--force runs it all the same")
+               : error_hint(error, "%.4g s is the scene's own duration: give a shorter one ('duration = 10 s'), or choose "
+                            "a method that adapts; --force runs it all the same", session->setup.settings.duration);
 }
 
 /* The current run goes on along what was asked for last, at most `steps` steps of it (< 0: no limit). */
@@ -136,6 +139,7 @@ static bool arrive(struct session *session, const struct journey *journey, const
     reply_run(session, run, reply);
     reply_event(journey->held, passage->count > 0 ? passage->stopped[0] : NULL, reply);
     reply_growth(run, reply);
+    reply_vanished(run, reply);
     if (run->stop == STOP_CANCELLED) {
         session->halted = session->front.watched;
         return session->front.watched ||
@@ -199,6 +203,8 @@ static bool advance(struct session *session, const struct arguments *given, int6
 static struct run *new_run(struct session *session, double span, int64_t steps, bool force, struct error *error)
 {
     const struct run_settings settings = session_run_settings(session);
+    if (steps >= 0 && fabs(span) > (double)steps * settings.dt && !(settings.tol > 0))
+        span = copysign((double)steps * settings.dt, span); /* no more than that is planned */
     struct run *run = run_create(&session->setup.scene, session->setup.method, &settings, span, error);
     if (!run)
         return NULL;

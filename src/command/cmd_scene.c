@@ -49,6 +49,17 @@ static void reply_scene(const struct session *session, struct reply *reply)
         put_param(session, i, &text);
         buffer_char(&text, ' ');
     }
+    while (text.len > 0 && text.data[text.len - 1] == ' ')
+        text.len--;
+    if (scene->preset->duration > 0) {
+        const struct settings *settings = &session->setup.settings;
+        buffer_put(&text, TEXT("\n  it takes "));
+        buffer_quantity(&text, scene->preset->duration, QUANTITY_TIME, 6);
+        if (settings->duration != scene->preset->duration) {
+            buffer_put(&text, TEXT(", the setting duration is "));
+            buffer_quantity(&text, settings->duration, QUANTITY_TIME, 6);
+        }
+    }
     if (session->setup.events) {
         buffer_char(&text, '\n');
         events_save(session->setup.events, false, &text);
@@ -97,6 +108,7 @@ static bool new_scene(struct session *session, const struct given *name, struct 
     struct setup *setup = &session->setup;
     const struct scene before = setup->scene;
     scene_init(&setup->scene, typed_preset(model));
+    settings_of_scene(&setup->settings, setup->scene.preset);
     if (keep_own_scene(session, error))
         return true;
     setup->scene = before;
@@ -115,6 +127,7 @@ HANDLER(scene)
             scene_init(&session->setup.scene, preset);
         else if (!new_scene(session, as, error))
             return false;
+        settings_of_scene(&session->setup.settings, session->setup.scene.preset);
         if (session->setup.scene.model != before)
             session->setup.events = NULL; /* they may speak of what is not there */
         session_changed(session);
@@ -312,6 +325,7 @@ HANDLER(set)
         ok = setting_read(setting, &parser, &changed, error);
         if (ok) {
             session->setup.settings = changed;
+            setting_give(setting, true, &session->setup.settings);
             reply_setting(session, setting, reply);
         }
     } else {
@@ -355,6 +369,8 @@ HANDLER(unset)
             buffer_free(&text);
             return error_memory(error);
         }
+        setting_give(setting, false, &session->setup.settings);
+        settings_of_scene(&session->setup.settings, session->setup.scene.preset);
         buffer_clear(&text);
         buffer_format(&text, "%s = ", row->name);
         setting_show(setting, &session->setup.settings, &text);
@@ -411,7 +427,8 @@ HANDLER(plan)
 COMMAND(
     scene, .row = {"scene", "", "choose a scene, or show the present one", "", NULL}, .group = "SCENE",
     .text =
-        "Sets all parameters to those of the scene; method, dt and recordings stay. 'list scenes' shows what there is. "
+        "Sets all parameters to those of the scene, and duration and tol to its own unless they were set; method, dt "
+        "and\nrecordings stay. 'list scenes' shows what there is. "
         "Without NAME it\nshows the present one, with the equations, forces and events that were typed. 'scene new' "
         "begins an empty one for equations\nof your own; under a NAME it can be chosen again later.",
     .examples = "scene damped\nscene new decay; var x = 1; x' = -x; run 1 s", .see = "set show plan var force",

@@ -48,6 +48,8 @@ static void show_setting(const struct session *session, const struct setting *se
     for (int pad = text_width(buffer_text(&text)); pad < 31; pad++)
         buffer_char(&text, ' ');
     buffer_put(&text, text_of(setting->row.brief));
+    if (setting->natural && !setting_is_given(setting, &session->setup.settings))
+        buffer_put(&text, TEXT("; the scene's own, until it is set"));
     reply_text(reply, buffer_text(&text));
     reply_begin(reply, "show");
     reply_string(reply, "name", setting->row.name);

@@ -7,8 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define PI 3.14159265358979323846
-
 static struct measured run_period(const struct run *run, struct arena *arena)
 {
     const struct measured none = {NAN, NAN};
@@ -33,8 +31,7 @@ static void period_cell(struct text_table *table, struct measured period)
 static void angle_cell(struct text_table *table, double radians)
 {
     struct buffer text = {0};
-    const double degrees = radians * 180 / PI;
-    buffer_format(&text, isfinite(degrees) ? "%.1f deg" : "-", fabs(degrees) < 0.05 ? 0.0 : degrees);
+    buffer_phase(&text, radians);
     cell_take(table, &text);
 }
 
@@ -152,8 +149,8 @@ static void reply_table(const struct session *session, const struct comparison *
         setting_cell(&table, run);
         settings[i] = cell_last(&table);
         cell_count(&table, run->steps);
-        if (columns.energy && stop_is_failure(run->stop))
-            cell_text(&table, stop_name(run->stop));
+        if (columns.energy && (stop_is_failure(run->stop) || run->stop == STOP_CANCELLED))
+            cell_text(&table, run->stop == STOP_CANCELLED ? "given up" : stop_name(run->stop));
         else if (columns.energy)
             cell_quantity(&table, rows[i].ledger.error_max, QUANTITY_NUMBER, 3);
         cell_quantity(&table, rows[i].errors.max, QUANTITY_NUMBER, 3);
@@ -201,6 +198,7 @@ static void reply_comparison(const struct comparison *row, struct reply *reply)
     reply_real(reply, "energy_factor", row->energy_factor);
     reply_real(reply, "predicted_factor", row->predicted_factor);
     reply_real(reply, "order", row->order);
+    reply_real(reply, "phase_error", row->errors.phase);
     reply_real(reply, "time_min", row->time.minimum);
     reply_real(reply, "time_median", row->time.median);
     reply_real(reply, "ns_per_step", timing_step_ns(&row->time, row->run->steps));
@@ -282,6 +280,7 @@ HANDLER(compare)
     double *dts = values_of(dt, given->arena), *tols = values_of(tol, given->arena);
     if (!contender || !rows || !dts || !tols)
         return error_memory(error);
+    const bool adapts = !tol->count && !dt->count && settings->tol > 0; /* those that can */
     if (dt->count == 0)
         dts[0] = settings->dt;
     if (tol->count && dt->count > 1)
@@ -299,8 +298,9 @@ HANDLER(compare)
                                             .contenders = methods->count,
                                             .dt = dts,
                                             .dts = dt->count ? dt->count : 1,
-                                            .tol = tol->count ? tols : NULL,
-                                            .tols = tol->count,
+                                            .tol = adapts ? &settings->tol : tol->count ? tols : NULL,
+                                            .tols = adapts ? 1 : tol->count,
+                                            .first = dt->count ? 0 : session_first_step(session),
                                             .duration = settings->duration,
                                             .compensated = session_run_settings(session).compensated,
                                             .record = settings->record,

@@ -277,6 +277,11 @@ void session_keep_fit(struct session *session, const struct kept_fit *fit);
 void session_set_result(struct session *session, const char *name, struct measured value, enum quantity quantity);
 struct write_policy session_policy(const struct session *session, bool force);
 void session_default_settings(struct settings *settings);
+/* Whether the user has set it; what he has not may follow the scene: settings_of_scene(). */
+bool setting_is_given(const struct setting *setting, const struct settings *settings);
+void setting_give(const struct setting *setting, bool given, struct settings *settings);
+/* Duration and tolerance of the scene, unless they were set. */
+void settings_of_scene(struct settings *settings, const struct preset *preset);
 /* Those that only show become as in `from`: no undo, no run depends on them. */
 void settings_display(struct settings *settings, const struct settings *from);
 void session_size(const struct session *session, int *width, int *height);
@@ -298,6 +303,7 @@ void put_tol_floor(struct buffer *text, double tol);
 void reply_run(const struct session *session, const struct run *run, struct reply *reply);
 /* Warns of growth that the method made, not the scene: once a run, before it reaches the bounds of a double. */
 void reply_growth(struct run *run, struct reply *reply);
+void reply_vanished(const struct run *run, struct reply *reply); /* every value is below the smallest number */
 /* Warns of a state whose squares underflow. */
 void reply_tiny(const struct run *run, struct reply *reply);
 /* Says once which method a scene of the user's own gets where nobody has chosen one. */

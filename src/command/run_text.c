@@ -2,6 +2,7 @@
 /* What is said about a run: how it went, and what is wrong with its step. */
 #include "internal.h"
 
+#include <float.h>
 #include <math.h>
 
 #define TINY 1.5e-154 /* its square is the least normal number */
@@ -101,6 +102,17 @@ void reply_tiny(const struct run *run, struct reply *reply)
     if (size > 0 && size < TINY)
         reply_warning(reply, "the squares of numbers below %g are 0: energies read 0 and nothing can be measured",
                       TINY);
+}
+
+void reply_vanished(const struct run *run, struct reply *reply)
+{
+    double size = 0, start = 0;
+    for (int i = 0; i < run->system.n; i++) {
+        size = fmax(size, fabs(run->y[i]));
+        start = fmax(start, fabs(run->system.start[i]));
+    }
+    if (start >= DBL_MIN && size < DBL_MIN && run->steps > 0)
+        reply_warning(reply, "the motion has vanished: every value is below the smallest number, %.3g", DBL_MIN);
 }
 
 void reply_unchosen(struct session *session, struct reply *reply)

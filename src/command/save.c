@@ -50,7 +50,10 @@ static void save_settings(const struct settings *settings, bool always, struct b
         struct buffer now = {0}, before = {0};
         setting_exact(setting, settings, &now);
         setting_exact(setting, &defaults, &before);
-        if (!setting->display && (always || !text_equal(buffer_text(&now), buffer_text(&before))))
+        const bool given = setting_is_given(setting, settings);
+        if (!given && always)
+            buffer_format(text, "unset %s\n", setting->row.name);
+        else if (!setting->display && given && (always || setting->given || !text_equal(buffer_text(&now), buffer_text(&before))))
             buffer_format(text, "set %s %s\n", setting->row.name, buffer_view(&now));
         text->failed |= now.failed || before.failed;
         buffer_free(&now);

@@ -239,11 +239,18 @@ struct write_policy session_policy(const struct session *session, bool force)
     return (struct write_policy){.force = force, .confine = session->safe};
 }
 
+double session_first_step(const struct session *session)
+{
+    const struct settings *settings = &session->setup.settings;
+    const double first = session->setup.scene.preset->first;
+    return settings->dt_given || !(first > 0) ? settings->dt : first;
+}
+
 struct run_settings session_run_settings(const struct session *session)
 {
     const struct settings *settings = &session->setup.settings;
     const bool adaptive = (session->setup.method->flags & METHOD_ADAPTIVE) && !session->setup.fixed;
-    return (struct run_settings){.dt = settings->dt,
+    return (struct run_settings){.dt = adaptive && settings->tol > 0 ? session_first_step(session) : settings->dt,
                                  .tol = adaptive ? settings->tol : 0,
                                  .drag = session->setup.drag,
                                  .kernel = (enum kernel)settings->kernel,

@@ -201,13 +201,18 @@ static const struct setting settings_rows[] = {
     {.row = BRIEF("duration", "s", "how long run goes"),
      .quantity = QUANTITY_TIME,
      .offset = FIELD(duration),
+     .given = offsetof(struct settings, duration_given),
+     .natural = preset_duration,
      .most = 1e300},
     {.row = BRIEF("dt", "s", "time step; the first one where the method adapts"),
      .quantity = QUANTITY_TIME,
      .offset = FIELD(dt),
+     .given = offsetof(struct settings, dt_given),
      .most = 1e300},
     {.row = BRIEF("tol", "", "tolerance of adaptive methods, relative to the size of the scene, or off"),
      .offset = FIELD(tol),
+     .given = offsetof(struct settings, tol_given),
+     .natural = preset_tol,
      .most = 1,
      .parse = parse_tol,
      .show = show_tol},
@@ -279,12 +284,40 @@ void settings_display(struct settings *settings, const struct settings *from)
 void session_default_settings(struct settings *settings)
 {
     *settings = (struct settings){.dt = 0.01,
-                                  .tol = 1e-6,
-                                  .duration = 10,
+                                  .tol = LAB_TOL,
+                                  .duration = LAB_DURATION,
                                   .record = {RECORD_AUTO, 1, 0},
                                   .digits = 6,
                                   .timing = TIMING_QUICK,
                                   .fps = 10};
+}
+
+static bool *given_flag(const struct setting *setting, struct settings *settings)
+{
+    return setting->given ? (bool *)(void *)((char *)settings + setting->given) : NULL;
+}
+
+bool setting_is_given(const struct setting *setting, const struct settings *settings)
+{
+    return !setting->given || *(const bool *)(const void *)((const char *)settings + setting->given);
+}
+
+void setting_give(const struct setting *setting, bool given, struct settings *settings)
+{
+    bool *flag = given_flag(setting, settings);
+    if (flag)
+        *flag = given;
+}
+
+void settings_of_scene(struct settings *settings, const struct preset *preset)
+{
+    for (size_t i = 0; i < setting_catalog.count; i++) {
+        const struct setting *setting = &settings_rows[i];
+        if (!setting->natural || setting_is_given(setting, settings))
+            continue;
+        const double value = setting->natural(preset);
+        memcpy((char *)settings + setting->offset, &value, sizeof value);
+    }
 }
 
 bool setting_read(const struct setting *setting, struct parser *parser, struct settings *settings, struct error *error)

@@ -274,6 +274,8 @@ void run_errors(const struct run *run, struct run_errors *errors)
             most[i] = fmax(most[i], distance[i]);
             amplitude[i] = fmax(amplitude[i], fabs(sample->exact[i]));
         }
+        if (oscillates && amplitude_of(sample->system, sample->y) == 0 && amplitude_of(sample->system, sample->exact) > 0)
+            phase = NAN; /* what has vanished has none, then and later */
         if (oscillates) /* it changes little from row to row, which counts the turns */
             phase += remainder(phase_between(sample->system, sample->y, sample->exact) - phase, 2 * M_PI);
     }

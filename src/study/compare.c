@@ -3,6 +3,7 @@
  * words. */
 #include "solve.h"
 
+#include <float.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -80,6 +81,7 @@ static double energy_trend(const struct run *run)
     return known ? most[3] / most[0] : NAN;
 }
 
+#define ADAPTIVE_STEPS 2000000 /* of one method: a stiff scene makes explicit ones creep */
 #define ROUNDING 1e-12 /* energy errors below are rounding */
 #define STEADY 1.5     /* a drift makes it four times as large, what is bounded stays */
 
@@ -93,6 +95,8 @@ static void observe(struct comparison *row, const char *span)
         snprintf(out, size, "reached %s", span);
     else if (ledger->error_max <= ROUNDING)
         snprintf(out, size, "energy balance kept to rounding in %s", span);
+    else if (row->energy_factor == 0)
+        snprintf(out, size, "vanished: the energy is below the smallest number in %s", span);
     else if (!row->run->system.conservative)
         snprintf(out, size, "energy balance within %.2g of E0 in %s", ledger->error_max, span);
     else if (energy_trend(row->run) <= STEADY)
@@ -113,6 +117,14 @@ static void judge(struct comparison *row)
     const struct run *run = row->run;
     char span[48];
     span_text(fabs(run->t - run->system.t0), span);
+    if (run->stop == STOP_CANCELLED) {
+        const double share = fabs((run->t - run->system.t0) / row->duration);
+        snprintf(row->verdict, sizeof row->verdict,
+                 "given up at t = %.4g s after %lld steps: %.2g s would take about %.1g of them%s", run->t,
+                 (long long)run->steps, row->duration, (double)run->steps / share,
+                 run->method->flags & METHOD_IMPLICIT ? "" : "; try an implicit method that adapts, as radau5");
+        return;
+    }
     if (run->stop != STOP_END) {
         struct buffer why = {0};
         run_explain(run, &why);
@@ -123,12 +135,18 @@ static void judge(struct comparison *row)
     struct prediction prediction = predict(run);
     if (prediction.known) {
         row->predicted_factor = prediction.factor;
-        double predicted = log(prediction.factor);
+        double predicted = 2 * (double)run->steps * log(prediction.growth); /* the factor may be below all numbers */
         double swing = isnan(prediction.swing) ? 0 : prediction.swing;
         if (run->system.conservative && fabs(predicted) <= BOUNDED) {
             bool agrees = row->ledger.error_max <= 1.001 * swing + BOUNDED;
             snprintf(row->verdict, sizeof row->verdict, "energy bounded, %s: within %.2g of E0 in %s",
                      agrees ? "as predicted" : "but NOT as predicted", row->ledger.error_max, span);
+        } else if (row->energy_factor == 0) {
+            const bool agrees = 0.9 * predicted <= log(DBL_TRUE_MIN) - log(row->ledger.initial) + swing + BOUNDED;
+            snprintf(row->verdict, sizeof row->verdict,
+                     "vanished, %s: the energy is below the smallest number in %s, amplitude x %.6g a step (exact: "
+                     "energy x %.4g)",
+                     agrees ? "as predicted" : "NOT as predicted", span, prediction.growth, prediction.exact);
         } else {
             bool agrees = fabs(predicted - log(row->energy_factor)) <= 0.1 * fabs(predicted) + BOUNDED + swing;
             int used =
@@ -166,10 +184,11 @@ static void measure(struct comparison *row, const struct reference *reference, c
 static bool compare_one(const struct compare_request *request, const struct contender *contender, double dt, double tol,
                         const struct reference *reference, struct comparison *row, struct error *error)
 {
-    *row = (struct comparison){.order = NAN, .predicted_factor = NAN, .energy_factor = NAN};
+    *row = (struct comparison){.duration = request->duration, .order = NAN, .predicted_factor = NAN, .energy_factor = NAN};
+    const bool adapts = contender->method->flags & METHOD_ADAPTIVE && tol > 0;
     struct run_settings settings = {
-        .dt = dt,
-        .tol = contender->method->flags & METHOD_ADAPTIVE ? tol : 0,
+        .dt = adapts && request->first > 0 ? request->first : dt,
+        .tol = adapts ? tol : 0,
         .drag = contender->drag,
         .kernel = KERNEL_SPECIALISED, /* methods are compared, not powers of their matrices: evaluations are counted */
         .compensated = request->compensated,
@@ -179,9 +198,12 @@ static bool compare_one(const struct compare_request *request, const struct cont
     if (!row->run) {
         return false;
     }
-    struct run_target target = {.t = row->run->system.t0 + request->duration, .steps = -1};
+    const struct run_target target = {.t = row->run->system.t0 + request->duration,
+                                      .steps = adapts ? ADAPTIVE_STEPS : -1};
     while (run_advance(row->run, &target, 0, request->cancel)) {
     }
+    if (row->run->stop == STOP_END && row->run->t != target.t)
+        row->run->stop = STOP_CANCELLED; /* nobody could say before how many it would take */
     run_diagnose(row->run);
     if (row->run->stop == STOP_END && !isnan(reference->singular)) { /* it jumped over */
         row->run->stop = STOP_SINGULAR;

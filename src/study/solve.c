@@ -287,6 +287,8 @@ void grid_errors(const struct system *system, const struct reference *reference,
         }
         if (turns) {
             const struct turn a = turn_of(o, y), b = turn_of(o, exact);
+            if (a.size == 0 && b.size > 0)
+                phase = NAN; /* what has vanished has none */
             phase += remainder(a.angle - b.angle - phase, 2 * 3.14159265358979323846);
             amplitude = b.size > 0 ? a.size / b.size - 1 : NAN;
         }

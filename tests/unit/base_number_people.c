@@ -170,11 +170,33 @@ static void a_comma_locale_changes_nothing(void **state)
     setlocale(LC_ALL, "C");
 }
 
+static void phases_say_their_turns(void **state)
+{
+    (void)state;
+    static const struct {
+        double degrees;
+        const char *text;
+    } cases[] = {{0, "0.0 deg"}, {-0.01, "0.0 deg"}, {-12.34, "-12.3 deg"}, {359.9, "359.9 deg"},
+                 {359.97, "1 turn + 0.0 deg"}, {137364.9, "381 turns + 204.9 deg"}, {-725.04, "-2 turns - 5.0 deg"}};
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        struct buffer b = {0};
+        buffer_phase(&b, cases[i].degrees / 180 * 3.14159265358979323846);
+        buffer_char(&b, 0);
+        assert_string_equal(b.data, cases[i].text);
+        buffer_free(&b);
+    }
+    struct buffer b = {0};
+    buffer_phase(&b, NAN);
+    assert_int_equal(b.data[0], '-');
+    buffer_free(&b);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(numbers_for_people),
         cmocka_unit_test(uncertainties_read_back),
+        cmocka_unit_test(phases_say_their_turns),
         cmocka_unit_test(a_comma_locale_changes_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
