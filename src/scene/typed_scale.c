@@ -16,6 +16,8 @@
 #define FIRST 1e-6    /* step, of the span */
 #define ACCURACY 0.02 /* of a step, relative to the largest values so far */
 #define POWERS 16      /* applications of the Jacobian */
+#define UNSEEN 1e-20   /* of the largest size: what stays below this in the trial has not been reached by it, */
+#define FLOOR 1e-12    /* and is given this, because a size of nothing makes every error infinite */
 
 /* |J^16 v|^(1/16): about the largest |eigenvalue| [1/s]. */
 static double fastest_rate(const struct system *system)
@@ -81,6 +83,17 @@ static void try_out(struct system *system, double span, double *most)
     }
 }
 
+/* Sizes of what the trial did not reach, such as the far end of a chain, from those of what it did. */
+static void size_unseen(int n, double *most)
+{
+    double largest = 0;
+    for (int i = 0; i < n; i++)
+        largest = isfinite(most[i]) ? fmax(largest, most[i]) : largest;
+    for (int i = 0; i < n; i++)
+        if (!(most[i] >= UNSEEN * largest))
+            most[i] = FLOOR * largest;
+}
+
 void typed_begin(const double *param, struct system *system)
 {
     const struct typed *typed = system->model->typed;
@@ -99,6 +112,7 @@ void typed_begin(const double *param, struct system *system)
         linear_sizes(system, rate, most);
     else
         try_out(system, rate > 0 ? SPAN / rate : 1, most);
+    size_unseen(system->n, most);
     for (int i = 0; i < system->n; i++)
         system->scale[i] = scale_clamp(most[i]);
 }
