@@ -165,8 +165,9 @@ struct held_run {
     struct run *run;
     int references;
     char *note;      /* NULL: none */
-    struct leg *leg; /* [legs] what was asked of the run since its start: enough to recreate it bit for bit */
-    int legs;
+    struct leg *last; /* the end of the list of what was asked of the run since its start, which recreates it bit for
+                         bit; shared with undo entries. NULL: nothing yet */
+    struct run_mark *mark; /* private to undo.c: as the latest entry has it, NULL: none */
     const struct events *events; /* as they were when it began; NULL: none */
 };
 
@@ -320,7 +321,7 @@ struct live {
     double speed;     /* simulated seconds a second; HUGE_VAL: as fast as possible */
     double achieved;  /* the same, measured over the last second; below speed: "RUNNING 0.4x (CPU)" */
     double fraction;  /* of the way to the target, < 0: unknown */
-    double marks[32]; /* [s] times at which parameters were changed during the run */
+    double marks[32]; /* [s] the latest times at which parameters were changed during the run */
     int mark_count;
     bool pausing;                /* asked to pause at the next look */
     bool changing;               /* private: the present command changes the current run */

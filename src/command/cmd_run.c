@@ -52,7 +52,7 @@ static bool watch(struct session *session, const struct arguments *given, struct
     const struct held_run *held = journey->held;
     if (!force || !names || !scope)
         return error_memory(error);
-    *force = (struct in_force){.held = held, .legs = -1};
+    *force = (struct in_force){.held = held};
     *names = (struct names){.session = session, .in_force = force, .saved_only = true, .run = held->run};
     *scope = names_scope(names);
     return events_compile(held->events, scope, given->arena, &journey->target.event, &journey->target.events, error);
@@ -65,7 +65,7 @@ static bool set_out(struct session *session, const struct arguments *given, int6
     const struct leg *leg = journal_pending(held);
     const struct run *run = held->run;
     const int64_t left = leg->end == INT64_MAX ? -1 : leg->end - run->steps;
-    *journey = (struct journey){.held = held, .leg = *leg, .legs = held->legs, .steps = run->steps, .t = run->t};
+    *journey = (struct journey){.held = held, .leg = *leg, .legs = journal_count(held->last), .steps = run->steps, .t = run->t};
     journey->target = (struct run_target){
         .t = leg->t, .steps = steps >= 0 && (left < 0 || steps < left) ? steps : left, .scope = given->scope};
     if (leg->condition) {
@@ -130,8 +130,12 @@ static bool arrive(struct session *session, const struct journey *journey, const
     run_diagnose(run);
     session->data_is_latest = false;
     session_changed(session);
-    if (run->stop == STOP_CONDITION && passage->count == 0)
-        journal_pending(journey->held)->met = run->steps;
+    if (run->stop == STOP_CONDITION && passage->count == 0) {
+        struct leg *leg = journal_edit_pending(journey->held, error);
+        if (!leg)
+            return false;
+        leg->met = run->steps;
+    }
     tell(session, journey);
     if (run->stop == STOP_CANCELLED)
         reply_line(reply, "%s at t = %.6g s; 'continue' goes on", session->front.watched ? "paused" : "stopped",
@@ -226,11 +230,13 @@ static bool new_leg(struct session *session, double t, int64_t end, const struct
 {
     struct held_run *held = session->run[session->current_run];
     const struct leg leg = {.kind = LEG_GO, .from = held->run->steps, .from_t = held->run->t, .t = t, .end = end};
-    struct leg *last = held->legs > 0 ? &held->leg[held->legs - 1] : NULL;
+    const struct leg *last = held->last;
     /* Step by step is one leg, not many. */
     if (end != INT64_MAX && last && last->kind == LEG_GO && last->t == t && last->end == leg.from) {
-        last->end = end;
-        return true;
+        struct leg *edited = journal_edit_pending(held, error);
+        if (edited)
+            edited->end = end;
+        return edited != NULL;
     }
     return journal_add(held, leg, until->count ? until->item->text : TEXT(""), error);
 }

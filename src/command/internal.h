@@ -221,7 +221,8 @@ bool unknown_parameter(const struct session *session, struct text name, struct e
 /* The scene of a run that goes on, with what was changed on the way. */
 struct in_force {
     const struct held_run *held;
-    int legs; /* of its journal that `scene` knows; -1: none yet */
+    bool known;             /* `scene` is there, as of this end of its journal */
+    const struct leg *last;
     struct scene scene;
 };
 
@@ -288,6 +289,7 @@ void session_size(const struct session *session, int *width, int *height);
 
 struct snapshot *snapshot_take(const struct session *session, const char *label); /* NULL: no memory */
 void snapshot_free(struct snapshot *snapshot);
+void run_unmark(struct held_run *held); /* forget how undo entries last saw it */
 /* Whether going back to it would change anything. */
 bool undo_matters(const struct session *session, const struct snapshot *before);
 void undo_push(struct session *session, struct snapshot *before);

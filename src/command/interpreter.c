@@ -80,6 +80,7 @@ static bool run_handler(struct session *session, const struct arguments *argumen
 {
     const struct command *command = arguments->command;
     struct snapshot *before = NULL;
+    session->setup.scene.across = session->setup.settings.turning == TURNING_OFF;
     /* What changes while a run goes on, or by its events, is undone with the run. */
     if ((command->flags & COMMAND_CHANGES) && session->live.state != LIVE_RUNNING && !session->reacting) {
         char label[LIMIT_NAME + 1];
@@ -89,7 +90,6 @@ static bool run_handler(struct session *session, const struct arguments *argumen
             return error_memory(error);
     }
     const uint64_t changes = session->changes;
-    session->setup.scene.across = session->setup.settings.turning == TURNING_OFF;
     const bool ok = command->handler(session, arguments, reply, error);
     /* A run that diverged is an error, and a change all the same. */
     if (before && session->changes != changes && undo_matters(session, before))

@@ -16,6 +16,10 @@ enum leg_kind {
     LEG_BACK, /* recorded states are dropped; only of adaptive runs, the others keep no memory of it */
 };
 
+/*
+ * The list is persistent: a leg knows the one before it and never changes while two lists have it, so that the run and
+ * all undo entries share what they have in common, and a new entry costs nothing but a count.
+ */
 struct leg {
     enum leg_kind kind;
     int64_t from;    /* step of the run at which it was asked for */
@@ -28,14 +32,33 @@ struct leg {
     struct measured value;
     bool by_event;   /* asked for by the commands of an event of the run */
     int64_t rows; /* LEG_BACK */
+
+    /* Private to journal.c. */
+    int references, count; /* of legs up to this one */
+    bool backs;            /* one of them is a LEG_BACK */
+    struct leg *before;
+    const struct leg *go; /* the latest LEG_GO before it */
+    struct {              /* of each LEG_SET [1], of those not by events [0]: */
+        const struct leg *before;
+        int count;           /* up to this leg */
+        struct scene *scene; /* what they have made of the scene: at each so many of them, else NULL */
+    } set[2];
 };
 
+/* One more at the end of the run's list. */
 bool journal_add(struct held_run *held, struct leg leg, struct text condition, struct error *error);
-void journal_free(struct leg *leg, int legs);
-/* A copy; *copy NULL where there are none. False: no memory. */
-bool journal_copy(const struct leg *leg, int legs, struct leg **copy);
+void journal_drop(struct held_run *held); /* the last one */
+struct leg *journal_share(struct leg *last); /* another owner of the list that ends there; NULL: an empty one */
+void journal_release(struct leg *last);
+int journal_count(const struct leg *last);
+/* The legs from place `first` on, in order, *count of them; free() the list, not them. False: no memory, *count 0. */
+bool journal_list(const struct leg *last, int first, const struct leg ***list, int *count);
+/* The times [s] of the latest changes of parameters, at most `most`, in order; not those by events. Returns how many. */
+int journal_changes(const struct leg *last, double *t, int most);
 /* What is still to be done after a pause: the last LEG_GO; NULL: nothing. */
-struct leg *journal_pending(const struct held_run *held);
+const struct leg *journal_pending(const struct held_run *held);
+/* The same, of this run alone, so that it may be changed. NULL: no memory (there has to be one). */
+struct leg *journal_edit_pending(struct held_run *held, struct error *error);
 /* Where an event has stopped the run: on towards the same. */
 bool journal_go_on(struct held_run *held, bool by_event, struct error *error);
 /* The run has been taken back by `rows`, from step `before`. */
@@ -45,11 +68,10 @@ void journal_scene(const struct held_run *held, bool by_events, struct scene *sc
 /* Has something been changed since leg `first`, not by an event? */
 bool journal_changed(const struct held_run *held, int first);
 /*
- * Takes the run to the state at the end of these legs: `steps`, at time `t`. They may share a beginning with the run's
- * own, which they replace; the run keeps its own without memory.
+ * Takes the run to the state at the end of the list that ends at `last`: `steps`, at time `t`. It may share a beginning
+ * with the run's own, which it replaces; the run keeps its own without memory.
  */
-bool journal_restore(struct session *session, struct held_run *held, const struct leg *leg, int legs, int64_t steps,
-                     double t);
+bool journal_restore(struct session *session, struct held_run *held, struct leg *last, int64_t steps, double t);
 /* What a LEG_SET or LEG_KICK changed, and to what: "gamma 0.1 1/s". */
 void journal_put_change(const struct run *run, const struct leg *leg, struct buffer *text);
 /*

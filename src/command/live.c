@@ -120,10 +120,7 @@ void live_refresh(struct session *session)
                   : run->stop == STOP_CANCELLED ? LIVE_PAUSED
                   : run->stop == STOP_DIVERGED || run->stop == STOP_SINGULAR ? LIVE_DIVERGED
                                                 : LIVE_IDLE;
-    live->mark_count = 0;
-    for (int i = 0; held && i < held->legs; i++)
-        if (held->leg[i].kind == LEG_SET && !held->leg[i].by_event && live->mark_count < (int)COUNT_OF(live->marks))
-            live->marks[live->mark_count++] = held->leg[i].from_t;
+    live->mark_count = held ? journal_changes(held->last, live->marks, (int)COUNT_OF(live->marks)) : 0;
 }
 
 /* ---- parameters on the way ---- */
@@ -168,12 +165,12 @@ bool live_bind(struct session *session, int param, double *from, struct error *e
     if (!scene_set(&scene, place, value, error) || !journal_add(held, leg, TEXT(""), error))
         return false;
     if (!run_rebind(run, &scene, error)) {
-        held->legs--;
+        journal_drop(held);
         return false;
     }
     const enum live_state state = live->state;
     if (state != LIVE_RUNNING && !live->changing && !session->reacting)
-        journal_write(session, held, held->legs - 1, run->steps, 0, false,
+        journal_write(session, held, journal_count(held->last) - 1, run->steps, 0, false,
                       &session->live.record); /* in a file `set` alone would not do it */
     live_refresh(session);
     session->live.state = state;
@@ -191,7 +188,7 @@ bool live_kick(struct session *session, int variable, double value, struct error
         return false;
     if (run_kick(run, variable, value, error))
         return true;
-    held->legs--;
+    journal_drop(held);
     return false;
 }
 

@@ -65,9 +65,10 @@ static const struct scene *scene_of(const struct names *names)
     struct in_force *force = names->in_force;
     if (!force)
         return &names->session->setup.scene;
-    if (force->legs != force->held->legs) {
+    if (!force->known || force->last != force->held->last) {
         journal_scene(force->held, true, &force->scene);
-        force->legs = force->held->legs;
+        force->last = force->held->last;
+        force->known = true;
     }
     return &force->scene;
 }

@@ -80,8 +80,9 @@ void held_run_release(struct held_run *held)
 {
     if (--held->references > 0)
         return;
+    run_unmark(held);
     run_destroy(held->run);
-    journal_free(held->leg, held->legs);
+    journal_release(held->last);
     free(held->note);
     free(held);
 }

@@ -4,6 +4,7 @@
 #include "journal.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 #define KEYS_MOST (PARAM_MAX + 16 + 2 * LIMIT_RUNS)
 
@@ -60,9 +61,12 @@ void keys_add_scene(struct keys *keys, const struct scene *scene)
 static void add_changes(struct keys *keys, const char *name, const struct held_run *held)
 {
     struct buffer value = {0};
-    int by_events = 0;
-    for (int i = 0; i < held->legs; i++) {
-        const struct leg *leg = &held->leg[i];
+    const struct leg **list;
+    int by_events = 0, count;
+    if (!journal_list(held->last, 0, &list, &count))
+        value.failed = true;
+    for (int i = 0; i < count; i++) {
+        const struct leg *leg = list[i];
         const bool changes = leg->kind == LEG_SET || leg->kind == LEG_KICK;
         by_events += changes && leg->by_event;
         if (!changes || leg->by_event)
@@ -73,6 +77,7 @@ static void add_changes(struct keys *keys, const char *name, const struct held_r
         buffer_real(&value, leg->from_t);
         buffer_put(&value, TEXT(" s"));
     }
+    free(list);
     if (by_events > 0)
         buffer_format(&value, "%s%d by events", value.len ? "; " : "", by_events);
     if (value.len > 0 || value.failed)

@@ -12,15 +12,26 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A run as it was: all entries between which it did not change share one. */
 struct run_mark {
-    struct held_run *held;
+    int references;
     int64_t steps;
     double t; /* [s] */
     enum stop stop;
     struct controller controller; /* of an adaptive method: what the next step would be */
     char name[LIMIT_NAME + 1];
-    struct leg *leg; /* [legs] of its journal then */
-    int legs;
+    struct leg *last; /* of its journal then */
+};
+
+struct marked_run {
+    struct held_run *held;
+    struct run_mark *mark;
+};
+
+/* Likewise. */
+struct shared_setup {
+    int references;
+    struct setup setup;
 };
 
 struct recording_mark {
@@ -33,13 +44,72 @@ struct recording_mark {
 
 struct snapshot {
     char label[LIMIT_NAME + 1]; /* of a checkpoint; for undo: the command */
-    struct setup setup;
+    struct shared_setup *setup;
     int current_run, current_recording, next_run;
     bool data_is_latest;
     int runs, recordings;
-    struct run_mark *run;
+    struct marked_run *run;
     struct recording_mark *recording;
 };
+
+static bool same_run(const struct run *run, const struct leg *last, const struct run_mark *mark)
+{
+    return run->steps == mark->steps && run->t == mark->t && run->stop == mark->stop && last == mark->last &&
+           strcmp(run->name, mark->name) == 0;
+}
+
+static void release_mark(struct run_mark *mark)
+{
+    if (!mark || --mark->references > 0)
+        return;
+    journal_release(mark->last);
+    free(mark);
+}
+
+void run_unmark(struct held_run *held)
+{
+    release_mark(held->mark);
+    held->mark = NULL;
+}
+
+/* NULL: no memory. */
+static struct run_mark *mark_run(struct held_run *held)
+{
+    const struct run *run = held->run;
+    if (!held->mark || !same_run(run, held->last, held->mark) ||
+        memcmp(&run->controller, &held->mark->controller, sizeof run->controller) != 0) {
+        run_unmark(held);
+        if (!(held->mark = malloc(sizeof *held->mark)))
+            return NULL;
+        *held->mark = (struct run_mark){.references = 1, .steps = run->steps, .t = run->t, .stop = run->stop};
+        held->mark->controller = run->controller;
+        memcpy(held->mark->name, run->name, sizeof held->mark->name);
+        held->mark->last = journal_share(held->last);
+    }
+    held->mark->references++;
+    return held->mark;
+}
+
+static void release_setup(struct shared_setup *setup)
+{
+    if (setup && --setup->references == 0)
+        free(setup);
+}
+
+/* That of the latest entry, where nothing was set since. NULL: no memory. */
+static struct shared_setup *share_setup(const struct session *session)
+{
+    struct shared_setup *setup = session->undos > 0 ? session->undo[session->undos - 1]->setup : NULL;
+    if (setup && memcmp(&setup->setup, &session->setup, sizeof setup->setup) == 0) {
+        setup->references++;
+        return setup;
+    }
+    if ((setup = malloc(sizeof *setup))) {
+        setup->references = 1;
+        memcpy(&setup->setup, &session->setup, sizeof setup->setup);
+    }
+    return setup;
+}
 
 struct snapshot *snapshot_take(const struct session *session, const char *label)
 {
@@ -48,31 +118,23 @@ struct snapshot *snapshot_take(const struct session *session, const char *label)
         return NULL;
     snapshot->run = calloc((size_t)session->runs + 1, sizeof *snapshot->run);
     snapshot->recording = calloc((size_t)session->recordings + 1, sizeof *snapshot->recording);
-    if (!snapshot->run || !snapshot->recording) {
+    if (!snapshot->run || !snapshot->recording || !(snapshot->setup = share_setup(session))) {
         snapshot_free(snapshot);
         return NULL;
     }
     snprintf(snapshot->label, sizeof snapshot->label, "%s", label);
-    snapshot->setup = session->setup;
     snapshot->current_run = session->current_run;
     snapshot->current_recording = session->current_recording;
     snapshot->next_run = session->next_run;
     snapshot->data_is_latest = session->data_is_latest;
     for (int i = 0; i < session->runs; i++) {
-        const struct run *run = session->run[i]->run;
-        struct run_mark *mark = &snapshot->run[snapshot->runs++];
-        *mark = (struct run_mark){.held = session->run[i],
-                                  .steps = run->steps,
-                                  .t = run->t,
-                                  .stop = run->stop,
-                                  .controller = run->controller};
-        memcpy(mark->name, run->name, sizeof mark->name);
-        mark->held->references++;
-        if (!journal_copy(mark->held->leg, mark->held->legs, &mark->leg)) {
+        struct run_mark *mark = mark_run(session->run[i]);
+        if (!mark) {
             snapshot_free(snapshot);
             return NULL;
         }
-        mark->legs = mark->held->legs;
+        session->run[i]->references++;
+        snapshot->run[snapshot->runs++] = (struct marked_run){session->run[i], mark};
     }
     for (int i = 0; i < session->recordings; i++) {
         const struct recording *recording = session->recording[i]->recording;
@@ -93,11 +155,12 @@ void snapshot_free(struct snapshot *snapshot)
     if (!snapshot)
         return;
     for (int i = 0; i < snapshot->runs; i++) {
+        release_mark(snapshot->run[i].mark);
         held_run_release(snapshot->run[i].held);
-        journal_free(snapshot->run[i].leg, snapshot->run[i].legs);
     }
     for (int i = 0; i < snapshot->recordings; i++)
         held_recording_release(snapshot->recording[i].held);
+    release_setup(snapshot->setup);
     free(snapshot->run);
     free(snapshot->recording);
     free(snapshot);
@@ -109,21 +172,14 @@ const char *snapshot_label(const struct snapshot *snapshot)
 }
 
 /* Without memory for its journal a run stays where it is. */
-static void return_run(struct session *session, const struct run_mark *mark)
+static void return_run(struct session *session, struct held_run *held, const struct run_mark *mark)
 {
-    struct run *run = mark->held->run;
-    if (journal_restore(session, mark->held, mark->leg, mark->legs, mark->steps, mark->t)) {
+    struct run *run = held->run;
+    if (journal_restore(session, held, mark->last, mark->steps, mark->t)) {
         run->stop = mark->stop;
         run->controller = mark->controller;
     }
     memcpy(run->name, mark->name, sizeof run->name);
-}
-
-static bool same_run(const struct held_run *held, const struct run_mark *mark)
-{
-    const struct run *run = held->run;
-    return held == mark->held && run->steps == mark->steps && run->t == mark->t && run->stop == mark->stop &&
-           held->legs == mark->legs && strcmp(run->name, mark->name) == 0;
 }
 
 static bool same_recording(const struct held_recording *held, const struct recording_mark *mark)
@@ -141,12 +197,15 @@ bool undo_matters(const struct session *session, const struct snapshot *before)
         session->data_is_latest != before->data_is_latest)
         return true;
     for (int i = 0; i < session->runs; i++)
-        if (!same_run(session->run[i], &before->run[i]))
+        if (session->run[i] != before->run[i].held ||
+            !same_run(session->run[i]->run, session->run[i]->last, before->run[i].mark))
             return true;
     for (int i = 0; i < session->recordings; i++)
         if (!same_recording(session->recording[i], &before->recording[i]))
             return true;
-    struct setup setup = before->setup;
+    if (memcmp(&before->setup->setup, &session->setup, sizeof session->setup) == 0)
+        return false;
+    struct setup setup = before->setup->setup;
     settings_display(&setup.settings, &session->setup.settings);
     return memcmp(&setup, &session->setup, sizeof setup) != 0; /* padding was copied with the rest */
 }
@@ -183,10 +242,10 @@ static void go_to(struct session *session, const struct snapshot *snapshot)
     session->data_is_latest = snapshot->data_is_latest;
     /* What the front end was told (form of results, characters) is not part of the experiment. */
     const struct settings now = session->setup.settings;
-    session->setup = snapshot->setup;
+    memcpy(&session->setup, &snapshot->setup->setup, sizeof session->setup);
     settings_display(&session->setup.settings, &now);
     for (int i = 0; i < snapshot->runs; i++)
-        return_run(session, &snapshot->run[i]);
+        return_run(session, snapshot->run[i].held, snapshot->run[i].mark);
     session_changed(session);
 }
 

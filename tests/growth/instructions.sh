@@ -45,11 +45,11 @@ fit_rows() { recording $((400 + $1)) >rows.txt; echo 'load rows.txt; fit damped'
 plot_rows() { sprung drag 'verlet dt=1ms' $((1000 + $1)); echo 'plot position; plot energy'; }
 sweep_points() { echo "scene driven; method rk4 dt=10ms; duration = 1 s"; [ "$1" -eq 0 ] || echo "sweep omega=1:$1:1 measure=max --threads 1"; }
 
-# name, and how much of the work is done once; then ten times that. Not yet among them, for undo copies the list of what was done to
-# each run: continue_lines:50 continue_lines_linear:50 continue_lines_driven:50 change_lines:50 runs:20
+# name, and how much of the work is done once; then ten times that.
 rows='steps_linear:20000 steps:5000 steps_driven:5000 steps_thinned:20000 steps_even:5000 steps_typed:5000 steps_adaptive:30
     step_lines:100 step_lines_linear:100 step_lines_driven:100 back_lines:10
-    set_lines:100
+    continue_lines:50 continue_lines_linear:50 continue_lines_driven:50
+    change_lines:50 runs:20 set_lines:100
     export_rows:500 export_json:500 measure_rows:2000 load_rows:1000 fit_rows:500 plot_rows:3000 sweep_points:50'
 
 # The instructions of a script on its standard input; what the script says is left in said.txt.
