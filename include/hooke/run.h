@@ -94,7 +94,7 @@ enum stop {                 /* why a run is where it is */
             STOP_STALLED,     /* adaptive step below rounding */
             STOP_SLIDES,      /* along a switch, or switches pile up: adaptive only */
             STOP_FULL,        /* memory budget used up */
-            STOP_SINGULAR     /* the solution itself goes to infinity: said by run_diagnose() */
+            STOP_SINGULAR     /* the solution itself ends there */
 };
 
 /* It did not get where it should, and cannot: no step on from there. */
@@ -106,6 +106,11 @@ static inline bool stop_is_failure(enum stop stop)
 
 const char *stop_name(
     enum stop stop); /* the JSON `status`: ok, diverged, cancelled … (STOP_END, STOP_CONDITION, STOP_NONE are ok) */
+
+struct singularity {
+    double t;    /* [s] NAN: none, or it cannot be told */
+    bool finite; /* the solution stays finite, its slope does not */
+};
 
 struct run {
     int number; /* 1, 2, … as users see it */
@@ -123,7 +128,7 @@ struct run {
     struct cost cost;
     double seconds; /* wall time spent advancing */
     enum stop stop;
-    double singular; /* [s] with STOP_SINGULAR: where the solution ends */
+    struct singularity singular; /* with STOP_SINGULAR */
     bool warned_growth;
     struct controller controller;
 
@@ -205,11 +210,14 @@ bool run_rebind(struct run *run, const struct scene *scene, struct error *error)
  */
 bool run_kick(struct run *run, int i, double value, struct error *error);
 /*
- * The time [s] before `end` at which the solution through (t, y) goes to infinity, NAN: it does not, or that cannot be
- * told. Integrates at most 20000 steps of dop853; allocates. src/run/singular.c has the criterion.
+ * Where the solution through (t, y) ends before `end`. Integrates at most 20000 steps of dop853; allocates.
+ * src/run/singular.c has the criterion.
  */
-double system_singularity(const struct system *system, double t, const double *y, double end);
-/* Whether a run that has failed did so because its solution ends there: then stop becomes STOP_SINGULAR. */
+struct singularity system_singularity(const struct system *system, double t, const double *y, double end);
+/* "goes to infinity", "ends with an infinite slope": follows "the solution" */
+const char *singularity_text(const struct singularity *singularity);
+/* Whether a run has failed because its solution ends there, or has stepped over such an end: then stop becomes
+ * STOP_SINGULAR. Looks at the rows since the last call. */
 void run_diagnose(struct run *run);
 /* Why it stopped, as a sentence for the user: "diverged at t = 12.31 s (step 18): dt = 0.7 s is above …; try dt <= 0.06
  * s". */

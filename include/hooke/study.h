@@ -63,7 +63,7 @@ struct reference {
     bool exact;
     const struct method *by[2]; /* unless exact: the solution, and what confirmed it */
     double accuracy;            /* distance between both, or the conditioning floor of the closed form */
-    double singular;            /* [s] where there is no reference because the solution goes to infinity there; NAN */
+    struct singularity singular; /* where there is no reference because the solution ends */
     double meaning;             /* [s] after t0: from here on they differ by more than 1e-3; span: nowhere */
 };
 

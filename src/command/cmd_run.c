@@ -195,7 +195,7 @@ static bool advance(struct session *session, const struct arguments *given, int6
     if (early)
         journey.target.condition = NULL; /* it was not waited for */
     const bool arrived = arrive(session, &journey, &passage, reply, error);
-    if (early)
+    if (early && !stop_is_failure(run->stop))
         run->stop = STOP_CANCELLED;
     for (int i = 0; i < passage.count && arrived && ok; i++)
         ok = event_react(session, passage.stopped[i], given, reply, &why);

@@ -93,7 +93,7 @@ static void put_scene(struct buffer *out, const struct session *session, const s
     buffer_format(out, "  the scene itself with this dt: %s at t = %.4g s, at most %.3g times its natural size\n",
                   s->stop == STOP_END        ? "arrives"
                   : s->stop == STOP_FULL     ? "still bounded, stopped"
-                  : s->stop == STOP_SINGULAR ? "its solution goes to infinity"
+                  : s->stop == STOP_SINGULAR ? "its solution ends"
                                              : stop_name(s->stop),
                   s->reached, s->largest);
 }

@@ -215,7 +215,7 @@ static enum stop advance_step(struct run *run, struct leg *leg)
         p->step.warm = false;
     }
     ledger_take(run, run->y, 1);
-    return stop;
+    return stop == STOP_NONE && run->plan.adaptive && run_creeps(run) ? STOP_SINGULAR : stop;
 }
 
 bool run_advance(struct run *run, const struct run_target *target, int64_t budget_ns, const struct cancel *cancel)

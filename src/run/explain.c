@@ -148,10 +148,10 @@ void run_explain(const struct run *run, struct buffer *text)
                       trace_count(run->trace), (double)trace_bytes(run->trace) / 1e6);
         break;
     case STOP_SINGULAR:
-        buffer_format(text, ": the solution itself goes to infinity at t = ");
-        put_time(text, run->singular, 6);
-        buffer_put(text, TEXT(" (a finite-time blow-up): "));
-        buffer_put(text, fabs(run->t - run->system.t0) > 1.5 * fabs(run->singular - run->system.t0)
+        buffer_format(text, ": the solution itself %s at t = ", singularity_text(&run->singular));
+        put_time(text, run->singular.t, 6);
+        buffer_put(text, run->singular.finite ? TEXT(": ") : TEXT(" (a finite-time blow-up): "));
+        buffer_put(text, fabs(run->t - run->system.t0) > 1.001 * fabs(run->singular.t - run->system.t0)
                              ? TEXT("what the method gives beyond means nothing")
                              : TEXT("no method and no step gets past it"));
         break;

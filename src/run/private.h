@@ -195,6 +195,8 @@ struct run_private {
     struct epoch *epoch; /* at least one */
     size_t epochs, epoch_room;
     int64_t batch;          /* steps between looks at the clock */
+    int64_t look;           /* run_creeps() has nothing to do before this step */
+    size_t looked, across;  /* rows that run_diagnose() has seen; the next that it would look into */
     march_function *kernel; /* NULL: none for this method and system */
     struct propagator *propagator; /* NULL: not (yet) there, or not of use */
     double *scratch;        /* [CHUNK_ROWS][n] states that do not go into the trace as they are; NULL: not yet needed */
@@ -310,6 +312,10 @@ bool propagator_within(const struct propagator *propagator, const double *bound)
 bool advance_many(struct run *run, const struct leg *leg, enum stop *stop);
 enum stop stop_of_step(enum step_status status);
 bool run_in_bounds(const struct run *run, const double *y); /* all finite, and not what counts as diverged */
+
+/* singular.c: adaptive steps that no longer get on, because the solution ends: then stop is STOP_SINGULAR. Looks at
+ * twice the step of its last look, so that it costs a share of the run. */
+bool run_creeps(struct run *run);
 
 /* The epoch that led to the state at `step`: where one ends, the state still belongs to it. */
 const struct epoch *run_epoch(const struct run *run, int64_t step);

@@ -6,6 +6,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#define LOOK_FIRST 4096 /* steps before adaptive ones are looked into, see run_creeps() */
+
 #define AMPLITUDE_MAX 1e150 /* [m] above it a run has diverged: its energy still is a finite number */
 
 const char *stop_name(enum stop stop)
@@ -98,6 +100,7 @@ static bool allocate(struct run *run)
     p->low_before = p->bound + n;
     p->side = side ? p->low_before + 2 * n : NULL;
     p->batch = 16;
+    p->look = LOOK_FIRST;
     p->factor = energy_factor(&run->system);
     p->step = (struct step){.system = &run->system, .drag = run->settings.drag, .y = run->y, .work = p->work};
     if (run->settings.compensated && !run->plan.adaptive)

@@ -24,6 +24,13 @@
 #define POWER_LEAST 0.3
 #define AHEAD 0.1   /* of the time since the start: a method may fail that much earlier */
 #define SCATTER 0.1 /* rms of log |y'| about the line */
+#define POWER_FINITE 0.95  /* |y'| may be integrated up to there: y stays finite */
+#define CREEP 1e-6         /* of the time since the start: steps that short are looked into, */
+#define SHORTLY 1e-3       /* of that time */
+#define STEPS_FIRST 1000   /* of the accurate method, where a step looks strange; and two for each step of the run */
+#define ROWS_LOOKED 4096   /* of an explicit method, whose step costs no more than a look */
+#define CHANGE_LEAST 0.1   /* of y in a step: less is passed over */
+#define STEEPER 8          /* times: the slope after a step that grows without bound */
 
 struct approach {
     double t[LAST], speed[LAST];
@@ -40,7 +47,7 @@ static double speed_of(const struct system *system, double t, const double *y)
 }
 
 /* Goes on until `end` or until no step is possible. True: the latter; *t is then where. */
-static bool approach_end(const struct system *system, double *t, const double *y, double end,
+static bool approach_end(const struct system *system, double *t, const double *y, double end, int64_t most,
                          struct approach *approach)
 {
     const struct method *method =
@@ -54,7 +61,7 @@ static bool approach_end(const struct system *system, double *t, const double *y
         return false;
     memcpy(state, y, (size_t)system->n * sizeof *state);
     bool moves = true;
-    while (moves && step.t != end && approach->count < STEPS_MOST) {
+    while (moves && step.t != end && approach->count < most) {
         const int64_t place = approach->count % LAST;
         approach->t[place] = step.t;
         approach->speed[place] = speed_of(system, step.t, state);
@@ -89,8 +96,8 @@ static struct line line_over(const struct approach *approach, double at, double 
     return sum;
 }
 
-/* Whether |y'| ~ (at - t)^-q, q > POWER_LEAST, as near to it as t can tell. */
-static bool is_singular(const struct approach *approach, double start, double at)
+/* The q of |y'| ~ (at - t)^-q, as near to it as t can tell; NAN: q <= POWER_LEAST, or it is not such a power. */
+static double power_of(const struct approach *approach, double start, double at)
 {
     const double ulps = ULPS * (nextafter(fabs(at), HUGE_VAL) - fabs(at));
     double low = HUGE_VAL, high = 0;
@@ -107,8 +114,9 @@ static bool is_singular(const struct approach *approach, double start, double at
     const struct line sum = line_over(approach, at, low, high);
     const double xx = sum.xx - sum.x * sum.x / sum.n, xy = sum.xy - sum.x * sum.y / sum.n,
                  yy = sum.yy - sum.y * sum.y / sum.n;
-    return sum.n >= POINTS && low <= NEAR * fabs(at - start) && high >= low * pow(10, DECADES) &&
-           -xy / xx > POWER_LEAST && sqrt(fmax(0, yy - xy * xy / xx) / sum.n) < SCATTER;
+    const bool is_power = sum.n >= POINTS && low <= NEAR * fabs(at - start) && high >= low * pow(10, DECADES) &&
+                          -xy / xx > POWER_LEAST && sqrt(fmax(0, yy - xy * xy / xx) / sum.n) < SCATTER;
+    return is_power ? -xy / xx : NAN;
 }
 
 /* Natural sizes may have been taken from a solution on its way to infinity: at most those of where it starts. */
@@ -123,15 +131,28 @@ static struct system with_start_scale(const struct system *system, const double 
     return scaled;
 }
 
-double system_singularity(const struct system *system, double t, const double *y, double end)
+static struct singularity look_for(const struct system *system, double t, const double *y, double end, int64_t most)
 {
     struct approach *approach = system->linear ? NULL : malloc(sizeof *approach);
     const struct system scaled = with_start_scale(system, y);
-    double at = t;
-    const bool found = approach && approach_end(&scaled, &at, y, end, approach) && is_singular(approach, t, at);
+    double at = t, power = NAN;
+    if (approach && approach_end(&scaled, &at, y, end, most, approach))
+        power = power_of(approach, t, at);
     free(approach);
-    return found ? at : NAN;
+    return (struct singularity){.t = isnan(power) ? NAN : at, .finite = power < POWER_FINITE};
 }
+
+struct singularity system_singularity(const struct system *system, double t, const double *y, double end)
+{
+    return look_for(system, t, y, end, STEPS_MOST);
+}
+
+const char *singularity_text(const struct singularity *singularity)
+{
+    return singularity->finite ? "ends with an infinite slope" : "goes to infinity";
+}
+
+/* ---- runs ---- */
 
 /* The first recorded state since its equations or its state were last changed from outside. */
 static size_t own_start(const struct run *run)
@@ -141,23 +162,134 @@ static size_t own_start(const struct run *run)
     size_t row = 0;
     if (p->kicks > 0 && p->kick[p->kicks - 1].step > step)
         step = p->kick[p->kicks - 1].step;
-    while (row + 1 < trace_count(run->trace) && (trace_step(run->trace, row) < step ||
-                                                 (p->kicks > 0 && trace_step(run->trace, row + 1) == step)))
+    if (step > 0)
+        row = trace_row_from(run->trace, step);
+    while (row + 1 < trace_count(run->trace) && p->kicks > 0 && trace_step(run->trace, row + 1) == step)
         row++;
-    return row;
+    return row < trace_count(run->trace) ? row : trace_count(run->trace) - 1;
 }
 
-void run_diagnose(struct run *run)
+/* The last recorded row, not before `first`, that is SHORTLY before t or earlier. */
+static size_t row_before(const struct run *run, size_t first, double t)
 {
-    if (run->stop != STOP_DIVERGED && run->stop != STOP_STALLED && run->stop != STOP_NO_SOLUTION)
-        return;
+    const double way = t - trace_time(run->trace, first);
+    size_t low = first, high = trace_count(run->trace);
+    while (high - low > 1) {
+        const size_t middle = low + (high - low) / 2;
+        if ((t - trace_time(run->trace, middle)) / way >= SHORTLY)
+            low = middle;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+/*
+ * Before `end`, in at most so many steps of the accurate method: from the start, whose solution it is about, and where
+ * that is too far away from shortly before t.
+ */
+static struct singularity singular_before(const struct run *run, double t, double end, int64_t most)
+{
+    const size_t first = own_start(run);
+    const double from = trace_time(run->trace, first);
+    struct singularity found = look_for(&run->system, from, trace_state(run->trace, first), end, most);
+    const size_t near = row_before(run, first, t);
+    if (isnan(found.t) && near > first)
+        found = look_for(&run->system, trace_time(run->trace, near), trace_state(run->trace, near), end, most);
+    return found;
+}
+
+static bool end_singular(struct run *run, struct singularity found)
+{
+    if (isnan(found.t))
+        return false;
+    run->stop = STOP_SINGULAR;
+    run->singular = found;
+    return true;
+}
+
+bool run_creeps(struct run *run)
+{
+    struct run_private *p = run->private_state;
+    if (run->steps < p->look)
+        return false;
+    p->look = 2 * run->steps;
+    const double way = run->t - p->epoch[p->epochs - 1].t;
+    return !run->system.linear && fabs(run->controller.h) < CREEP * fabs(way) &&
+           end_singular(run, singular_before(run, run->t, run->t + copysign(AHEAD * way, run->controller.h), run->steps));
+}
+
+/* ---- steps across ---- */
+
+/*
+ * Does what happened to a variable in a step of h look as if a singularity lay there? Where it passed through infinity
+ * it changed against its slope at both ends, or far less than these want, or its sign and that of its slope; where it
+ * did not yet, it has grown, and its slope far more.
+ */
+static bool looks_across(double h, double y, double slope, double end, double end_slope)
+{
+    const double change = end - y, size = fmax(fabs(y), fabs(end)), wanted = slope * end_slope > 0 ? h * slope : 0;
+    const double least = fmin(fabs(h * slope), fabs(h * end_slope));
+    if (change * wanted < 0 && fabs(change) > CHANGE_LEAST * size)
+        return true;
+    if (wanted != 0 && least > size && fabs(change) < CHANGE_LEAST * least)
+        return true;
+    return fabs(change) > CHANGE_LEAST * size &&
+           ((y * end < 0 && slope * end_slope < 0) ||
+            (fabs(end) > 2 * fabs(y) && fabs(end_slope) > STEEPER * fabs(slope)));
+}
+
+/* Rows i and i + 1. */
+static bool row_across(const struct run *run, size_t i)
+{
+    const struct trace *trace = run->trace;
+    const double *y = trace_state(trace, i), *end = trace_state(trace, i + 1);
+    const double t = trace_time(trace, i), t_end = trace_time(trace, i + 1);
+    double slope[LIMIT_VARIABLES], end_slope[LIMIT_VARIABLES];
+    if (trace_step(trace, i + 1) != trace_step(trace, i) + 1 || t_end == t)
+        return false;
+    system_derivative(&run->system, t, y, slope);
+    system_derivative(&run->system, t_end, end, end_slope);
+    for (int k = 0; k < run->system.n; k++)
+        if (looks_across(t_end - t, y[k], slope[k], end[k], end_slope[k]))
+            return true;
+    return false;
+}
+
+/* The rows since the last call: all of them where a step is dear, else at most ROWS_LOOKED. */
+static bool went_across(struct run *run)
+{
+    struct run_private *p = run->private_state;
+    const size_t rows = trace_count(run->trace), first = own_start(run);
+    if (p->looked >= rows) /* it went back */
+        p->looked = p->across = 0;
+    size_t i = p->looked > first ? p->looked : first;
+    const size_t by = run->method->flags & METHOD_IMPLICIT ? 1 : 1 + (rows - i) / ROWS_LOOKED;
+    p->looked = rows - 1;
+    for (; i + 1 < rows; i += by) {
+        if (i < p->across || !row_across(run, i))
+            continue;
+        p->across = 2 * i + 1; /* the next look goes as far as all before together */
+        const double t = trace_time(run->trace, i + 1);
+        if (end_singular(run, singular_before(run, trace_time(run->trace, i), t, STEPS_FIRST + 2 * (int64_t)i)))
+            return true;
+    }
+    return false;
+}
+
+static void diagnose_failure(struct run *run)
+{
     const size_t row = own_start(run);
     const double from = trace_time(run->trace, row), way = run->t - from;
     const double ahead = AHEAD * fabs(way) + (run->plan.adaptive ? 0 : 16 * run->settings.dt);
     const bool back = run->plan.adaptive ? run->controller.h < 0 : trace_grid(run->trace)->h < 0;
-    const double at = system_singularity(&run->system, from, trace_state(run->trace, row), run->t + (back ? -ahead : ahead));
-    if (isnan(at))
+    end_singular(run, singular_before(run, run->t, run->t + (back ? -ahead : ahead), STEPS_MOST));
+}
+
+void run_diagnose(struct run *run)
+{
+    if (run->stop == STOP_SINGULAR || run->system.linear || (run->steps > 0 && went_across(run)))
         return;
-    run->stop = STOP_SINGULAR;
-    run->singular = at;
+    if (run->stop == STOP_DIVERGED || run->stop == STOP_STALLED || run->stop == STOP_NO_SOLUTION)
+        diagnose_failure(run);
 }

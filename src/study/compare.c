@@ -205,7 +205,7 @@ static bool compare_one(const struct compare_request *request, const struct cont
     if (row->run->stop == STOP_END && row->run->t != target.t)
         row->run->stop = STOP_CANCELLED; /* nobody could say before how many it would take */
     run_diagnose(row->run);
-    if (row->run->stop == STOP_END && !isnan(reference->singular)) { /* it jumped over */
+    if (row->run->stop == STOP_END && !isnan(reference->singular.t)) { /* it jumped over */
         row->run->stop = STOP_SINGULAR;
         row->run->singular = reference->singular;
     }
@@ -332,7 +332,7 @@ bool study_compare(const struct compare_request *request, struct comparison *row
     double steps, seconds;
     struct system system;
     struct error none = {0};
-    struct reference reference = {.singular = NAN};
+    struct reference reference = {.singular = {.t = NAN}};
     if (!study_compare_plan(request, &steps, &seconds, error) || !scene_bind(request->scene, &system, error)) {
         return false;
     }

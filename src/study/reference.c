@@ -217,20 +217,20 @@ static bool refuse_singular(const struct system *system, struct reference *refer
 {
     const double t0 = system->t0;
     reference->singular = system_singularity(system, t0, system->start, t0 + reference->span);
-    if (isnan(reference->singular))
+    if (isnan(reference->singular.t))
         return true;
     reference_free(reference);
     error_set(error, ERROR_NUMERICAL,
-              "the solution goes to infinity at t = %.6g s: beyond there is nothing to measure errors against",
-              reference->singular);
-    return error_hint(error, "a shorter one can be studied: duration = %.3g s", 0.9 * fabs(reference->singular - t0));
+              "the solution %s at t = %.6g s: beyond there is nothing to measure errors against",
+              singularity_text(&reference->singular), reference->singular.t);
+    return error_hint(error, "a shorter one can be studied: duration = %.3g s", 0.9 * fabs(reference->singular.t - t0));
 }
 
 bool study_reference(const struct system *system, double span, const struct cancel *cancel, struct reference *reference,
                      struct error *error)
 {
     const size_t size = (size_t)STUDY_TIMES * (size_t)system->n;
-    *reference = (struct reference){.span = span, .meaning = span, .singular = NAN, .n = system->n};
+    *reference = (struct reference){.span = span, .meaning = span, .singular = {.t = NAN}, .n = system->n};
     reference->scored = system->order == 2 ? system->n / 2 : system->n;
     reference->y = calloc(size, sizeof *reference->y);
     if (!reference->y)

@@ -312,12 +312,12 @@ static bool run_scene(const struct system *system, const struct stability_reques
     solver.most = 3000000;
     s->stop = solver_run(&solver, grid, request->cancel);
     s->reached = solver.step.t;
-    const double singular = stop_is_failure(s->stop)
-                                ? system_singularity(system, system->t0, system->start, s->reached + 16 * request->dt)
-                                : NAN;
-    if (!isnan(singular)) {
+    struct singularity singular = {.t = NAN};
+    if (stop_is_failure(s->stop))
+        singular = system_singularity(system, system->t0, system->start, s->reached + 16 * request->dt);
+    if (!isnan(singular.t)) {
         s->stop = STOP_SINGULAR;
-        s->reached = singular;
+        s->reached = singular.t;
     }
     s->largest = 0;
     for (int i = 0; i < STUDY_TIMES * n; i++)

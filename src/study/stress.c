@@ -24,7 +24,7 @@ static const struct row verdicts[] = {
     [STRESS_ACCURATE] = {"accurate", "a", "error below 1 % of the amplitude all the way", "", NULL},
     [STRESS_BOUNDED] = {"bounded", "b", "wrong in phase or shape, but no larger than the motion", "", NULL},
     [STRESS_DAMPED] = {"damped away", "d", "what should swing is gone", "", NULL},
-    [STRESS_SINGULAR] = {"singular", "s", "the solution itself goes to infinity before the end", "", NULL},
+    [STRESS_SINGULAR] = {"singular", "s", "the solution itself ends before the end, or goes to infinity", "", NULL},
     [STRESS_REFUSED] = {"refused", "r", "not computed, with the reason", "", NULL},
     [STRESS_DIVERGED] = {"diverged", "X", "grew beyond the motion, or out of the range of numbers", "", NULL},
     [STRESS_UNKNOWN] = {"unknown", "u", "arrived, but no two references do: its error is not known", "", NULL},
@@ -119,7 +119,7 @@ struct bench {
     double span, tol, dt;
     struct reference reference;
     char refused[200]; /* the scene itself is refused: why */
-    double singular;   /* [s] the solution goes to infinity there, NAN: it does not; looked for when one fails */
+    struct singularity singular; /* looked for when one fails */
     bool looked;
     double *grid;      /* [STUDY_TIMES][n] */
     const struct cancel *cancel;
@@ -278,10 +278,11 @@ static bool judge_singular(struct bench *bench, enum stop stop, struct stress_ro
     if (!bench->looked)
         bench->singular = system_singularity(system, system->t0, system->start, system->t0 + bench->span);
     bench->looked = true;
-    if (isnan(bench->singular))
+    if (isnan(bench->singular.t))
         return false;
     row->verdict = STRESS_SINGULAR;
-    snprintf(row->reason, sizeof row->reason, "the solution itself goes to infinity at t = %.6g s%s", bench->singular,
+    snprintf(row->reason, sizeof row->reason, "the solution itself %s at t = %.6g s%s",
+             singularity_text(&bench->singular), bench->singular.t,
              stop == STOP_END ? ", and what the method gives beyond means nothing" : "");
     return true;
 }
