@@ -14,6 +14,7 @@ enum { CENSORED_LEAST = 6, ROUNDS = 25 };
 
 #define HARMONICS 2.5   /* standard deviations of the second or third harmonic that make it worth a look */
 #define GAIN_LEAST 9.0  /* chi-square by which a ceiling must explain the samples better */
+#define RESOLVED 1.5    /* steps of the recording: what is flat over less is rounded, not cut */
 #define SLOPE_MOST 0.35 /* of reading against model beyond the level: 0 where it is flat, 1 where it is not */
 
 /* A flat top has harmonics; noise has none at all. */
@@ -40,6 +41,7 @@ struct censoring {
     unsigned char *use; /* [n] without the censored ones */
     double *residual;   /* [n] */
     double level, rss, slope;
+    double beyond; /* how far the model goes beyond the level */
     size_t censored;
 };
 
@@ -70,11 +72,13 @@ static bool settle(const struct motion *m, int side, struct censoring *c)
         if (changed == 0 && fabs(c->level - before) <= 1e-6 * hypot(c->harmonic.a, c->harmonic.b))
             break;
     }
+    c->beyond = 0;
     double square = 0, xx = 0, xy = 0, mean_x = 0, mean_y = 0, counted = 0;
     for (size_t i = 0; i < x.n; i++) {
         double over = x.y[i] - c->residual[i] - c->level, off = x.y[i] - c->level;
         if (m->samples.use[i] && !c->use[i]) {
             square += off * off;
+            c->beyond = fmax(c->beyond, fabs(over));
             xx += over * over;
             xy += over * off;
             mean_x += over;
@@ -104,7 +108,7 @@ static bool find_ceiling(const struct motion *m, int side, struct censoring *bes
             continue;
         double variance = trial->rss / (double)h->used;
         bool better = h->rss - trial->rss > GAIN_LEAST * variance;
-        if (better && fabs(trial->slope) < SLOPE_MOST) {
+        if (better && fabs(trial->slope) < SLOPE_MOST && trial->beyond > RESOLVED * m->quantum) {
             struct censoring swap = *best;
             *best = *trial;
             *trial = swap;

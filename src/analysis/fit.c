@@ -103,6 +103,13 @@ static bool fit_harmonic(const char *model, enum harmonic_free unknowns, bool dr
     fit->iterations = m.harmonic.iterations;
     fit->autocorrelation = m.autocorrelation;
     report(&m.samples, m.residual, &m.harmonic, (int)unknowns, fit->t0, fit);
+    if (m.tracked && !fit->converged) {
+        error_set(error, ERROR_NUMERICAL,
+                  "it oscillates, every %.4g s on average, but one %s sine does not follow it: %zu of %zu samples "
+                  "would be left out",
+                  m.overview.period, unknowns == FREE_GAMMA ? "damped" : "plain", fit->rejected, series->n);
+        return error_hint(error, "fit a shorter window; 'measure period' follows what changes");
+    }
     if (!fit->converged || !isfinite(fit->amplitude.value) || !(fit->amplitude.uncertainty < fit->amplitude.value)) {
         fit->converged = false;
         return error_set(error, ERROR_NUMERICAL, "the fit of %s did not converge in %d iterations", fit->model,

@@ -103,6 +103,7 @@ struct motion {
     size_t segments;
     double quantum; /* step to which values are rounded (noise of quantum/sqrt(12)), 0: none */
     double autocorrelation;
+    bool tracked; /* found window by window: the damped sine is only the nearest there is */
     size_t rejected, clipped; /* clipped are counted in rejected */
     struct ceiling {
         double level; /* flat tops: what is beyond reads as this */
@@ -139,6 +140,8 @@ bool enough_samples(const struct series *series, int parameters, struct error *e
 
 /* Angular frequency of the highest peak [rad/s], NAN: none inside the band. *memory becomes false without memory. */
 double peak_frequency(const struct samples *samples, struct arena *arena, bool *memory);
+/* The highest peaks of the whole and of the mean over its parts (a frequency that drifts) [rad/s]; returns how many. */
+int spectrum_candidates(const struct samples *samples, struct arena *arena, double *omega, int most, bool *memory);
 
 /* ---- amplitude.c ---- */
 

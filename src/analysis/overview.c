@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What a series looks like before any model, and the robust damped sine that every analysis of an oscillation starts
  * from. */
-#include "internal.h"
+#include "track.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -10,7 +10,9 @@
 #define PERIODS_LEAST 1.8  /* fewer are no oscillation: nothing repeats */
 #define DECREMENT_MOST 3.2 /* gamma T/2: the amplitude changes by a factor 25 in a period */
 #define WEAKLY_DAMPED 0.01 /* gamma/omega: the amplitude changes by 6 % in two periods */
-#define SAMPLES_A_PERIOD 2.5
+#define SAMPLES_A_PERIOD 2.02
+#define REJECTED_MOST 0.2 /* of the samples: a fit that leaves out more is none */
+#define CLIPPED_MOST 0.35 /* of the samples: a sine is beyond half its amplitude for a third of the time */
 #define DRIFTS 3.0  /* standard deviations of the offset's slope from which on it is fitted */
 #define CHANCE 20.0 /* -ln of the chance that noise looks like it, per frequency; much for wandering records */
 
@@ -44,21 +46,21 @@ static void extremes(struct motion *m)
     o->mean = used ? sum / (double)used : NAN;
 }
 
-/* The step to which values are rounded: the smallest between neighbours, if all are multiples of it; else 0. */
+/* The step to which values are rounded: the smallest between neighbours, if nearly all are multiples of it; else 0. */
 static double find_quantum(const struct samples *x)
 {
+    const double rounding = 1e-12 * fmax(fabs(x->y[0]), fabs(x->y[x->n - 1]));
     double quantum = HUGE_VAL;
     for (size_t i = 1; i < x->n; i++) {
         double step = fabs(x->y[i] - x->y[i - 1]);
-        quantum = step > 0 && step < quantum ? step : quantum;
+        quantum = step > rounding && step < quantum ? step : quantum;
     }
-    for (size_t i = 1; i < x->n; i++) {
+    size_t others = 0;
+    for (size_t i = 1; i < x->n && 100 * others <= x->n; i++) {
         double multiple = (x->y[i] - x->y[i - 1]) / quantum;
-        if (fabs(multiple - nearbyint(multiple)) > 0.01) {
-            return 0;
-        }
+        others += fabs(multiple - nearbyint(multiple)) > 0.01;
     }
-    return quantum;
+    return 100 * others <= x->n && isfinite(quantum) ? quantum : 0;
 }
 
 /* Where the energy of exp(-gamma t/2) cos lies on average: there the parameters are least correlated. */
@@ -140,6 +142,20 @@ static void judge(struct motion *m)
     }
 }
 
+/* A model that many samples must leave is none; behind flat tops there may be more, but not most of the motion. */
+static bool leaves_out_much(const struct motion *m)
+{
+    const double n = (double)m->samples.n;
+    return (double)(m->rejected - m->clipped) > REJECTED_MOST * n || (double)m->clipped > CLIPPED_MOST * n;
+}
+
+static void judge_rejected(struct motion *m)
+{
+    if (leaves_out_much(m)) {
+        refuse(&m->overview, "a damped sine would leave out %zu of its %zu samples", m->rejected, m->samples.n);
+    }
+}
+
 /* An offset that drifts has a line of its own, where it stands out of the residuals as they are with it. */
 static void find_drift(struct motion *m)
 {
@@ -156,34 +172,11 @@ static void find_drift(struct motion *m)
     }
 }
 
-bool motion_init(struct motion *m, const struct series *series, struct arena *arena, const struct cancel *cancel)
+/* The damped sine of the whole, from the given frequency on, and whether it is an oscillation. False: no memory. */
+static bool fit_whole(struct motion *m, double omega, struct arena *arena)
 {
-    *m = (struct motion){.overview = {.period = NAN, .periods = NAN, .noise = NAN}};
-    m->residual = arena_array(arena, series->n + 1, sizeof(double));
-    m->scratch = arena_array(arena, series->n + 1, sizeof(double));
-    if (!m->residual || !m->scratch || !samples_init(&m->samples, series, arena)) {
-        return false;
-    }
-    m->samples.cancel = cancel;
     struct overview *o = &m->overview;
-    extremes(m);
-    if (series->n < 8 || !(m->samples.dt > 0)) {
-        refuse(o, "it has only %zu samples", series->n);
-        return true;
-    }
-    if (!(o->high - o->low > 1e-12 * fmax(fabs(o->high), fabs(o->low)))) {
-        o->noise = 0;
-        refuse(o, "it is constant");
-        return true;
-    }
-    m->quantum = find_quantum(&m->samples);
-    o->noise = fmax(samples_noise(&m->samples, m->scratch), m->quantum / sqrt(12.0));
-    samples_flag_spikes(&m->samples, m->scratch);
-    bool memory;
-    double omega = peak_frequency(&m->samples, arena, &memory);
-    if (!memory) {
-        return false;
-    }
+    m->harmonic = (struct harmonic){.omega = omega};
     if (!isfinite(omega)) {
         refuse(o, "its spectrum has no peak above drift");
         return true;
@@ -211,11 +204,83 @@ bool motion_init(struct motion *m, const struct series *series, struct arena *ar
     if (!censor_clipped(m, arena)) {
         return false;
     }
+    judge_rejected(m);
+    if (!o->oscillates) {
+        return true;
+    }
     m->autocorrelation = residual_autocorrelation(&m->samples, m->residual);
     extremes(m);
     o->mean = m->harmonic.c;
     o->period = TWO_PI / m->harmonic.omega;
     o->periods = (m->samples.t[m->samples.n - 1] - m->samples.t[0]) / o->period;
+    return true;
+}
+
+/*
+ * What no single damped sine describes, followed window by window: then the period is the mean over the recording, and
+ * the damped sine is the nearest there is. The reason of the refusal stays where this finds nothing either.
+ */
+static bool fit_tracked(struct motion *m, double noise, struct arena *arena)
+{
+    struct overview *o = &m->overview;
+    struct track track;
+    if (!track_find(&m->samples, arena, &track)) {
+        return false;
+    }
+    if (!(track.omega > 0)) {
+        return true;
+    }
+    o->noise = noise;
+    if (!fit_whole(m, track.omega, arena)) {
+        return false;
+    }
+    m->harmonic.converged = m->harmonic.converged && !leaves_out_much(m);
+    m->tracked = true;
+    o->oscillates = true;
+    o->reason[0] = 0;
+    o->period = TWO_PI / track.omega;
+    o->periods = (m->samples.t[m->samples.n - 1] - m->samples.t[0]) / o->period;
+    return true;
+}
+
+bool motion_init(struct motion *m, const struct series *series, struct arena *arena, const struct cancel *cancel)
+{
+    *m = (struct motion){.overview = {.period = NAN, .periods = NAN, .noise = NAN}};
+    m->residual = arena_array(arena, series->n + 1, sizeof(double));
+    m->scratch = arena_array(arena, series->n + 1, sizeof(double));
+    if (!m->residual || !m->scratch || !samples_init(&m->samples, series, arena)) {
+        return false;
+    }
+    m->samples.cancel = cancel;
+    struct overview *o = &m->overview;
+    extremes(m);
+    if (series->n < 8 || !(m->samples.dt > 0)) {
+        refuse(o, "it has only %zu samples", series->n);
+        return true;
+    }
+    if (!(o->high - o->low > 1e-12 * fmax(fabs(o->high), fabs(o->low)))) {
+        o->noise = 0;
+        refuse(o, "it is constant");
+        return true;
+    }
+    m->quantum = find_quantum(&m->samples);
+    o->noise = fmax(samples_noise(&m->samples, m->scratch), m->quantum / sqrt(12.0));
+    samples_flag_spikes(&m->samples, m->scratch);
+    unsigned char *use = arena_alloc(arena, m->samples.n + 1);
+    if (!use) {
+        return false;
+    }
+    memcpy(use, m->samples.use, m->samples.n);
+    bool memory;
+    const double omega = peak_frequency(&m->samples, arena, &memory);
+    if (!memory || !fit_whole(m, omega, arena)) {
+        return false;
+    }
+    if (!o->oscillates && !cancelled(cancel)) {
+        const double noise = o->noise;
+        memcpy(m->samples.use, use, m->samples.n);
+        return fit_tracked(m, noise, arena);
+    }
     return true;
 }
 

@@ -9,6 +9,7 @@
 #define REJECT_AT 5.0      /* robust standard deviations */
 #define EXACT 1e-7         /* of the amplitude: deviations below are the model's, not the instrument's */
 #define CLIPPED_LEAST 0.01 /* of the samples */
+#define RESOLVED 1.5       /* steps of the recording: what falls short by less is rounded, not cut */
 #define FLAT 0.8           /* of the samples that fall short of the model read the same, or these are no flat tops */
 
 /* Where the model of a sample is: its value less the residual. side 1: above, -1: below; positive beyond the level. */
@@ -81,7 +82,7 @@ static size_t update_mask(struct motion *m, double typical, double noise)
 {
     size_t changed = 0;
     double exact = EXACT * hypot(m->harmonic.a, m->harmonic.b);
-    double band = fmax(3 * noise, 0.004 * (m->overview.high - m->overview.low));
+    double band = fmax(fmax(3 * noise, RESOLVED * m->quantum), 0.004 * (m->overview.high - m->overview.low));
     find_ceiling(m, 1, band);
     find_ceiling(m, -1, band);
     m->rejected = m->clipped = 0;

@@ -6,6 +6,8 @@
 #include <math.h>
 #include <string.h>
 
+#define SPIKES_MOST 0.2 /* of the samples */
+
 double random_fraction(uint64_t *state)
 {
     uint64_t z = (*state += 0x9E3779B97F4A7C15u);
@@ -112,7 +114,8 @@ double samples_noise(const struct samples *samples, double *scratch)
  * A missed echo: the value leaves the middle by more than two thirds of the robust range (15 to 85 %) in one sample and
  * comes back as fast within six samples, or the record ends there. Slow enough for every oscillation with at least six
  * samples a period; a coarse net that only protects the spectrum: local fits decide later. Once forwards, once
- * backwards: a bad first sample is seen from behind only.
+ * backwards: a bad first sample is seen from behind only. Where many are found they are the oscillation itself, with
+ * few samples a period, or its pulses.
  */
 void samples_flag_spikes(struct samples *samples, double *scratch)
 {
@@ -120,7 +123,7 @@ void samples_flag_spikes(struct samples *samples, double *scratch)
     if (samples->n < 16) {
         return;
     }
-    size_t n = samples->n, stride = n / 2048 + 1, count = 0;
+    size_t n = samples->n, stride = n / 2048 + 1, count = 0, flagged = 0;
     for (size_t i = 0; i < n; i += stride) {
         scratch[count++] = samples->y[i];
     }
@@ -146,8 +149,12 @@ void samples_flag_spikes(struct samples *samples, double *scratch)
             if (back <= i + LONGEST) {
                 for (; i < back; i++) {
                     use[(ptrdiff_t)i * step] = 0;
+                    flagged++;
                 }
             }
         }
+    }
+    if ((double)flagged > SPIKES_MOST * (double)n) {
+        memset(samples->use, 1, n);
     }
 }

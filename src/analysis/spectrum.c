@@ -8,6 +8,8 @@
 
 #define LOWEST_PERIODS 1.3 /* a peak below so many periods in the record is drift */
 
+enum { PART_LEAST = 16, CANDIDATES = 5 };
+
 struct transform {
     double *power; /* [bins] |X|^2 */
     size_t bins;   /* 0 … Nyquist */
@@ -96,7 +98,7 @@ double peak_frequency(const struct samples *x, struct arena *arena, bool *memory
     const double *p = spectrum.power;
     double span = x->t[x->n - 1] - x->t[0];
     size_t peak = 0, first = (size_t)ceil(LOWEST_PERIODS / span / spectrum.step);
-    for (size_t k = first > 1 ? first : 1; k < spectrum.bins * 4 / 5; k++) { /* 2.5 samples a period */
+    for (size_t k = first > 1 ? first : 1; k + 2 < spectrum.bins && k < spectrum.bins * 99 / 100; k++) { /* 2.02 samples a period */
         if (p[k] > p[k - 1] && p[k] >= p[k + 1] && (peak == 0 || p[k] > p[peak])) {
             peak = k;
         }
@@ -106,6 +108,71 @@ double peak_frequency(const struct samples *x, struct arena *arena, bool *memory
     }
     double l = log(p[peak - 1]), m = log(p[peak]), r = log(p[peak + 1]);
     return TWO_PI * spectrum.step * ((double)peak + 0.5 * (l - r) / (l - 2 * m + r));
+}
+
+/* Keeps the highest of the local maxima of a spectrum, best first. */
+static int highest(const struct transform *spectrum, double span, double *omega, int most)
+{
+    const double *p = spectrum->power;
+    const size_t first = (size_t)ceil(LOWEST_PERIODS / span / spectrum->step);
+    double height[8] = {0};
+    int count = 0;
+    most = most < (int)COUNT_OF(height) ? most : (int)COUNT_OF(height);
+    for (size_t k = first > 1 ? first : 1; k + 2 < spectrum->bins; k++) {
+        if (!(p[k] > p[k - 1] && p[k] >= p[k + 1])) {
+            continue;
+        }
+        int at = count < most ? count++ : most;
+        for (; at > 0 && p[k] > height[at - 1]; at--) {
+            if (at < most) {
+                height[at] = height[at - 1];
+                omega[at] = omega[at - 1];
+            }
+        }
+        if (at < most) {
+            height[at] = p[k];
+            omega[at] = TWO_PI * spectrum->step * (double)k;
+        }
+    }
+    return count;
+}
+
+/* The mean of the spectra of so many equal parts (Welch 1967, without overlap). */
+static struct transform mean_transform(const struct samples *x, size_t parts, struct arena *arena)
+{
+    const size_t n = x->n / parts;
+    struct transform mean = {.memory = true};
+    for (size_t k = 0; k < parts && mean.memory; k++) {
+        const struct samples part = samples_part(x, k * n, (k + 1) * n);
+        const struct transform one = transform(&part, arena);
+        if (k == 0 || !one.memory) {
+            mean = one;
+            continue;
+        }
+        for (size_t i = 0; i < mean.bins; i++) {
+            mean.power[i] += one.power[i];
+        }
+    }
+    return mean;
+}
+
+int spectrum_candidates(const struct samples *x, struct arena *arena, double *omega, int most, bool *memory)
+{
+    static const size_t parts[] = {1, 8, 32};
+    int count = 0;
+    *memory = true;
+    for (size_t k = 0; k < COUNT_OF(parts) && *memory; k++) {
+        if (x->n / parts[k] < PART_LEAST) {
+            break;
+        }
+        const struct transform spectrum = mean_transform(x, parts[k], arena);
+        *memory = spectrum.memory;
+        const int share = most - count < CANDIDATES ? most - count : CANDIDATES;
+        if (spectrum.memory) {
+            count += highest(&spectrum, (x->t[x->n - 1] - x->t[0]) / (double)parts[k], omega + count, share);
+        }
+    }
+    return count;
 }
 
 /* Three points of the least-squares spectrum (Zechmeister & Kürster 2009: with a floating mean) and a parabola. */

@@ -55,7 +55,7 @@ static void find_missing(struct cleaning *c)
 
 /* ---- values ---- */
 
-/* The step of which all differences are multiples, in the numbers as they stand in the file. */
+/* The step of which nearly all differences are multiples, in the numbers as they stand in the file. */
 static void find_steps(struct cleaning *c)
 {
     const struct column *column = &c->recording->column[c->recording->value];
@@ -71,9 +71,10 @@ static void find_steps(struct cleaning *c)
     }
     c->swing = sorted_quantile(c->sorted, n, 0.995) - c->sorted[(size_t)(0.005 * (double)n)];
     before = NAN;
-    for (size_t i = 0; i < c->n; i++) {
+    for (size_t i = 0, others = 0; i < c->n; i++) {
         const double multiple = (column->value[i] - before) / quantum;
-        if (fabs(multiple - nearbyint(multiple)) > 0.01)
+        others += fabs(multiple - nearbyint(multiple)) > 0.01;
+        if (100 * others > n)
             return;
         before = isnan(c->y[i]) ? before : column->value[i];
     }
