@@ -51,6 +51,17 @@ struct tally {
     struct sum work, drag; /* since the start: drag, drive, jumps and changes of parameters; drag alone */
 };
 
+/* ---- pool.c: memory that goes back all at once ---- */
+
+struct pool {
+    struct pool_block *blocks;
+    char *free; /* in the last of them: `left` bytes */
+    size_t left, bytes;
+};
+
+void *pool_take(struct pool *pool, size_t size); /* a multiple of 16 bytes, not cleared; NULL: no memory */
+void pool_release(struct pool *pool);
+
 /* ---- trace ----
  *
  * Row: n state values, then the time if `timed` (adaptive). Row i is step i * every, until the trace is decimated: then
@@ -72,6 +83,7 @@ struct trace {
     size_t chunks, indices, room, count;
     double **mark; /* [marks] the balance at each row, where there are steps between rows */
     size_t marks, mark_width;
+    struct pool pool, mark_pool; /* of rows and their steps; of marks */
 
     int64_t bucket;         /* steps that share at most three rows; 1: not decimated */
     int64_t tail_end;       /* step at which the last bucket ends */

@@ -56,10 +56,7 @@ void trace_destroy(struct trace *trace)
 {
     if (!trace)
         return;
-    for (size_t i = 0; i < trace->chunks; i++)
-        free(trace->chunk[i]);
-    for (size_t i = 0; i < trace->indices; i++)
-        free(trace->index[i]);
+    pool_release(&trace->pool);
     free_marks(trace);
     free(trace->chunk);
     free(trace->index);
@@ -75,7 +72,7 @@ static bool grow_index(struct trace *trace)
         return false;
     trace->index = index;
     for (; trace->indices < trace->chunks; trace->indices++)
-        if (!(index[trace->indices] = malloc(CHUNK_ROWS * sizeof **index)))
+        if (!(index[trace->indices] = pool_take(&trace->pool, CHUNK_ROWS * sizeof **index)))
             return false;
     return true;
 }
@@ -111,12 +108,13 @@ void trace_set_mark(struct trace *trace, size_t i, const struct tally *tally)
 
 static bool grow_marks(struct trace *trace)
 {
+    const size_t bytes = CHUNK_ROWS * trace->mark_width * sizeof(double);
     double **mark = realloc(trace->mark, trace->room * sizeof *mark);
     if (!mark)
         return false;
     trace->mark = mark;
     for (; trace->marks < trace->chunks; trace->marks++)
-        if (!(mark[trace->marks] = malloc(CHUNK_ROWS * trace->mark_width * sizeof **mark)))
+        if (!(mark[trace->marks] = pool_take(&trace->mark_pool, bytes)))
             return false;
     return true;
 }
@@ -125,8 +123,7 @@ static const struct tally unknown = {.scale = -1};
 
 static void free_marks(struct trace *trace)
 {
-    for (size_t i = 0; i < trace->marks; i++)
-        free(trace->mark[i]);
+    pool_release(&trace->mark_pool);
     free(trace->mark);
 }
 
@@ -136,6 +133,7 @@ bool trace_mark_rows(struct trace *trace, bool work)
     if (trace->mark_width >= (work ? MARK_WORK : MARK_EXTREMES))
         return true;
     made.mark = NULL;
+    made.mark_pool = (struct pool){0};
     made.marks = 0;
     made.mark_width = work ? MARK_WORK : MARK_EXTREMES;
     if (made.chunks > 0 && !grow_marks(&made)) {
@@ -161,7 +159,7 @@ static bool grow(struct trace *trace)
         trace->chunk = chunk;
         trace->room = room;
     }
-    double *rows = malloc(CHUNK_ROWS * trace->width * sizeof *rows);
+    double *rows = pool_take(&trace->pool, CHUNK_ROWS * trace->width * sizeof *rows);
     if (!rows)
         return false;
     trace->chunk[trace->chunks++] = rows;
@@ -172,7 +170,8 @@ static bool grow(struct trace *trace)
 static bool make_room(struct trace *trace)
 {
     size_t needed = (trace->count >> CHUNK_SHIFT) + 1;
-    return (needed <= trace->chunks || grow(trace)) && (!trace_marked(trace) || needed <= trace->marks || grow_marks(trace)) &&
+    return (needed <= trace->chunks || grow(trace)) &&
+           (!trace_marked(trace) || needed <= trace->marks || grow_marks(trace)) &&
            (!indexed(trace) || needed <= trace->indices || grow_index(trace));
 }
 
@@ -518,7 +517,7 @@ bool trace_decimated(const struct trace *trace)
 size_t trace_bytes(const struct trace *trace)
 {
     return sizeof *trace + trace->room * sizeof *trace->chunk + trace->grid_room * sizeof *trace->grid +
-           trace->chunks * CHUNK_ROWS * trace->width * sizeof(double) + trace->indices * CHUNK_ROWS * sizeof(int64_t) +
-           trace->marks * CHUNK_ROWS * trace->mark_width * sizeof(double) + (trace->mark ? trace->room * sizeof *trace->mark : 0) +
+           trace->pool.bytes + trace->mark_pool.bytes +
+           (trace->mark ? trace->room * sizeof *trace->mark : 0) +
            (trace->index ? trace->room * sizeof *trace->index : 0);
 }

@@ -23,6 +23,7 @@ static size_t live, peak;
 void *__libc_malloc(size_t size);
 void *__libc_calloc(size_t count, size_t size);
 void *__libc_realloc(void *old, size_t size);
+void *__libc_memalign(size_t alignment, size_t size);
 void __libc_free(void *memory);
 
 static bool failing(void)
@@ -31,9 +32,18 @@ static bool failing(void)
     return fail_at > 0 && (calls == fail_at || (fail_on && calls > fail_at));
 }
 
+#define LARGE_PAGE ((size_t)1 << 21)
+
+/* For a block that is aligned to large pages the allocator also takes addresses that nobody touches: no memory. */
+static size_t size_of(void *memory)
+{
+    const bool large = (uintptr_t)memory % LARGE_PAGE == 0;
+    return !memory ? 0 : large ? LARGE_PAGE : malloc_usable_size(memory);
+}
+
 static void *counted(void *memory)
 {
-    live += memory ? malloc_usable_size(memory) : 0;
+    live += size_of(memory);
     peak = live > peak ? live : peak;
     return memory;
 }
@@ -52,15 +62,20 @@ void *realloc(void *old, size_t size)
 {
     if (failing())
         return NULL;
-    size_t before = old ? malloc_usable_size(old) : 0;
+    size_t before = size_of(old);
     void *memory = __libc_realloc(old, size);
     live -= memory ? before : 0;
     return counted(memory);
 }
 
+void *aligned_alloc(size_t alignment, size_t size)
+{
+    return failing() ? NULL : counted(__libc_memalign(alignment, size));
+}
+
 void free(void *memory)
 {
-    live -= memory ? malloc_usable_size(memory) : 0;
+    live -= size_of(memory);
     __libc_free(memory);
 }
 

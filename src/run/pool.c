@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Memory for the rows of a trace. The first blocks are as large as what is asked for. Once there are some, further ones
+ * are large pages: what the system takes to provide memory page by page is more than a step of a short method costs.
+ */
+#include "private.h"
+
+#include <stdlib.h>
+#include <sys/mman.h>
+
+#define SMALL ((size_t)1 << 19) /* [byte] that come in blocks of their own */
+#define LARGE ((size_t)1 << 21) /* [byte] a large page */
+
+struct pool_block {
+    struct pool_block *next;
+    max_align_t data[];
+};
+
+static struct pool_block *small_block(size_t size)
+{
+    return malloc(sizeof(struct pool_block) + size);
+}
+
+static struct pool_block *large_block(void)
+{
+    struct pool_block *block = aligned_alloc(LARGE, LARGE);
+#ifdef MADV_HUGEPAGE
+    if (block)
+        madvise(block, LARGE, MADV_HUGEPAGE); /* where there are none it is memory all the same */
+#endif
+    return block;
+}
+
+static bool pool_grow(struct pool *pool, size_t size)
+{
+    const bool small = pool->bytes < SMALL || size > LARGE / 4;
+    struct pool_block *block = small ? small_block(size) : large_block();
+    if (!block)
+        return false;
+    block->next = pool->blocks;
+    pool->blocks = block;
+    pool->free = (char *)block->data;
+    pool->left = small ? size : LARGE - sizeof *block;
+    pool->bytes += pool->left + sizeof *block;
+    return true;
+}
+
+void *pool_take(struct pool *pool, size_t size)
+{
+    if (pool->left < size && !pool_grow(pool, size))
+        return NULL;
+    void *taken = pool->free;
+    pool->free += size;
+    pool->left -= size;
+    return taken;
+}
+
+void pool_release(struct pool *pool)
+{
+    while (pool->blocks) {
+        struct pool_block *block = pool->blocks;
+        pool->blocks = block->next;
+        free(block);
+    }
+    *pool = (struct pool){0};
+}
