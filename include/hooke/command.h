@@ -371,6 +371,7 @@ struct session {
     int runs, current_run; /* index, -1: none */
     int next_run;          /* number of the next run */
     bool told_method;      /* that nobody has chosen one */
+    bool told_assumed;     /* which duration and tolerance this scene gets */
     struct held_recording *recording[LIMIT_RECORDINGS];
     int recordings, current_recording; /* index, -1: none */
     bool data_is_latest;               /* the recording is more recent than the run: measure acts on it */

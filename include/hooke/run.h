@@ -94,8 +94,15 @@ enum stop {                 /* why a run is where it is */
             STOP_STALLED,     /* adaptive step below rounding */
             STOP_SLIDES,      /* along a switch, or switches pile up: adaptive only */
             STOP_FULL,        /* memory budget used up */
-            STOP_SINGULAR     /* the solution itself ends there */
+            STOP_SINGULAR,    /* the solution itself ends there */
+            STOP_GIVEN_UP     /* whoever advanced it left it there: it would take too long */
 };
+
+/* It can go on along the way it was on. */
+static inline bool stop_is_pause(enum stop stop)
+{
+    return stop == STOP_CANCELLED || stop == STOP_GIVEN_UP;
+}
 
 /* It did not get where it should, and cannot: no step on from there. */
 static inline bool stop_is_failure(enum stop stop)

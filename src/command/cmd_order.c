@@ -108,6 +108,7 @@ HANDLER(order)
             return error_at(error, dt->where, "a sweep needs two ends above 0, as in dt=1ms:100ms");
     }
     struct order order;
+    reply_assumed(session, false, true, reply);
     const bool ok = study_order(&request, &order, error);
     if (ok || order.points > 0) {
         struct buffer text = {0};

@@ -152,6 +152,7 @@ HANDLER(precision)
     request.contenders = count;
     struct precision precision;
     const int64_t begin = clock_ns();
+    reply_assumed(session, false, true, reply);
     reply_shorter(session, reply);
     ok = study_precision(&request, &precision, error);
     if (precision.curves > 0) {

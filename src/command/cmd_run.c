@@ -11,6 +11,7 @@
 #define SECONDS_ASKED 60     /* predicted run times above it need --force or a yes */
 #define UNTIL_DURATIONS 1000 /* `run until` gives up after so many durations */
 #define STEPS_MOST 1000000000
+#define STEPS_JUDGED 100000 /* of an adaptive run, before its speed says how long it will take */
 #define SLICE_NS 10000000 /* 10 ms between looks at the front end */
 
 /* ---- going ---- */
@@ -41,6 +42,14 @@ struct journey {
     int legs; /* journal and run as they were before */
     int64_t steps;
     double t;
+    bool force;
+    double left; /* [s] that it would have taken when it was given up */
+};
+
+/* Where an adaptive run was last looked at, on its way. */
+struct pace {
+    int64_t steps;
+    double t, seconds;
 };
 
 /* The run's own events, in the names of its own scene. */
@@ -82,10 +91,40 @@ static bool set_out(struct session *session, const struct arguments *given, int6
     return !held->events || watch(session, given, journey, error);
 }
 
-static void travel(struct session *session, struct run *run, const struct run_target *target, bool clocked)
+/*
+ * How many steps an adaptive run takes nobody knows before. Each time that their number has doubled the last half says
+ * how long the rest takes [s]; 0: not yet known.
+ */
+static double time_left(const struct run *run, const struct run_target *target, int64_t first, struct pace *pace)
+{
+    const double rest = target->t - run->t;
+    if (!run->plan.adaptive || target->condition || target->steps >= 0 || !(fabs(rest) < FAR) ||
+        run->steps - first < (pace->steps ? 2 * (pace->steps - first) : STEPS_JUDGED))
+        return 0;
+    const double way = run->t - pace->t, left = pace->steps ? (run->seconds - pace->seconds) * (rest / way) : 0;
+    *pace = (struct pace){run->steps, run->t, run->seconds};
+    return left;
+}
+
+/* False: it would take too long, and nobody wants that. */
+static bool goes_on(struct session *session, const struct run *run, struct journey *journey, int64_t first,
+                    struct pace *pace)
+{
+    struct error ignored = {0};
+    const double steps = (double)pace->steps, t = pace->t;
+    journey->left = journey->force ? 0 : time_left(run, &journey->target, first, pace);
+    if (!(journey->left > SECONDS_ASKED))
+        return true;
+    const double more = ((double)run->steps - steps) * ((journey->target.t - run->t) / (run->t - t));
+    return journey->force = allow_long(session, journey->left, more, false, &ignored);
+}
+
+static void travel(struct session *session, struct run *run, struct journey *journey, bool clocked)
 {
     const struct front *front = &session->front;
+    const struct run_target *target = &journey->target;
     const double from = run->t;
+    struct pace pace = {.steps = 0};
     if (front->watched && front->slice) {
         live_advance(session, run, target, clocked && session->typed);
         return;
@@ -94,6 +133,10 @@ static void travel(struct session *session, struct run *run, const struct run_ta
     const int64_t first = run->steps;
     while (run_advance(run, &rest, SLICE_NS, front->cancel)) {
         rest.steps = target->steps < 0 ? -1 : target->steps - (run->steps - first);
+        if (!goes_on(session, run, journey, first, &pace)) {
+            run->stop = STOP_GIVEN_UP;
+            break;
+        }
         if (front->progress)
             front->progress(front->context, run, fabs(target->t) < FAR ? (run->t - from) / (target->t - from) : -1);
     }
@@ -105,7 +148,7 @@ static void travel(struct session *session, struct run *run, const struct run_ta
  * events did it does again. */
 static void tell(struct session *session, const struct journey *journey)
 {
-    const bool paused = journey->held->run->stop == STOP_CANCELLED;
+    const bool paused = stop_is_pause(journey->held->run->stop);
     const bool whole = journey->legs == 1 && journey->steps == 0;
     if (paused || journal_changed(journey->held, journey->legs))
         journal_write(session, journey->held, whole ? 0 : journey->legs, whole ? -1 : journey->steps, 0, false,
@@ -150,6 +193,12 @@ static bool arrive(struct session *session, const struct journey *journey, const
                error_set(error, ERROR_CANCELLED, "run %d was interrupted and is kept up to t = %.6g s", run->number,
                          run->t);
     }
+    if (run->stop == STOP_GIVEN_UP) {
+        error_set(error, ERROR_COMMAND, "given up at t = %.6g s after %lld steps: at this pace the rest takes about "
+                  "%.2g s; run %d is kept up to there", run->t, (long long)run->steps, journey->left, run->number);
+        return error_hint(error, "--force runs it all the same%s",
+                          run->method->flags & METHOD_IMPLICIT ? "" : "; try an implicit method that adapts, as radau5");
+    }
     if (run->stop == STOP_END && journey->target.condition)
         return error_set(error, ERROR_COMMAND, "the condition did not become true up to t = %.6g s", run->t);
     if (stop_is_failure(run->stop) || run->stop == STOP_FULL) {
@@ -183,13 +232,14 @@ static bool advance(struct session *session, const struct arguments *given, int6
     bool ok = true;
     if (!set_out(session, given, steps, &journey, error))
         return false;
+    journey.force = journey.target.steps >= 0 || is_given(given, "force");
     struct run *run = journey.held->run;
     const int64_t last = journey.target.steps < 0 ? -1 : run->steps + journey.target.steps;
     if (clocked && session->typed && session->front.watched && session->front.slice)
         reply_running(session, reply);
     do {
         journey.target.steps = last < 0 ? -1 : last - run->steps;
-        travel(session, run, &journey.target, clocked);
+        travel(session, run, &journey, clocked);
     } while (events_pass(session, &journey.target, &passage, given, reply, &ok, &why));
     const bool early = run->stop == STOP_END && run->t != journey.leg.t && steps >= 0 && run->steps < journey.leg.end;
     if (early)
@@ -275,6 +325,7 @@ HANDLER(run)
         session->next_run = run->number + 1;
     }
     reply_unchosen(session, reply);
+    reply_assumed(session, run->plan.adaptive, !duration->count && !to->count, reply);
     reply_coarse(session, run, reply);
     reply_tiny(run, reply);
     return new_leg(session, t, INT64_MAX, until, error) &&
@@ -328,12 +379,12 @@ static bool is_paused(const struct session *session, const struct run *run)
 {
     const struct leg *leg = journal_pending(session->run[session->current_run]);
     const bool at_event = run->stop == STOP_CONDITION && leg && leg->met == 0;
-    return leg && (run->stop == STOP_CANCELLED || (at_event && leg->end == INT64_MAX && run->t != leg->t));
+    return leg && (stop_is_pause(run->stop) || (at_event && leg->end == INT64_MAX && run->t != leg->t));
 }
 
 static bool resume(struct session *session, const struct run *run, struct error *error)
 {
-    return run->stop == STOP_CANCELLED || journal_go_on(session->run[session->current_run], false, error);
+    return stop_is_pause(run->stop) || journal_go_on(session->run[session->current_run], false, error);
 }
 
 HANDLER(continue)

@@ -123,6 +123,7 @@ HANDLER(scene)
         const struct preset *preset = (const struct preset *)(const void *)name->item->row;
         if (preset && as->count)
             return error_at(error, as->where, "a scene has one name; 'scene new NAME' begins one of your own");
+        session->told_assumed = false;
         if (preset)
             scene_init(&session->setup.scene, preset);
         else if (!new_scene(session, as, error))

@@ -149,8 +149,8 @@ static void reply_table(const struct session *session, const struct comparison *
         setting_cell(&table, run);
         settings[i] = cell_last(&table);
         cell_count(&table, run->steps);
-        if (columns.energy && (stop_is_failure(run->stop) || run->stop == STOP_CANCELLED))
-            cell_text(&table, run->stop == STOP_CANCELLED ? "given up" : stop_name(run->stop));
+        if (columns.energy && (stop_is_failure(run->stop) || run->stop == STOP_GIVEN_UP))
+            cell_text(&table, stop_name(run->stop));
         else if (columns.energy)
             cell_quantity(&table, rows[i].ledger.error_max, QUANTITY_NUMBER, 3);
         cell_quantity(&table, rows[i].errors.max, QUANTITY_NUMBER, 3);
@@ -269,6 +269,14 @@ static void reply_saved(const struct comparison *rows, int count, struct reply *
     buffer_free(&numbers);
 }
 
+static bool contenders_adapt(const struct compare_request *request)
+{
+    for (int c = 0; c < request->contenders && request->tols > 0; c++)
+        if (request->contender[c].method->flags & METHOD_ADAPTIVE)
+            return true;
+    return false;
+}
+
 HANDLER(compare)
 {
     const struct given *methods = given_for(given, "METHOD"), *dt = given_for(given, "dt"),
@@ -312,6 +320,7 @@ HANDLER(compare)
         return false;
     int count = 0;
     struct error study = {0};
+    reply_assumed(session, contenders_adapt(&request), true, reply);
     reply_shorter(session, reply);
     const bool ok = study_compare(&request, rows, &count, &study);
     if (!keep_runs(session, rows, count, error))
@@ -332,14 +341,17 @@ HANDLER(compare)
 COMMAND(compare, .row = {"compare", "", "several methods on the same scene: error, energy, time", "", NULL},
         .group = "STUDY",
         .text =
-            "Each method runs for the setting 'duration', however long the last run was, with each dt given. The error "
-            "is the largest distance from "
-            "the exact\n"
-            "solution, divided by the amplitude; without a closed form, from a reference that two methods of different "
-            "kinds agree\n"
-            "on. ns/step is the shortest time of a solve that records nothing, by its steps; what is timed by the "
-            "general code is\n"
-            "marked, where others have code of their own. The runs are kept; a method that diverges is a result, not a failure.",
+            "Each method runs for the setting 'duration', however long the last run was. Methods that adapt do so, with "
+            "the setting\n"
+            "'tol', unless dt= is given; the others run with each dt. The error is the largest distance from the exact "
+            "solution,\n"
+            "divided by the amplitude; without a closed form, from a reference that two methods of different kinds "
+            "agree on. ns/step\n"
+            "is the shortest time of a solve that records nothing, by its steps; what is timed by the general code is "
+            "marked, where\n"
+            "others have code of their own. The runs are kept; a method that diverges is a result, not a failure, and "
+            "so is one that\n"
+            "adapts and has not arrived after 2e6 steps (status given-up).",
         .examples = "compare euler symplectic-euler\ncompare euler verlet rk4 dt=10ms,5ms",
         .see = "precision method runs plot timing", .flags = COMMAND_CHANGES,
         ARGUMENTS(PLACE("METHOD", TYPE_CHOICE, .flags = ARG_REQUIRED | ARG_MANY, .choices = &method_catalog),

@@ -286,6 +286,7 @@ HANDLER(sweep)
     study_sweep_predict(&request, &steps, &seconds);
     if (!allow_long(session, seconds, steps, force, error))
         return false;
+    reply_assumed(session, request.settings.tol > 0, true, reply);
     reply_shorter(session, reply);
     const bool ok = study_sweep(&request, &sweep, error);
     report_sweep(&session->front, 2);

@@ -310,6 +310,11 @@ void reply_vanished(const struct run *run, struct reply *reply); /* every value 
 void reply_tiny(const struct run *run, struct reply *reply);
 /* Says once which method a scene of the user's own gets where nobody has chosen one. */
 void reply_unchosen(struct session *session, struct reply *reply);
+/*
+ * Says once of each scene of the user's own which duration, tolerance and first step are taken where nobody has set them:
+ * those of the lab. adapts: a step control will use the last two; by_setting: 'duration' will be used.
+ */
+void reply_assumed(struct session *session, bool adapts, bool by_setting, struct reply *reply);
 /* Of a study: that it takes the setting, although the present run took longer. */
 void reply_shorter(const struct session *session, struct reply *reply);
 /* Warns of a step that is too coarse for the period. */

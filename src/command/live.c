@@ -117,7 +117,7 @@ void live_refresh(struct session *session)
     const struct run *run = session_run(session);
     const struct held_run *held = run ? session->run[session->current_run] : NULL;
     live->state = !run                          ? LIVE_IDLE
-                  : run->stop == STOP_CANCELLED ? LIVE_PAUSED
+                  : stop_is_pause(run->stop) ? LIVE_PAUSED
                   : run->stop == STOP_DIVERGED || run->stop == STOP_SINGULAR ? LIVE_DIVERGED
                                                 : LIVE_IDLE;
     live->mark_count = held ? journal_changes(held->last, live->marks, (int)COUNT_OF(live->marks)) : 0;
@@ -152,7 +152,7 @@ bool live_bind(struct session *session, int param, double *from, struct error *e
         return error_set(error, ERROR_COMMAND, "%s is where a run starts: it cannot change on the way", name);
     if (live->changing && place < 0)
         return error_set(error, ERROR_COMMAND, "run %d has no %s: that came later", run->number, name);
-    const bool going = run && (live->state == LIVE_RUNNING || (session->typed && run->stop == STOP_CANCELLED) ||
+    const bool going = run && (live->state == LIVE_RUNNING || (session->typed && stop_is_pause(run->stop)) ||
                                live->changing || session->reacting);
     if (!going || is_start || is_other || place < 0)
         return true;

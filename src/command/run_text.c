@@ -129,6 +129,35 @@ void reply_unchosen(struct session *session, struct reply *reply)
     buffer_free(&text);
 }
 
+void reply_assumed(struct session *session, bool adapts, bool by_setting, struct reply *reply)
+{
+    const struct settings *settings = &session->setup.settings;
+    const bool duration = by_setting && !settings->duration_given, tol = adapts && !settings->tol_given,
+               first = adapts && !settings->dt_given;
+    if (session->told_assumed || !typed_preset(session->setup.scene.model) || !(duration || tol || first))
+        return;
+    session->told_assumed = true;
+    struct buffer text = {0};
+    const char *and = "";
+    if (duration) {
+        buffer_put(&text, TEXT("duration = "));
+        buffer_measured(&text, (struct measured){settings->duration, 0}, QUANTITY_TIME, 4);
+        and = ", ";
+    }
+    if (tol) {
+        buffer_format(&text, "%stol = ", and);
+        buffer_short(&text, settings->tol, 3);
+        and = ", ";
+    }
+    if (first) {
+        buffer_format(&text, "%sfirst step dt = ", and);
+        buffer_measured(&text, (struct measured){session_first_step(session), 0}, QUANTITY_TIME, 4);
+    }
+    reply_line(reply, "assumed: %s ('%s = ...' sets it)", buffer_view(&text),
+               duration ? "duration" : tol ? "tol" : "dt");
+    buffer_free(&text);
+}
+
 void reply_shorter(const struct session *session, struct reply *reply)
 {
     const struct run *run = session_run(session);

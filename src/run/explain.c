@@ -109,6 +109,7 @@ void run_explain(const struct run *run, struct buffer *text)
         [STOP_SLIDES] = "no way on from a switch at",
         [STOP_FULL] = "stopped at",
         [STOP_SINGULAR] = "stopped at",
+        [STOP_GIVEN_UP] = "given up at",
     };
     buffer_format(text, "%s t = ", what[run->stop]);
     put_time(text, run->t, run->stop == STOP_CONDITION ? 10 : 6);
@@ -159,6 +160,7 @@ void run_explain(const struct run *run, struct buffer *text)
     case STOP_END:
     case STOP_CONDITION:
     case STOP_CANCELLED:
+    case STOP_GIVEN_UP:
         break;
     }
 }

@@ -23,6 +23,7 @@ const char *stop_name(enum stop stop)
         [STOP_SLIDES] = "slides",
         [STOP_FULL] = "full",
         [STOP_SINGULAR] = "singular",
+        [STOP_GIVEN_UP] = "given-up",
     };
     return name[stop];
 }

@@ -117,7 +117,7 @@ static void judge(struct comparison *row)
     const struct run *run = row->run;
     char span[48];
     span_text(fabs(run->t - run->system.t0), span);
-    if (run->stop == STOP_CANCELLED) {
+    if (run->stop == STOP_GIVEN_UP) {
         const double share = fabs((run->t - run->system.t0) / row->duration);
         snprintf(row->verdict, sizeof row->verdict,
                  "given up at t = %.4g s after %lld steps: %.2g s would take about %.1g of them%s", run->t,
@@ -203,7 +203,7 @@ static bool compare_one(const struct compare_request *request, const struct cont
     while (run_advance(row->run, &target, 0, request->cancel)) {
     }
     if (row->run->stop == STOP_END && row->run->t != target.t)
-        row->run->stop = STOP_CANCELLED; /* nobody could say before how many it would take */
+        row->run->stop = STOP_GIVEN_UP; /* nobody could say before how many it would take */
     run_diagnose(row->run);
     if (row->run->stop == STOP_END && !isnan(reference->singular.t)) { /* it jumped over */
         row->run->stop = STOP_SINGULAR;
