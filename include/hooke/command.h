@@ -511,6 +511,7 @@ enum charset session_charset(const struct session *session);
 enum plot_kind {
     PLOT_POSITION,
     PLOT_VELOCITY,
+    PLOT_ACCELERATION,
     PLOT_PHASE,
     PLOT_ORBIT, /* of two coordinates */
     PLOT_ENERGY,

@@ -5,6 +5,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <stdio.h>
 #include <string.h>
 
 static struct measured run_period(const struct run *run, struct arena *arena)
@@ -109,6 +110,20 @@ static void put_general(const struct comparison *rows, int count, struct buffer 
     buffer_free(&names);
 }
 
+static void distance_cell(struct text_table *table, const struct session *session, const struct run *run)
+{
+    const struct data_distance data = run_data_distance(run, session_recording(session));
+    cell_quantity(table, data.rms, run_derivative(run, data.derivative).quantity, 3);
+}
+
+/* "rms(y-data)", of what the recording holds. */
+static const char *rms_heading(const struct session *session, const struct run *run, char out[LIMIT_NAME + 16])
+{
+    const int derivative = recorded_derivative(session_recording(session), run);
+    snprintf(out, LIMIT_NAME + 16, "rms(%s-data)", run_derivative(run, derivative > 0 ? derivative : 0).name);
+    return out;
+}
+
 static void reply_table(const struct session *session, const struct comparison *rows, int count, struct arena *arena,
                         struct reply *reply)
 {
@@ -127,6 +142,7 @@ static void reply_table(const struct session *session, const struct comparison *
     bool several = false;
     for (int i = 1; i < count; i++)
         several |= rows[i].run->method == rows[i - 1].run->method;
+    char rms[LIMIT_NAME + 16];
     const struct {
         const char *name;
         bool shown;
@@ -135,7 +151,7 @@ static void reply_table(const struct session *session, const struct comparison *
                    {"steps", true},
                    {"|dE/E0|", columns.energy},
                    {"max error", true},
-                   {"rms(y-data)", columns.data},
+                   {columns.data ? rms_heading(session, rows[0].run, rms) : "", columns.data},
                    {"period T", columns.period},
                    {"phase err", columns.phase},
                    {"time", true},
@@ -155,7 +171,7 @@ static void reply_table(const struct session *session, const struct comparison *
             cell_quantity(&table, rows[i].ledger.error_max, QUANTITY_NUMBER, 3);
         cell_quantity(&table, rows[i].errors.max, QUANTITY_NUMBER, 3);
         if (columns.data)
-            cell_quantity(&table, run_data_distance(run, session_recording(session)).rms, QUANTITY_LENGTH, 3);
+            distance_cell(&table, session, run);
         if (columns.period)
             period_cell(&table, period[i]);
         if (columns.phase)

@@ -210,25 +210,59 @@ bool values_at_rows(const struct run *run, const struct observable *observable, 
     return true;
 }
 
-double run_position(const struct run *run, double t)
+/* Cubic Hermite between two values with their slopes; x: part of the way, h: its length. */
+static double hermite(double x, double h, double left, double left_slope, double right, double right_slope)
+{
+    const double z = 1 - x;
+    return z * z * (1 + 2 * x) * left + x * x * (3 - 2 * x) * right + h * x * z * (z * left_slope - x * right_slope);
+}
+
+static double acceleration(const struct run *run, double t, const double *y)
+{
+    double a[LIMIT_VARIABLES];
+    system_acceleration(&run->system, t, y, a);
+    return a[0];
+}
+
+/* The acceleration of the state that lies between two rows. */
+static double acceleration_between(const struct run *run, double t, double x, double h, const double *left,
+                                   const double *right)
+{
+    double state[LIMIT_VARIABLES];
+    const int half = run->system.n / 2;
+    for (int i = 0; i < half; i++) {
+        state[i] = hermite(x, h, left[i], left[i + half], right[i], right[i + half]);
+        state[i + half] = (1 - x) * left[i + half] + x * right[i + half];
+    }
+    return acceleration(run, t, state);
+}
+
+double run_motion(const struct run *run, double t, int derivative)
 {
     const size_t after = row_after(run, t), count = trace_count(run->trace);
-    if (after == count)
+    const int half = run->system.order == 2 ? run->system.n / 2 : 0;
+    if (after == count || (half == 0 && derivative > 0))
         return NAN;
     const double *right = trace_state(run->trace, after);
-    const double b = trace_time(run->trace, after), y1 = right[0],
-                 v1 = run->system.order == 2 ? right[run->system.n / 2] : 0;
+    const double b = trace_time(run->trace, after);
     if (b == t)
-        return y1;
+        return derivative == 2 ? acceleration(run, t, right) : right[derivative * half];
     if (after == 0)
         return NAN;
     const double *left = trace_state(run->trace, after - 1);
-    const double a = trace_time(run->trace, after - 1), h = b - a, x = (t - a) / h, z = 1 - x;
-    if (run->system.order != 2)
-        return z * left[0] + x * y1;
-    /* Cubic Hermite through both states. */
-    return z * z * (1 + 2 * x) * left[0] + x * x * (3 - 2 * x) * y1 +
-           h * x * z * (z * left[run->system.n / 2] - x * v1);
+    const double a = trace_time(run->trace, after - 1), h = b - a, x = (t - a) / h;
+    if (half == 0)
+        return (1 - x) * left[0] + x * right[0];
+    if (derivative == 0)
+        return hermite(x, h, left[0], left[half], right[0], right[half]);
+    if (derivative == 1)
+        return hermite(x, h, left[half], acceleration(run, a, left), right[half], acceleration(run, b, right));
+    return acceleration_between(run, t, x, h, left, right);
+}
+
+double run_position(const struct run *run, double t)
+{
+    return run_motion(run, t, 0);
 }
 
 /* ---- envelopes ---- */

@@ -35,7 +35,11 @@ bool chosen_at_rows(const struct run *run, const struct chosen_column *column, c
 /* State variable i at these rows. */
 void state_at_rows(const struct run *run, int i, const struct chosen_rows *rows, double *out);
 /* The first variable between recorded rows; NAN outside. */
+const struct observable *observable_named(const char *name); /* of the catalog; NULL: none */
 double run_position(const struct run *run, double t);
+/* The first coordinate (derivative 0), its velocity (1) or acceleration (2) at t, between rows by Hermite
+ * interpolation; NAN: outside of the run, or a scene of first order has none. */
+double run_motion(const struct run *run, double t, int derivative);
 /* The position between two times, evenly, no finer than a spectrum of a few harmonics needs: the newest part where that
  * is not all of it. */
 bool run_even_series(const struct run *run, double from, double to, double period, struct arena *arena,

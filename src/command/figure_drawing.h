@@ -66,6 +66,10 @@ bool drawing_smooth(struct drawing *d, const struct run *run, const struct chose
 const char *drawing_run_label(const struct drawing *d, const struct run *run);
 
 /* Adds the curve of the recording, or of what is left of it (figure_recording.c). */
+/* Does this kind of plot show what the recording itself holds, without derivatives of it? run: NULL: none beside it. */
+bool recording_shows(const struct recording *recording, const struct run *run, enum plot_kind kind);
+/* Velocities or energies have to be found from the positions of the recording. */
+bool drawing_needs_motion(const struct drawing *d, const struct recording *recording);
 bool drawing_recording(struct drawing *d, const struct recording *recording);
 bool drawing_residual(struct drawing *d, const struct recording *recording);
 

@@ -14,18 +14,33 @@ static bool has_fit_of(const struct session *session, const struct recording *re
     return session->has_fit && strcmp(name, session->fit_of) == 0;
 }
 
+/* The derivative of the position that a kind of plot shows; -1: something else. */
+static int shown_derivative(enum plot_kind kind)
+{
+    return kind == PLOT_POSITION ? 0 : kind == PLOT_VELOCITY ? 1 : kind == PLOT_ACCELERATION ? 2 : -1;
+}
+
+bool recording_shows(const struct recording *recording, const struct run *run, enum plot_kind kind)
+{
+    const int shown = shown_derivative(kind);
+    return shown >= 0 && recorded_derivative(recording, run) == shown;
+}
+
 int figure_recording(const struct session *session, enum plot_kind kind)
 {
     const struct run *run = session_run(session);
     const struct recording *recording = session_recording(session);
-    const bool alone = kind == PLOT_SPECTRUM || kind == PLOT_ENVELOPE || plot_needs_motion(kind);
-    if (!recording || (kind != PLOT_POSITION && kind != PLOT_RESIDUAL && (!alone || run)) ||
-        (plot_needs_motion(kind) && recording->column[recording->value].quantity != QUANTITY_LENGTH) ||
-        (kind == PLOT_RESIDUAL && !run && !has_fit_of(session, recording)))
+    if (!recording || (kind == PLOT_RESIDUAL && !run && !has_fit_of(session, recording)))
         return -1;
+    const bool own = recording_shows(recording, run, kind);
+    /* Without a run the plot of positions shows whatever was recorded. */
+    const bool alone = kind == PLOT_POSITION || kind == PLOT_SPECTRUM || kind == PLOT_ENVELOPE ||
+                       kind == PLOT_RESIDUAL;
+    const bool derived =
+        plot_needs_motion(kind) && recording->column[recording->value].quantity == QUANTITY_LENGTH;
     if (!run)
-        return session->current_recording;
-    if (recording->column[recording->value].quantity != system_variable(&run->system, 0).quantity)
+        return own || alone || derived ? session->current_recording : -1;
+    if (!own && !(kind == PLOT_RESIDUAL && recorded_derivative(recording, run) >= 0))
         return -1;
     const double a = trace_time(run->trace, 0), b = trace_time(run->trace, trace_count(run->trace) - 1);
     return fmin(a, b) < recording->window[1] && fmax(a, b) > recording->window[0] ? session->current_recording : -1;
@@ -35,7 +50,7 @@ int figure_recording(const struct session *session, enum plot_kind kind)
 static bool recorded_values(struct drawing *d, const struct recording *recording, struct series *series)
 {
     const struct data_motion *motion = &d->motion;
-    if (!plot_needs_motion(d->request->kind)) {
+    if (!drawing_needs_motion(d, recording)) {
         if (!recording_series(recording, d->arena, 1, series, d->error))
             return false;
         *series = series_window(*series, d->window[0], d->window[1]);
@@ -98,9 +113,11 @@ bool drawing_residual(struct drawing *d, const struct recording *recording)
     if (!left)
         return error_memory(d->error);
     const double shift = recording->zero - d->session->fit_zero; /* since the fit */
+    const int derivative = run ? recorded_derivative(recording, run) : 0;
     for (size_t i = 0; i < curve->n; i++)
         left[i] = curve->y[i] -
-                  (fitted ? session_fit_value(d->session, curve->x[i]) - shift : run_position(run, curve->x[i]));
+                  (fitted ? session_fit_value(d->session, curve->x[i]) - shift
+                          : run_motion(run, curve->x[i], derivative));
     curve->y = left;
     curve->label = fitted ? "data - fit" : "data - run";
     return true;

@@ -10,6 +10,7 @@
 const struct plot_row plot_rows[] = {
     [PLOT_POSITION] = {{"position", "", "y against t, or all coordinates", "", NULL}, NULL, "y", true},
     [PLOT_VELOCITY] = {{"velocity", "", "v against t", "", NULL}, NULL, NULL, true},
+    [PLOT_ACCELERATION] = {{"acceleration", "", "a against t", "", NULL}, "a", "a", true},
     [PLOT_PHASE] = {{"phase", "",
                      "v against y, the last two periods unless a window is given; of first order the second value "
                      "against the first",
@@ -74,7 +75,7 @@ bool plot_fits(enum plot_kind kind, const struct model *model)
         return model->order == 2 && model->n == 4 && plot_coordinates(model) == 2;
     if (kind == PLOT_PHASE)
         return model->n > 1;
-    return model->order == 2 || (kind != PLOT_VELOCITY && kind != PLOT_ENERGY);
+    return model->order == 2 || (kind != PLOT_VELOCITY && kind != PLOT_ACCELERATION && kind != PLOT_ENERGY);
 }
 
 /* ---- which part of the time ---- */

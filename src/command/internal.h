@@ -326,7 +326,11 @@ void reply_coarse(const struct session *session, const struct run *run, struct r
 struct data_distance {
     double rms; /* NAN: they do not overlap */
     size_t bad; /* samples left out: missed echoes would hide how well the run fits */
+    int derivative; /* of what the recording holds: 0 position, 1 velocity, 2 acceleration */
 };
+/* The same of a recording and the first coordinate of a run (NULL: by the quantity alone); -1: neither. */
+int recorded_derivative(const struct recording *recording, const struct run *run);
+struct variable run_derivative(const struct run *run, int derivative); /* its name and quantity */
 struct data_distance run_data_distance(const struct run *run, struct recording *recording);
 
 #define FAR 1e300 /* [s] no run gets there; finite, so that what is left of the way is a number */

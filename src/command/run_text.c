@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What is said about a run: how it went, and what is wrong with its step. */
+#include "figure_curves.h"
 #include "internal.h"
 
 #include <float.h>
@@ -12,6 +13,25 @@ static double state_value(const struct run *run, const char *name)
 {
     const int variable = model_variable(run->system.model, text_of(name));
     return variable < 0 ? NAN : run->y[variable];
+}
+
+/* Why a recording of the same time is neither drawn over the run nor compared with it. */
+static void say_apart(const struct session *session, const struct run *run, struct reply *reply)
+{
+    const struct recording *recording = session_recording(session);
+    const struct variable first = system_variable(&run->system, 0);
+    if (!recording || run->system.order != 2 || run->system.n != 2 || recorded_derivative(recording, run) >= 0 ||
+        !(fmin(run->system.t0, run->t) < recording->window[1] && fmax(run->system.t0, run->t) > recording->window[0]))
+        return;
+    const struct column *value = &recording->column[recording->value];
+    const char *needs = first.quantity == QUANTITY_ANGLE ? "deg" : "cm";
+    if (value->quantity == QUANTITY_OTHER)
+        reply_line(reply,
+                   "%s is not laid over the run, nor compared with it: %s has no unit that is known ('load FILE unit=%s')",
+                   recording->name, value->name, needs);
+    else
+        reply_line(reply, "%s is not laid over the run, nor compared with it: it holds a %s, %s is a %s",
+                   recording->name, quantity_name(value->quantity), first.name, quantity_name(first.quantity));
 }
 
 void reply_run(const struct session *session, const struct run *run, struct reply *reply)
@@ -34,14 +54,15 @@ void reply_run(const struct session *session, const struct run *run, struct repl
                       run->cost.turns == 1 ? "" : "s");
     const struct data_distance data = run_data_distance(run, session_recording(session));
     if (isfinite(data.rms)) {
-        const struct variable first = system_variable(&run->system, 0);
-        buffer_format(&text, ", rms(%s-data) = ", first.name);
-        buffer_quantity(&text, data.rms, first.quantity, 2);
+        const struct variable compared = run_derivative(run, data.derivative);
+        buffer_format(&text, ", rms(%s-data) = ", compared.name);
+        buffer_quantity(&text, data.rms, compared.quantity, 2);
         if (data.bad > 0)
             buffer_format(&text, " (%zu bad sample%s left out)", data.bad, data.bad == 1 ? "" : "s");
     }
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
+    say_apart(session, run, reply);
     if (reply->format == FORMAT_TEXT)
         return;
     struct run_errors errors;

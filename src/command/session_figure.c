@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const struct observable *observable(const char *name)
+const struct observable *observable_named(const char *name)
 {
     return (const struct observable *)(const void *)catalog_find(&observable_catalog, text_of(name));
 }
@@ -67,7 +67,7 @@ static bool vertical_values(struct drawing *d, const struct run *run, int coordi
     if (d->request->columns)
         return chosen_at_rows(run, &d->column[coordinate], rows, d->arena, y, d->error);
     if (plot_rows[kind].observable)
-        return values_at_rows(run, observable(plot_rows[kind].observable), rows, d->arena, y, d->error);
+        return values_at_rows(run, observable_named(plot_rows[kind].observable), rows, d->arena, y, d->error);
     state_at_rows(run, (int)(vertical_variable(d->model, kind) - d->model->variable) + coordinate, rows, y);
     for (size_t i = 0; i < rows->n && d->omega0 != 1; i++)
         y[i] /= d->omega0;
@@ -183,18 +183,24 @@ static const char *make_note(const struct drawing *d)
     return note;
 }
 
+bool drawing_needs_motion(const struct drawing *d, const struct recording *recording)
+{
+    const struct run *run = d->request->runs > 0 ? d->session->run[d->request->run[0]]->run : NULL;
+    return plot_needs_motion(d->request->kind) && !recording_shows(recording, run, d->request->kind);
+}
+
 static enum quantity y_quantity(const struct drawing *d)
 {
     const struct recording *recording = recording_of(d);
     const enum plot_kind kind = d->request->kind;
-    if (recording && d->request->runs == 0 && !plot_needs_motion(kind))
+    if (recording && d->request->runs == 0 && !drawing_needs_motion(d, recording))
         return recording->column[recording->value].quantity;
     if (d->omega0 != 1)
         return d->model->variable[0].quantity;
     if (d->request->columns)
         return chosen_variable(&d->session->run[d->request->run[0]]->run->system, &d->column[0]).quantity;
     if (plot_rows[kind].observable)
-        return model_quantity(d->model, observable(plot_rows[kind].observable));
+        return model_quantity(d->model, observable_named(plot_rows[kind].observable));
     return vertical_variable(d->model, kind)->quantity;
 }
 
@@ -276,7 +282,7 @@ bool session_figure(const struct session *session, const struct figure_request *
             d.omega0 = sqrt(stiffness);
     }
     const struct recording *recording = recording_of(&d);
-    if (recording && plot_needs_motion(request->kind) && !find_motion(&d, recording))
+    if (recording && drawing_needs_motion(&d, recording) && !find_motion(&d, recording))
         return false;
     drawing_window(&d);
     /* No law says how fast it goes: as it was seen to. */

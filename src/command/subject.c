@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What measure and fit act on: a run or a recording as a series; and the distance between the two. */
+#include "figure_curves.h"
 #include "columns.h"
 #include "data_motion.h"
 #include "findings.h"
@@ -152,37 +153,50 @@ bool subject_open(struct session *session, const struct given *run, const struct
     return error_hint(error, "type: run, or: load FILE");
 }
 
-/* Sum of squared distances of a series from the run, by cubic Hermite interpolation; *count: samples it spans. */
-static double squared_distance(const struct run *run, const struct series *data, size_t *count)
+/* Sum of squared distances of a series from the run; *count: samples it spans. */
+static double squared_distance(const struct run *run, const struct series *data, int derivative, size_t *count)
 {
-    const size_t rows = trace_count(run->trace);
     double sum = 0;
-    size_t row = 0;
     *count = 0;
     for (size_t i = 0; i < data->n; i++) {
-        const double t = data->t[i];
-        while (row + 2 < rows && trace_time(run->trace, row + 1) < t)
-            row++;
-        const double a = trace_time(run->trace, row), b = trace_time(run->trace, row + 1);
-        if (!(t >= a && t <= b))
+        const double apart = run_motion(run, data->t[i], derivative) - data->y[i];
+        if (!isfinite(apart))
             continue;
-        const double *left = trace_state(run->trace, row);
-        const double y0 = left[0], v0 = left[1];
-        const double *right = trace_state(run->trace, row + 1);
-        const double h = b - a, x = h > 0 ? (t - a) / h : 1, z = 1 - x;
-        const double y =
-            z * z * (1 + 2 * x) * y0 + x * x * (3 - 2 * x) * right[0] + h * x * z * (z * v0 - x * right[1]);
-        sum += (y - data->y[i]) * (y - data->y[i]);
+        sum += apart * apart;
         ++*count;
     }
     return sum;
+}
+
+int recorded_derivative(const struct recording *recording, const struct run *run)
+{
+    const enum quantity quantity = recording->column[recording->value].quantity;
+    if (!run)
+        return quantity == QUANTITY_VELOCITY || quantity == QUANTITY_ANGULAR_FREQUENCY        ? 1
+               : quantity == QUANTITY_ACCELERATION || quantity == QUANTITY_ANGULAR_ACCELERATION ? 2
+                                                                                                : 0;
+    const struct system *system = &run->system;
+    if (quantity == system_variable(system, 0).quantity)
+        return 0;
+    if (system->order != 2)
+        return -1;
+    if (quantity == system_variable(system, system->n / 2).quantity)
+        return 1;
+    return quantity == model_quantity(system->model, observable_named("a")) ? 2 : -1;
+}
+
+struct variable run_derivative(const struct run *run, int derivative)
+{
+    if (derivative < 2)
+        return system_variable(&run->system, derivative * run->system.n / 2);
+    return (struct variable){.name = "a", .quantity = model_quantity(run->system.model, observable_named("a"))};
 }
 
 static bool can_compare(const struct run *run, const struct recording *recording)
 {
     const size_t rows = trace_count(run->trace);
     return recording && run->system.n == 2 && run->system.order == 2 && rows > 1 &&
-           recording->column[recording->value].quantity == system_variable(&run->system, 0).quantity &&
+           recorded_derivative(recording, run) >= 0 &&
            trace_time(run->trace, rows - 1) > trace_time(run->trace, 0);
 }
 
@@ -191,19 +205,20 @@ struct data_distance run_data_distance(const struct run *run, struct recording *
     struct arena arena = {0};
     struct series all, good;
     struct error ignored;
-    struct data_distance result = {NAN, 0};
+    struct data_distance result = {.rms = NAN};
     size_t count, used;
     if (!can_compare(run, recording))
         return result;
+    const int derivative = recorded_derivative(recording, run);
     if (find_faults(recording, &arena, &ignored)) {
         struct recording clean = *recording; /* its arrays are shared */
         clean.cleaned = true;
         if (recording_series(recording, &arena, 2, &all, &ignored) &&
             recording_series(&clean, &arena, 2, &good, &ignored)) {
-            squared_distance(run, &all, &count);
-            const double sum = squared_distance(run, &good, &used);
+            squared_distance(run, &all, derivative, &count);
+            const double sum = squared_distance(run, &good, derivative, &used);
             if (used >= 2)
-                result = (struct data_distance){sqrt(sum / (double)used), count - used};
+                result = (struct data_distance){sqrt(sum / (double)used), count - used, derivative};
         }
     }
     arena_reset(&arena);
