@@ -331,7 +331,7 @@ COMMAND(load, .row = {"load", "", "read a recording from a file", "", NULL}, .gr
                 "overruled. A file without times needs rate=. A recording of the same name is replaced. Of several "
                 "tables in a file or archive\n"
                 "run= takes one. --preview shows the first rows as they were understood and loads nothing.",
-        .examples = "load bare.txt\nload disk.txt y=2 unit=cm as=disk\nload disk.txt --preview", .see = "data fit measure plot",
+        .examples = "load disk.txt --preview\nload disk.txt y=2 unit=cm as=disk", .see = "data fit measure plot",
         .flags = COMMAND_CHANGES,
         ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED), KEY("t", TYPE_TEXT), KEY("y", TYPE_TEXT),
                   KEY("run", TYPE_TEXT), KEY("unit", TYPE_UNIT),
