@@ -7,6 +7,7 @@
 
 /* ---- slopes ---- */
 
+#define STARTED 32       /* steps for each step that a starter takes, before an order shows */
 #define BAND_TOP 0.05    /* errors above are not yet asymptotic */
 #define BAND_BOTTOM 30.0 /* times the accuracy of the reference: below it rounding takes part */
 #define ROUNDING 1e-8
@@ -36,6 +37,13 @@ static double typical_order(const struct precision_point *point, int begin, int 
     return count ? order[count / 2] : NAN;
 }
 
+/* A multistep method has not had its own way yet where its starter did much of the work. */
+static bool mostly_started(const struct precision_curve *curve, const struct precision_point *point)
+{
+    const struct method *method = curve->by.method;
+    return (method->flags & METHOD_MULTISTEP) && point->steps < STARTED * method->order;
+}
+
 /*
  * The points between the guard bands: from the last error above the top (or failure) to the last above the bottom;
  * below ROUNDING ended where the error falls less than half as fast as it typically does, and the point before that
@@ -51,7 +59,7 @@ static int asymptotic(const struct precision *precision, const struct precision_
             !(precision_meaningful(&point[best]) && point[best].errors.max <= point[i].errors.max))
             best = i;
     for (int i = 0; i < curve->count && i <= best; i++)
-        if (!precision_meaningful(&point[i]) || point[i].errors.max >= BAND_TOP)
+        if (!precision_meaningful(&point[i]) || point[i].errors.max >= BAND_TOP || mostly_started(curve, &point[i]))
             begin = i + 1;
     for (end = begin; end < curve->count; end++)
         if (!precision_meaningful(&point[end]) || point[end].errors.max < bottom)
