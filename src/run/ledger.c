@@ -81,8 +81,10 @@ CLONES static void note_extremes(struct tally *tally, double initial, const stru
     }
     for (; k < to; k++)
         tally->most = fmax(tally->most, fabs(done->energy[k] - initial - done->all_work[k]));
-    for (k = from; k < to && initial == 0; k++)
-        tally->scale = fmax(tally->scale, fabs(done->energy[k]));
+    for (k = from; k < to && initial == 0; k++) { /* by a comparison: fmax() is a call */
+        const double size = fabs(done->energy[k]);
+        tally->scale = size > tally->scale ? size : tally->scale;
+    }
 }
 
 /* ---- from state to state ---- */

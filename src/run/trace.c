@@ -96,14 +96,19 @@ static double *mark_at(const struct trace *trace, size_t i)
 struct tally trace_mark(const struct trace *trace, size_t i)
 {
     struct tally tally = {0};
-    if (trace_marked(trace))
-        memcpy(&tally, mark_at(trace, i), trace->mark_width * sizeof(double));
+    if (trace->mark_width == MARK_WORK)
+        memcpy(&tally, mark_at(trace, i), MARK_WORK * sizeof(double));
+    else if (trace_marked(trace))
+        memcpy(&tally, mark_at(trace, i), MARK_EXTREMES * sizeof(double));
     return tally;
 }
 
 void trace_set_mark(struct trace *trace, size_t i, const struct tally *tally)
 {
-    memcpy(mark_at(trace, i), tally, trace->mark_width * sizeof(double));
+    if (trace->mark_width == MARK_WORK)
+        memcpy(mark_at(trace, i), tally, MARK_WORK * sizeof(double));
+    else
+        memcpy(mark_at(trace, i), tally, MARK_EXTREMES * sizeof(double));
 }
 
 static bool grow_marks(struct trace *trace)
@@ -249,11 +254,11 @@ static bool coarsen(struct trace *trace)
         double row[LIMIT_VARIABLES + 1];
         struct tally mark;
         size_t count = trace->count;
-        trace->bucket *= 2;
+        trace->bucket *= trace->bucket == 1 ? 4 : 2; /* a bucket of two keeps both, unless they are alike */
         trace->count = 0;
         trace->tail_end = 0;
         for (size_t i = 0; i < count; i++) { /* writes never overtake reads, and the chunks are there */
-            memcpy(row, row_at(trace, i), trace->width * sizeof *row);
+            copy_state(row, row_at(trace, i), (int)trace->width);
             mark = trace_mark(trace, i);
             keep(trace, row_step(trace, i), row[trace->width - 1], row, &mark);
         }
