@@ -18,7 +18,6 @@ enum step_status {
     STEP_NONFINITE,   /* the new state is not finite; y is unchanged */
     STEP_NO_SOLUTION, /* the implicit equation was not solved; y is unchanged */
     STEP_STALLED,     /* the tolerance asks for a step below the rounding of t; y is unchanged (method_adapt only) */
-    STEP_SLIDES       /* both sides of a switch lead back to it, or switches pile up; y is unchanged (the same) */
 };
 
 typedef enum step_status step_function(const struct method *method, struct step *step);
@@ -219,7 +218,17 @@ struct switches_state {
     unsigned count; /* of switches, */
     int shorter;    /* of blocks of them, each in a much shorter time than the one before, */
     double since, block; /* [s] where this block began, and how long the last one took */
+    bool recent[LIMIT_SWITCHES]; /* changed in this block */
     double branch[LIMIT_SWITCHES];
+    bool along[LIMIT_SWITCHES]; /* the motion slides along these, in steps of about `by`; branch: below */
+    int released;   /* the one along which it slid until the last step, -1: none */
+    double by;
+    double taken[LIMIT_SWITCHES]; /* branch and along of the last step */
+    bool slid_along[LIMIT_SWITCHES];
+    int64_t slides, piles;  /* how often each has begun */
+    int64_t across;         /* steps taken across, because no branch leads on and no sliding does */
+    double slid;            /* [s] where the first of all these began, */
+    int first;              /* and the switch */
 };
 
 struct controller {
@@ -236,6 +245,9 @@ struct controller {
 
 enum step_status method_adapt(const struct method *method, struct step *step, struct controller *controller,
                               double t_end);
+/* The system that the last adaptive step was taken of: frozen, if it has switches. */
+const struct system *method_adapted(const struct system *system, const struct controller *controller,
+                                    struct sliding *sliding, struct system *frozen);
 
 /* ---- linear stability ----
  *

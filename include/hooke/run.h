@@ -92,7 +92,6 @@ enum stop {                 /* why a run is where it is */
             STOP_CANCELLED,
             STOP_NO_SOLUTION, /* implicit equation not solved */
             STOP_STALLED,     /* adaptive step below rounding */
-            STOP_SLIDES,      /* along a switch, or switches pile up: adaptive only */
             STOP_FULL,        /* memory budget used up */
             STOP_SINGULAR,    /* the solution itself ends there */
             STOP_GIVEN_UP     /* whoever advanced it left it there: it would take too long */
@@ -107,7 +106,7 @@ static inline bool stop_is_pause(enum stop stop)
 /* It did not get where it should, and cannot: no step on from there. */
 static inline bool stop_is_failure(enum stop stop)
 {
-    return stop == STOP_DIVERGED || stop == STOP_NO_SOLUTION || stop == STOP_STALLED || stop == STOP_SLIDES ||
+    return stop == STOP_DIVERGED || stop == STOP_NO_SOLUTION || stop == STOP_STALLED ||
            stop == STOP_SINGULAR;
 }
 
@@ -136,7 +135,7 @@ struct run {
     double seconds; /* wall time spent advancing */
     enum stop stop;
     struct singularity singular; /* with STOP_SINGULAR */
-    bool warned_growth;
+    bool warned_growth, warned_sliding, warned_piling;
     struct controller controller;
 
     struct run_private *private_state; /* work memory */

@@ -337,6 +337,7 @@ struct system {
     bool velocity;     /* some force depends on velocity */
     bool conservative; /* every term has a potential: energy is constant */
     int switches;      /* of typed equations, with branches that can be frozen (switch.c) */
+    const struct sliding *sliding; /* of a frozen system; NULL: along none of them */
     bool kinks;        /* n = 2, and some force is not smooth at v = 0 */
     bool across;       /* methods step across such kinks, as they are printed */
     double mass;       /* [kg] or what takes its place: kinetic energy = mass v^2 / 2 */
@@ -488,8 +489,33 @@ const struct program *term_program(const struct bound_term *term, int *values);
 void system_branches(const struct system *system, double t, const double *y, double *branch);
 void system_freeze(const struct system *system, const double *branch, struct system *frozen);
 void system_guards(const struct system *frozen, double t, const double *y, double *guard);
+/*
+ * Sliding along `count` switches at once: the field that keeps all their arguments where they are, between those on the
+ * two sides of each (Filippov 1988; with more than one switch the equivalent control of Utkin 1992, to which each adds
+ * its own part). The guard of such a switch is above 0 as long as the share of either side is.
+ */
+#define LIMIT_SLIDING 4
+struct sliding {
+    int count;
+    int at[LIMIT_SLIDING];
+    double level[LIMIT_SLIDING];           /* of the argument, at the switch */
+    double near;                           /* [s] over which arguments are differentiated */
+    struct system side[LIMIT_SLIDING + 1]; /* below all of them, then above each alone */
+};
+
+/* `slides` [system->switches]: along which; false: too many. *frozen refers to *sliding. */
+bool system_slide(const struct system *system, const double *branch, const bool *slides, double near,
+                  struct sliding *sliding, struct system *frozen);
+/* Puts the state back on the switches from which it is off by what steps leave; false: it is there. */
+bool sliding_return(const struct sliding *sliding, double t, double *y);
+
 /* Of switch i, beyond the guard that is 0 at (t, y). */
 double system_next_branch(const struct system *frozen, int i, double t, const double *y);
+
+/* The branch below switch i, where the motion slides along it. */
+double system_lower_branch(const struct system *frozen, int i, double t, const double *y);
+/* Does the argument of switch i change with this variable? */
+bool system_switch_sees(const struct system *system, int i, double t, const double *y, int variable);
 
 #define LIMIT_OBSERVED 64 /* quantities that a typed scene observes */
 

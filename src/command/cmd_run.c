@@ -187,6 +187,7 @@ static bool arrive(struct session *session, const struct journey *journey, const
     reply_event(journey->held, passage->count > 0 ? passage->stopped[0] : NULL, reply);
     reply_growth(run, reply);
     reply_vanished(run, reply);
+    reply_sliding(run, reply);
     if (run->stop == STOP_CANCELLED) {
         session->halted = session->front.watched;
         return session->front.watched ||

@@ -136,6 +136,33 @@ void reply_vanished(const struct run *run, struct reply *reply)
         reply_warning(reply, "the motion has vanished: every value is below the smallest number, %.3g", DBL_MIN);
 }
 
+void reply_sliding(struct run *run, struct reply *reply)
+{
+    const struct switches_state *state = &run->controller.switches;
+    const struct system *system = &run->system;
+    const bool slides = state->slides + state->across > 0, piles = state->piles > 0;
+    if ((run->warned_sliding || !slides) && (run->warned_piling || !piles))
+        return;
+    struct buffer text = {0};
+    int count = 0;
+    for (int i = 0; i < system->n; i++)
+        if (system_switch_sees(system, state->first, run->t, run->y, i))
+            buffer_format(&text, "%s%s", count++ > 0 ? ", " : "", system_variable(system, i).name);
+    const char *names = count > 0 ? buffer_view(&text) : "t";
+    if (piles && !run->warned_piling)
+        reply_warning(reply, "switches (if, abs, sign, ...) pile up at t = %.6g s, the first in %s: from there on the "
+                      "motion is held where they meet", state->slid, names);
+    else if (state->slides == 0)
+        reply_warning(reply, "from t = %.6g s on no side of a switch (if, abs, sign, ...) leads on: steps go across, "
+                      "and their errors are not known", state->slid);
+    else
+        reply_warning(reply, "at a switch (if, abs, sign, ...) in %s both sides lead back to it, first at t = %.6g s: "
+                      "the motion sticks to it or slides along, until one side turns away", names, state->slid);
+    run->warned_sliding = true;
+    run->warned_piling = piles;
+    buffer_free(&text);
+}
+
 void reply_unchosen(struct session *session, struct reply *reply)
 {
     const struct setup *setup = &session->setup;

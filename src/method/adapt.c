@@ -224,13 +224,13 @@ static enum step_status adapt_between_switches(const struct method *method, stru
     const struct system *whole = step->system;
     step_function *kernel = step->kernel;
     struct system frozen;
+    struct sliding sliding;
     const double by = PROBE * fmin(fabs(controller->h), fabs(t_end - step->t));
-    enum step_status status = switch_begin(step, &controller->switches, copysign(by, t_end - step->t), &frozen);
-    if (status != STEP_OK)
-        return status;
+    if (!switch_begin(step, &controller->switches, copysign(by, t_end - step->t), &sliding, &frozen))
+        return adapt(method, step, controller, t_end, NULL);
     step->system = &frozen;
     step->kernel = NULL;
-    status = adapt(method, step, controller, t_end, &controller->switches);
+    const enum step_status status = adapt(method, step, controller, t_end, &controller->switches);
     step->system = whole;
     step->kernel = kernel;
     if (controller->switches.begins)

@@ -2,8 +2,8 @@
 /*
  * Switches in adaptive steps. A step is taken on frozen branches, where everything is smooth; if the guard of a branch
  * falls below 0 on the way, the step is taken again, up to there only, and the next one begins on the other branch.
- * Where both branches lead back to the switch the motion slides along it, and where switches follow each other in ever
- * shorter times they pile up: both end with STEP_SLIDES.
+ * Where both branches lead back to the switch the motion slides along it (typed_slide.c) until one of them turns away;
+ * where switches follow each other in ever shorter times they pile up, and it goes on along all of them.
  */
 #include "switch.h"
 
@@ -14,6 +14,8 @@
 #define NEAR 1e-3     /* of the tolerance times the step: a switch so near is where the step ends */
 #define PROBE 1e-4    /* of the planned step: how far ahead a guard's direction is looked for */
 #define AT 1e-4       /* of the probe: a guard so near to 0 is at its switch */
+#define NEARBY 1e-6   /* of the sizes of variables: arguments are differentiated over no less */
+#define SLACK 1e-9    /* of a share: what its differences leave */
 #define BLOCK 16       /* switches; they pile up where each of */
 #define BLOCKS 4       /* blocks of them takes but */
 #define SHORTER 0.1    /* of the time of the one before, or this small a part of t */
@@ -33,48 +35,126 @@ static void look_ahead(struct step *step, const struct system *frozen, double by
     system_guards(frozen, step->t + by, y, guard);
 }
 
+/* Frozen on its branches, or sliding along switches. */
+static bool freeze(const struct step *step, const struct switches_state *state, struct sliding *sliding,
+                   struct system *frozen)
+{
+    for (int i = 0; i < step->system->switches; i++)
+        if (state->along[i])
+            return system_slide(step->system, state->branch, state->along, state->by, sliding, frozen);
+    system_freeze(step->system, state->branch, frozen);
+    return true;
+}
+
+static void slide(struct step *step, struct switches_state *state, const struct system *frozen, int i)
+{
+    double f[LIMIT_VARIABLES];
+    system_derivative(frozen->sliding ? &frozen->sliding->side[0] : frozen, step->t, step->y, f);
+    step->cost.evals++;
+    const double rate = sqrt(scaled_square(frozen, f, step->y, step->y) / frozen->n);
+    state->branch[i] = system_lower_branch(frozen, i, step->t, step->y);
+    state->along[i] = true;
+    state->by = fmax(state->by, rate > 0 ? NEARBY / rate : 0);
+    if (state->slides++ == 0) {
+        state->slid = step->t;
+        state->first = i;
+    }
+}
+
 /*
  * Branches that do not hold at the start of a step, because their guards are at 0 there and fall, are changed for the
- * next ones. False: two that belong together both do not hold.
+ * next ones, then for sliding between. False: none of them holds.
  */
-static bool settle(struct step *step, struct switches_state *state, double by, struct system *frozen)
+static bool settle(struct step *step, struct switches_state *state, double by, struct sliding *sliding,
+                   struct system *frozen)
 {
     const int count = step->system->switches;
     int changed[LIMIT_SWITCHES] = {0};
     for (int i = 0; i < count; i++)
         changed[i] = state->fresh == i;
-    for (int round = 0; round <= 2 * count; round++) {
+    state->by = fabs(by);
+    for (int round = 0; round <= 4 * count; round++) {
         double now[LIMIT_SWITCHES], soon[LIMIT_SWITCHES];
-        system_freeze(step->system, state->branch, frozen);
+        if (!freeze(step, state, sliding, frozen))
+            return false;
         system_guards(frozen, step->t, step->y, now);
         look_ahead(step, frozen, by, soon);
         int wrong = 0;
-        while (wrong < count && !(soon[wrong] < 0 && fabs(now[wrong]) <= AT * fabs(soon[wrong] - now[wrong])))
+        while (wrong < count && !(soon[wrong] < 0 && wrong != state->released &&
+                                  fabs(now[wrong]) <= AT * fabs(soon[wrong] - now[wrong])))
             wrong++;
-        if (wrong == count)
+        if (wrong == count) {
+            for (int i = 0; i < count; i++)
+                if (state->along[i] && !(now[i] >= -SLACK))
+                    return false;
             return true;
-        if (++changed[wrong] > 1)
+        }
+        const bool slid = state->along[wrong];
+        if (++changed[wrong] > 3)
             return false;
+        if (changed[wrong] > 1 && !slid) {
+            slide(step, state, frozen, wrong);
+            continue;
+        }
         double y[LIMIT_VARIABLES], f[LIMIT_VARIABLES];
         system_derivative(frozen, step->t, step->y, f);
         for (int i = 0; i < frozen->n; i++)
             y[i] = step->y[i] + by * f[i];
         state->branch[wrong] = system_next_branch(frozen, wrong, step->t + by, y);
+        state->along[wrong] = false;
     }
     return false;
 }
 
-enum step_status switch_begin(struct step *step, struct switches_state *state, double by, struct system *frozen)
+/* All that has changed of late, at once. */
+static void pile_up(struct step *step, struct switches_state *state, double by)
 {
+    struct system frozen;
+    system_freeze(step->system, state->branch, &frozen);
+    state->by = fabs(by);
+    for (int i = 0; i < frozen.switches; i++)
+        if (state->recent[i] && !state->along[i])
+            slide(step, state, &frozen, i);
+    state->piles++;
+    state->piled = state->begins = false;
+    state->shorter = 0;
+}
+
+static void forget(struct switches_state *state, double t)
+{
+    const struct switches_state was = *state;
+    *state = (struct switches_state){.known = true, .fresh = -1, .released = -1, .t = t, .since = t, .begins = true,
+                                     .slides = was.slides, .piles = was.piles, .across = was.across,
+                                     .slid = was.slid, .first = was.first};
+}
+
+/* The state is put on the switches along which it slides. */
+static void go_back(struct step *step, const struct system *frozen)
+{
+    if (frozen->sliding && sliding_return(frozen->sliding, step->t, step->y))
+        step->warm = false;
+}
+
+bool switch_begin(struct step *step, struct switches_state *state, double by, struct sliding *sliding,
+                  struct system *frozen)
+{
+    bool fine = true;
     if (!state->known || state->t != step->t) {
-        *state = (struct switches_state){.known = true, .fresh = -1, .t = step->t, .since = step->t, .begins = true};
+        forget(state, step->t);
         system_branches(step->system, step->t, step->y, state->branch);
         step->warm = false;
     }
-    if (state->piled || (state->begins && !settle(step, state, by, frozen)))
-        return STEP_SLIDES;
-    system_freeze(step->system, state->branch, frozen);
-    return STEP_OK;
+    if (state->piled)
+        pile_up(step, state, by);
+    else if (state->begins)
+        fine = settle(step, state, by, sliding, frozen);
+    if (!fine || !freeze(step, state, sliding, frozen)) {
+        state->known = false;
+        state->slid = state->across++ == 0 && state->slides == 0 ? step->t : state->slid;
+        return false;
+    }
+    go_back(step, frozen);
+    return true;
 }
 
 /* ---- where they end ---- */
@@ -259,11 +339,15 @@ enum step_status switch_step(const struct method *method, struct step *step, dou
 
 /* ---- from one to the next ---- */
 
-void switch_next(const struct step *step, struct switches_state *state, int ended)
+void switch_next(struct step *step, struct switches_state *state, int ended)
 {
+    memcpy(state->taken, state->branch, sizeof state->taken);
+    memcpy(state->slid_along, state->along, sizeof state->slid_along);
     state->t = step->t;
     state->begins = ended >= 0;
     state->fresh = ended;
+    state->released = -1;
+    go_back(step, step->system);
     if (ended < 0)
         return;
     double y[LIMIT_VARIABLES], f[LIMIT_VARIABLES];
@@ -271,6 +355,10 @@ void switch_next(const struct step *step, struct switches_state *state, int ende
     for (int i = 0; i < step->system->n; i++) /* a whole branch goes up or down by where the motion goes */
         y[i] = step->y[i] + PROBE * step->h * f[i];
     state->branch[ended] = system_next_branch(step->system, ended, step->t + PROBE * step->h, y);
+    if (state->along[ended])
+        state->released = ended;
+    state->along[ended] = false;
+    state->recent[ended] = true;
     if (++state->count % BLOCK != 0)
         return;
     const double passed = fabs(step->t - state->since);
@@ -278,4 +366,16 @@ void switch_next(const struct step *step, struct switches_state *state, int ende
     state->piled = state->shorter >= BLOCKS - 1 || passed < SHORTEST * fabs(step->t);
     state->since = step->t;
     state->block = passed;
+    for (int i = 0; i < step->system->switches && !state->piled; i++)
+        state->recent[i] = false;
+}
+
+const struct system *method_adapted(const struct system *system, const struct controller *controller,
+                                    struct sliding *sliding, struct system *frozen)
+{
+    const struct switches_state *state = &controller->switches;
+    if (system->switches == 0 || !state->known)
+        return system;
+    const bool fine = system_slide(system, state->taken, state->slid_along, state->by, sliding, frozen);
+    return fine ? frozen : system;
 }

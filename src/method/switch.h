@@ -7,9 +7,10 @@
 
 /*
  * At the start of a step, by which a step of about `by` is planned: the branches there, and the system frozen on them.
- * STEP_SLIDES: no branch leads away from a switch.
+ * False: no branch leads on and no sliding does.
  */
-enum step_status switch_begin(struct step *step, struct switches_state *state, double by, struct system *frozen);
+bool switch_begin(struct step *step, struct switches_state *state, double by, struct sliding *sliding,
+                  struct system *frozen);
 
 /*
  * After a step of the frozen system from `before` at t: one across the end of a branch is taken again, up to there;
@@ -19,6 +20,6 @@ enum step_status switch_step(const struct method *method, struct step *step, dou
                              const double *low, int *ended);
 
 /* After that step was accepted. */
-void switch_next(const struct step *step, struct switches_state *state, int ended);
+void switch_next(struct step *step, struct switches_state *state, int ended);
 
 #endif

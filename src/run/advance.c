@@ -148,8 +148,7 @@ enum stop stop_of_step(enum step_status status)
     static const enum stop stop[] = {[STEP_OK] = STOP_NONE,
                                      [STEP_NONFINITE] = STOP_DIVERGED,
                                      [STEP_NO_SOLUTION] = STOP_NO_SOLUTION,
-                                     [STEP_STALLED] = STOP_STALLED,
-                                     [STEP_SLIDES] = STOP_SLIDES};
+                                     [STEP_STALLED] = STOP_STALLED};
     return stop[status];
 }
 

@@ -103,8 +103,14 @@ void inside_state(const struct inside *inside, double theta, double *y)
 {
     struct run *run = inside->run;
     struct run_private *p = run->private_state;
+    struct sliding sliding;
+    struct system frozen;
+    struct step last = p->step;
+    if (run->plan.adaptive)
+        last.system = method_adapted(&run->system, &run->controller, &sliding, &frozen);
     if (p->side) {
-        struct step step = p->step;
+        struct step step = last;
+        step.kernel = last.system == &run->system ? last.kernel : NULL;
         step.t = inside->t;
         step.h = theta * inside->h;
         step.y = y;
@@ -117,7 +123,7 @@ void inside_state(const struct inside *inside, double theta, double *y)
         if (status == STEP_OK)
             return;
     }
-    method_dense(&inside->method, &p->step, p->before, theta, y);
+    method_dense(&inside->method, &last, p->before, theta, y);
 }
 
 static void state_at(const struct interval *interval, double theta, double *y)

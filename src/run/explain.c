@@ -106,7 +106,6 @@ void run_explain(const struct run *run, struct buffer *text)
         [STOP_CANCELLED] = "cancelled at",
         [STOP_NO_SOLUTION] = "no solution at",
         [STOP_STALLED] = "stalled at",
-        [STOP_SLIDES] = "no way on from a switch at",
         [STOP_FULL] = "stopped at",
         [STOP_SINGULAR] = "stopped at",
         [STOP_GIVEN_UP] = "given up at",
@@ -134,10 +133,6 @@ void run_explain(const struct run *run, struct buffer *text)
         buffer_format(text, " is below the rounding of t; try a larger tol");
         if (!(run->method->flags & METHOD_IMPLICIT))
             buffer_format(text, " or an implicit method");
-        break;
-    case STOP_SLIDES:
-        buffer_format(text, ": on both sides of an if(), abs(), sign(), ... the motion leads back to it, so it sticks "
-                            "or slides along, or switches pile up; a fixed step goes on, or say what holds there");
         break;
     case STOP_FULL:
         if (run_happenings(run) == LIMIT_HAPPENINGS) {

@@ -20,7 +20,6 @@ const char *stop_name(enum stop stop)
         [STOP_CANCELLED] = "cancelled",
         [STOP_NO_SOLUTION] = "no-solution",
         [STOP_STALLED] = "stalled",
-        [STOP_SLIDES] = "slides",
         [STOP_FULL] = "full",
         [STOP_SINGULAR] = "singular",
         [STOP_GIVEN_UP] = "given-up",

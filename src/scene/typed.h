@@ -108,6 +108,12 @@ void typed_part_destroy(struct typed_part *part);
 /* ---- switches (typed_switch.c) ---- */
 
 bool typed_freeze(const struct typed *typed, uint64_t zeros, struct typed_part *part, struct error *error);
+enum switch_kind typed_switch_kind(const struct system *system, int i);
+/* Of all switches; of a frozen system, not one that slides. */
+void typed_arguments(const struct system *system, double t, const double *y, double *argument);
+/* Guards of the switches along which it slides, into those of all; the branch that switch i goes to, NAN: not one. */
+void sliding_guards(const struct sliding *s, double t, const double *y, double *guard);
+double sliding_leaves(const struct sliding *s, int i, double t, const double *y);
 int typed_switches(const struct system *system); /* that are located: 0 for an oscillator, which has turning points */
 
 /* ---- binding (typed_bind.c) ---- */

@@ -192,6 +192,7 @@ void system_freeze(const struct system *system, const double *branch, struct sys
     const size_t terms = offsetof(struct system, term), rest = offsetof(struct system, linear);
     memcpy(frozen, system, terms);
     memcpy((char *)frozen + rest, (const char *)system + rest, sizeof *system - rest);
+    frozen->sliding = NULL;
     frozen->linear = frozen->kinks = frozen->oscillator.whole = frozen->oscillator.drag_whole = false;
     frozen->typed.row = &part->frozen.row;
     frozen_values(part, system->typed.c, frozen->typed.c);
@@ -206,23 +207,63 @@ void system_freeze(const struct system *system, const double *branch, struct sys
     frozen->typed.row = NULL;
 }
 
+enum switch_kind typed_switch_kind(const struct system *system, int i)
+{
+    return part_of(system)->switches.kind[i];
+}
+
+void typed_arguments(const struct system *system, double t, const double *y, double *argument)
+{
+    typed_evaluate(part_of(system)->argument, system->typed.c, t, y, argument);
+}
+
+static double branch_on(const struct system *frozen, int i)
+{
+    return frozen->typed.c[1 + first_branch(part_of(frozen)->frozen.typed) + i];
+}
+
 void system_guards(const struct system *frozen, double t, const double *y, double *guard)
 {
-    const double *c = frozen->typed.c;
-    const struct typed_part *part = typed_term_of(c)->part;
-    const double *branch = c + 1 + first_branch(part->frozen.typed);
-    typed_evaluate(part->argument, c, t, y, guard);
-    for (int i = 0; i < frozen->switches; i++)
-        guard[i] = part->switches.kind[i] == SWITCH_SIGN ? (branch[i] > 0 ? guard[i] : -guard[i])
-                                                         : (guard[i] - branch[i]) * (branch[i] + 1 - guard[i]);
+    const struct system *side = frozen->sliding ? &frozen->sliding->side[0] : frozen;
+    typed_arguments(side, t, y, guard);
+    for (int i = 0; i < frozen->switches; i++) {
+        const double branch = branch_on(side, i);
+        guard[i] = typed_switch_kind(side, i) == SWITCH_SIGN ? (branch > 0 ? guard[i] : -guard[i])
+                                                             : (guard[i] - branch) * (branch + 1 - guard[i]);
+    }
+    if (frozen->sliding)
+        sliding_guards(frozen->sliding, t, y, guard);
 }
 
 double system_next_branch(const struct system *frozen, int i, double t, const double *y)
 {
-    const double *c = frozen->typed.c;
-    const struct typed_part *part = typed_term_of(c)->part;
-    const double branch = c[1 + first_branch(part->frozen.typed) + i];
+    const double leaves = frozen->sliding ? sliding_leaves(frozen->sliding, i, t, y) : NAN;
+    if (!isnan(leaves))
+        return leaves;
+    const struct system *side = frozen->sliding ? &frozen->sliding->side[0] : frozen;
+    const double branch = branch_on(side, i);
     double argument[LIMIT_SWITCHES];
-    typed_evaluate(part->argument, c, t, y, argument);
-    return part->switches.kind[i] == SWITCH_SIGN ? branch == 0 : branch + (argument[i] > branch + 0.5 ? 1 : -1);
+    typed_arguments(side, t, y, argument);
+    return typed_switch_kind(side, i) == SWITCH_SIGN ? branch == 0 : branch + (argument[i] > branch + 0.5 ? 1 : -1);
+}
+
+double system_lower_branch(const struct system *frozen, int i, double t, const double *y)
+{
+    const struct system *side = frozen->sliding ? &frozen->sliding->side[0] : frozen;
+    double argument[LIMIT_SWITCHES];
+    typed_arguments(side, t, y, argument);
+    return typed_switch_kind(side, i) == SWITCH_SIGN ? 0 : round(argument[i]) - 1;
+}
+
+bool system_switch_sees(const struct system *system, int i, double t, const double *y, int variable)
+{
+    struct system frozen;
+    double branch[LIMIT_SWITCHES], at[LIMIT_VARIABLES], a[LIMIT_SWITCHES], b[LIMIT_SWITCHES];
+    system_branches(system, t, y, branch);
+    system_freeze(system, branch, &frozen);
+    memcpy(at, y, (size_t)system->n * sizeof *y);
+    typed_arguments(&frozen, t, at, a);
+    at[variable] += 1e-3 * fmax(system->scale[variable], fabs(y[variable]));
+    typed_arguments(&frozen, t, at, b);
+    return a[i] != b[i];
 }

@@ -84,7 +84,6 @@ enum stop solver_stop(enum step_status status)
     return status == STEP_OK            ? STOP_END
            : status == STEP_NONFINITE   ? STOP_DIVERGED
            : status == STEP_NO_SOLUTION ? STOP_NO_SOLUTION
-           : status == STEP_SLIDES      ? STOP_SLIDES
                                         : STOP_STALLED;
 }
 

@@ -294,30 +294,50 @@ static void test_switches(void **state)
     assert_int_equal(wrong, 0);
 }
 
-/* Where both sides of a switch lead back to it, or switches pile up, a run ends there with a word. */
+/*
+ * Where both sides of a switch lead back to it the motion stays on it, with the field in between that keeps it there
+ * (Filippov 1988), until one side turns away; where switches pile up it comes to rest. Both are noted.
+ */
 static void test_sliding_and_piling_up(void **state)
 {
     (void)state;
     static const struct {
         const char *lines;
-        double t, x; /* where it must end */
+        double t;         /* of the first sliding, NAN: not known in closed form */
+        bool piles;
+        double end, x, least; /* x at `end`, and how far off it may be */
     } cases[] = {
-        {"var x = 10;x'' = -x - 0.6*sign(x')", 8 * M_PI, 0.4}, /* 1.2 lost in each half period, it sticks below 0.6 */
-        {"var x = 1;x' = -sign(x)", 1, 0},
-        {"var x = 1;x' = if(x > 0.25, -1, 1)", 0.75, 0.25},
-        /* Times between switches shrink by sqrt(1/3): quarters of sqrt(2 x / 1.5) to 0 and sqrt(2 x / 0.5) up. */
-        {"var x = 1;x'' = -sign(x) - 0.5*sign(x')", NAN, 0},
+        /* 1.2 lost in each half period, it sticks below 0.6 */
+        {"var x = 10;x'' = -x - 0.6*sign(x')", 8 * M_PI, false, 50, 0.4, 2e-5},
+        {"var x = 1;x' = -sign(x)", 1, false, 50, 0, 1e-7},
+        {"var x = 1;x' = if(x > 0.25, -1, 1)", 0.75, false, 50, 0.25, 1e-7},
+        {"var x = 1;x' = 0.5 - floor(x)", NAN, false, 5, 1, 1e-7},
+        /* 0.65 of one side and 0.35 of the other */
+        {"var y = 0;var x = 1;y' = if(x > 0, 2, 0);x' = 0.3 - sign(x)", 1 / 0.7, false, 50,
+         2 / 0.7 + 1.3 * (50 - 1 / 0.7), 1e-4},
+        /* From rest at 1.4 over half a period about 0.5 to -0.4, then it sticks until the spring pulls with 0.9, from
+         * where x = -0.4 + (s - sin s)/10, s = t - pi - 5. */
+        {"var x = 1.4;x'' = max(0, 0.1*(t - pi)) - x - if(x' > 0, 0.9, -0.5)", M_PI, false, 5 + 2 * M_PI,
+         -0.4 + 0.1 * M_PI, 2e-5},
+        /* Two that stick, one after the other. */
+        {"var x = 10;var z = 5.3;x'' = -x - 0.6*sign(x');z'' = -2*z - 0.9*sign(z') + 0.01*x", NAN, false, 50, 0.4,
+         2e-5},
+        /* They pile up, or both are met at once. Times between shrink by sqrt(1/3): quarters of sqrt(2 x / 1.5) to 0 and sqrt(2 x / 0.5) up. */
+        {"var x = 1;x'' = -sign(x) - 0.5*sign(x')", NAN, true, 50, 0, 1e-6},
     };
     struct error error;
     struct typed_models *models = typed_create(&error);
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         const struct scene scene = typed_scene(models, cases[i].lines);
         for (size_t m = 0; m < COUNT_OF(adaptive_methods); m++) {
-            struct run *run = reach(&scene, adaptive_methods[m], 1e-7, 1e-6, 50);
-            if (run->stop != STOP_SLIDES || fabs(run->y[0] - cases[i].x) > 2e-5 || run->steps > 200000 ||
-                (!isnan(cases[i].t) && fabs(run->t - cases[i].t) > 1e-4))
-                fail_msg("%s by %s: %s at t = %.17g, x = %.17g after %lld steps", cases[i].lines, adaptive_methods[m],
-                         stop_name(run->stop), run->t, run->y[0], (long long)run->steps);
+            struct run *run = reach(&scene, adaptive_methods[m], 1e-7, 1e-6, cases[i].end);
+            const struct switches_state *switches = &run->controller.switches;
+            if (run->stop != STOP_END || !(fabs(run->y[0] - cases[i].x) < cases[i].least) || run->steps > 200000 ||
+                switches->slides == 0 || (cases[i].piles && switches->piles == 0 && switches->slides < 2) ||
+                (!isnan(cases[i].t) && fabs(switches->slid - cases[i].t) > 1e-4))
+                fail_msg("%s by %s: %s at t = %.17g, x = %.17g after %lld steps, slides %d from %.17g, piles %d",
+                         cases[i].lines, adaptive_methods[m], stop_name(run->stop), run->t, run->y[0],
+                         (long long)run->steps, (int)switches->slides, switches->slid, (int)switches->piles);
             run_destroy(run);
         }
     }
