@@ -3,6 +3,7 @@
 #ifndef TEST_PERSON_H
 #define TEST_PERSON_H
 
+#include <time.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
@@ -13,6 +14,7 @@
 #include <sys/wait.h>
 #include <termios.h>
 #include <unistd.h>
+#include <time.h>
 #include <utmp.h>
 
 #include "emulator.h"
@@ -146,6 +148,23 @@ static inline void type(struct person *p, const char *keys)
         keys += n;
         len -= (size_t)n;
     }
+}
+
+/* Processor time of the program so far [ns]: what it does in answer is bounded by work, not by the clock. */
+static inline int64_t work_ns(pid_t program)
+{
+    clockid_t clock;
+    struct timespec used = {0, 0};
+    assert_int_equal(clock_getcpuclockid(program, &clock), 0);
+    assert_int_equal(clock_gettime(clock, &used), 0);
+    return (int64_t)used.tv_sec * 1000000000 + used.tv_nsec;
+}
+
+/* The most [ns] of it between a Ctrl-C and the answer. */
+static inline int64_t work_most(void)
+{
+    const char *config = getenv("CONFIG");
+    return (config && strcmp(config, "asan") == 0 ? 3000 : 300) * (int64_t)MS;
 }
 
 /* Reads what the program sends, for up to `ms`. False: nothing came, or it has ended. */

@@ -80,18 +80,18 @@ static void test_echo_on_a_slow_link(void **state)
     for (int i = 0; i < keys; i++) {
         const char key[2] = {(char)('a' + i), 0};
         buffer_put(&line, text_of(key));
-        const int64_t begun = clock_ns();
+        const size_t begun = p.raw.len;
         type(&p, key);
         expect_prompt(&p, line.data);
-        const double took = (double)(clock_ns() - begun) * 1e-6;
+        const double took = (double)(p.raw.len - begun);
         worst = took > worst ? took : worst;
         sum += took;
         for (const int64_t rest = clock_ns() + 70 * MS; clock_ns() < rest;) {
             pump(&p, 10);
         }
     }
-    print_message("# echo at 10 kB/s during a run: %.0f ms on average, %.0f ms at worst\n", sum / keys, worst);
-    assert_true(worst < (getenv("CONFIG") && strcmp(getenv("CONFIG"), "asan") == 0 ? 600 : 200));
+    print_message("# echo at 10 kB/s during a run: after %.0f bytes on average, %.0f at worst\n", sum / keys, worst);
+    assert_true(worst < 2000); /* of other things, which is 0.2 s */
     buffer_free(&line);
     p.rate = 0;
     quit(&p);
