@@ -12,6 +12,8 @@ INLINE enum step_status one_step(const struct method *method, int n, slope_funct
     const struct tableau *tableau = method->tableau;
     const int stages = tableau->stages;
     double k[STAGES_MAX * MOST], z[MOST], y[MOST];
+    if (n < 1)
+        __builtin_unreachable(); /* else gcc thinks that y may be empty */
     if (step->low)
         return rk_step(method, step);
     for (int i = 0; i < n; i++)

@@ -2,8 +2,9 @@
 /*
  * Natural sizes of what a typed scene moves: the largest |value| at the start and on a short trial run, by Heun's
  * method with the step that Euler's allows. It goes over about a period or time constant, as far as the Jacobian at the
- * start knows it, and ends early where it meets something faster. What a linear system with constant coefficients
- * reaches is known without a trial.
+ * start knows it, and ends early where it meets something faster. Where that is a pole, sizes are those of the first
+ * half of the way to it: near the pole they have no limit. What a linear system with constant coefficients reaches is
+ * known without a trial.
  */
 #include <string.h>
 
@@ -16,6 +17,7 @@
 #define FIRST 1e-6    /* step, of the span */
 #define ACCURACY 0.02 /* of a step, relative to the largest values so far */
 #define POWERS 16      /* applications of the Jacobian */
+#define POLE 1e-6      /* steps that have become as short as this part of the way go to a pole */
 #define UNSEEN 1e-20   /* of the largest size: what stays below this in the trial has not been reached by it, */
 #define FLOOR 1e-12    /* and is given this, because a size of nothing makes every error infinite */
 
@@ -52,7 +54,8 @@ static bool all_finite(const double *y, int n)
     return true;
 }
 
-static void try_out(struct system *system, double span, double *most)
+/* How far it got, if its steps became shorter and shorter there; 0: it found no pole. */
+static double try_out(struct system *system, double span, double *most)
 {
     const int n = system->n;
     double y[LIMIT_VARIABLES], f[LIMIT_VARIABLES], g[LIMIT_VARIABLES], next[LIMIT_VARIABLES];
@@ -80,6 +83,18 @@ static void try_out(struct system *system, double span, double *most)
         system_derivative(system, t, y, f);
         h *= fmin(2, 0.9 * sqrt(ACCURACY / fmax(error, 1e-6)));
         h = fmin(h, span / 16);
+    }
+    return t < end && h < POLE * (t - system->t0) ? t - system->t0 : 0;
+}
+
+static void try_sizes(struct system *system, double span, double *most)
+{
+    double start[LIMIT_VARIABLES];
+    memcpy(start, most, sizeof start);
+    const double pole = try_out(system, span, most);
+    if (pole > 0) {
+        memcpy(most, start, sizeof start);
+        try_out(system, pole / 2, most);
     }
 }
 
@@ -111,7 +126,7 @@ void typed_begin(const double *param, struct system *system)
     if (linear_has_exact(system))
         linear_sizes(system, rate, most);
     else
-        try_out(system, rate > 0 ? SPAN / rate : 1, most);
+        try_sizes(system, rate > 0 ? SPAN / rate : 1, most);
     size_unseen(system->n, most);
     for (int i = 0; i < system->n; i++)
         system->scale[i] = scale_clamp(most[i]);

@@ -13,7 +13,8 @@
 struct prediction {
     bool known;
     double growth; /* spectral radius: amplitude factor a step */
-    double factor; /* E/E0 after the run: the energy is quadratic in the state, so growth^2 a step */
+    double amplitude; /* ln of the amplitude factor after the run; the last step may be a shorter one */
+    double factor;    /* E/E0 after the run: the energy is quadratic in the state */
     double exact;  /* the same for the exact solution */
     double swing;  /* largest |E - E0|/E0 of a method that only turns the state round an ellipse */
 };
@@ -32,6 +33,13 @@ static double ellipse_swing(const double matrix[4])
     return mean > half ? (mean + half) / (mean - half) - 1 : NAN;
 }
 
+static double matrix_size(const double matrix[4])
+{
+    return hypot(hypot(matrix[0], matrix[1]), hypot(matrix[2], matrix[3]));
+}
+
+#define SHORTER 1e-6 /* of dt: a last step that is not just rounded */
+
 static struct prediction predict(const struct run *run)
 {
     const struct oscillator *o = &run->system.oscillator;
@@ -48,9 +56,22 @@ static struct prediction predict(const struct run *run)
         prediction.growth = method_growth(run->method, run->settings.drag, x, zeta);
     }
     prediction.known = !isnan(prediction.growth);
-    prediction.factor = exp(2 * (double)run->steps * log(prediction.growth));
+    const double dt = fabs(run->settings.dt), last = fabs(run->t - run->system.t0) - (double)(run->steps - 1) * dt;
+    if (last > 0 && last < (1 - SHORTER) * dt) {
+        const double end = method_growth(run->method, run->settings.drag, omega * last, zeta);
+        prediction.amplitude = (double)(run->steps - 1) * log(prediction.growth) + log(end);
+        if (run->steps == 1) {
+            prediction.growth = end;
+            one_step = method_amplification(run->method, run->settings.drag, omega * last, zeta, matrix);
+        }
+    } else {
+        prediction.amplitude = (double)run->steps * log(prediction.growth);
+    }
+    prediction.factor = exp(2 * prediction.amplitude);
     prediction.exact = exp(-o->damping * (run->t - run->system.t0));
     prediction.swing = one_step ? ellipse_swing(matrix) : NAN;
+    if (one_step && isnan(prediction.swing)) /* what single steps do beyond the spectral radius */
+        prediction.swing = fmax(2 * log(matrix_size(matrix) / prediction.growth), 0);
     return prediction;
 }
 
@@ -135,7 +156,7 @@ static void judge(struct comparison *row)
     struct prediction prediction = predict(run);
     if (prediction.known) {
         row->predicted_factor = prediction.factor;
-        double predicted = 2 * (double)run->steps * log(prediction.growth); /* the factor may be below all numbers */
+        double predicted = 2 * prediction.amplitude; /* the factor may be below all numbers */
         double swing = isnan(prediction.swing) ? 0 : prediction.swing;
         if (run->system.conservative && fabs(predicted) <= BOUNDED) {
             bool agrees = row->ledger.error_max <= 1.001 * swing + BOUNDED;

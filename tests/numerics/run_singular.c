@@ -240,6 +240,36 @@ static void test_others(void **state)
     typed_destroy(models);
 }
 
+/* A pole ahead does not loosen the tolerance: sizes of a scene are not those that a trial meets next to the pole. */
+static void test_accuracy_before_a_pole(void **state)
+{
+    static const struct {
+        const char *lines;
+        double pole, power; /* x = (pole / (pole - t))^power from x = 1 */
+    } solutions[] = {
+        {"var x = 1;x' = x^2", 1, 1},
+        {"var x = 1;x' = x^3", 0.5, 0.5},
+        {"var x = 1;x' = 3 * x^1.5", 2 / 3.0, 2},
+    };
+    static const char *const methods[] = {"dopri5", "dop853", "odex", "radau5", "rodas5p"};
+    const double tol = 1e-6;
+    (void)state;
+    struct error error;
+    struct typed_models *models = typed_create(&error);
+    for (size_t i = 0; i < 3 * sizeof methods / sizeof *methods; i++) {
+        struct scene scene;
+        const double pole = solutions[i % 3].pole, power = solutions[i % 3].power;
+        typed_scene(models, &scene, solutions[i % 3].lines);
+        struct run *run = ended(&scene, methods[i / 3], 1e-3, tol, 0.8 * pole);
+        /* A small change of the start has grown by dx/dx0 / x = 5 there, of each of some ten steps. */
+        const double exact = pow(5, power), off = fabs(run->y[0] / exact - 1);
+        if (run->stop != STOP_END || !(off < 100 * tol))
+            fail_msg("%s, %s: %g in place of %g", solutions[i % 3].lines, methods[i / 3], run->y[0], exact);
+        run_destroy(run);
+    }
+    typed_destroy(models);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -248,6 +278,7 @@ int main(void)
         cmocka_unit_test(test_late),
         cmocka_unit_test(test_built_in),
         cmocka_unit_test(test_others),
+        cmocka_unit_test(test_accuracy_before_a_pole),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
