@@ -46,9 +46,14 @@ struct period {
     double periods;         /* whole periods between first and last crossing used */
     double first, last;     /* [s] */
     double level;
+    const char *how;   /* what it was read from, for messages */
+    char warning[160]; /* what makes one number for the whole doubtful; "": nothing */
 };
 
-/* From the line through the up-crossing times against their number. Refused with a reason where it does not oscillate.
+/*
+ * Noisy samples: from the line through the phases of sines fitted window by window, each on its own parabola. Others,
+ * and fewer than four windows: from the line through the up-crossing times against their number. Refused with a reason
+ * where it does not oscillate.
  */
 bool series_period(const struct series *series, struct arena *arena, struct period *period, struct error *error);
 

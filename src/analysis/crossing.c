@@ -1,8 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Crossings of a level, and the period from the line through their times. */
-#include "internal.h"
+#include "track.h"
 
 #include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { LONG_RECORD = 32768, NOISE_SAMPLES = 4096 };
+
+#define WANES 0.7        /* amplitude between two maxima from which on it is looked for beats */
+#define NEIGHBOURS 0.25  /* relative distance of two frequencies that beat */
+#define SECOND_LEAST 0.1 /* amplitude of the second line */
 
 #define HALF_WIDTH 0.1  /* [periods] samples on each side of a crossing that place it */
 #define SHAPE 0.01      /* of the swing in the window: what decay and drift do to its shape */
@@ -15,6 +23,11 @@ struct context {
     double half;  /* [s] samples used on each side */
     bool exact;
 };
+
+static bool is_exact(const struct overview *o)
+{
+    return o->noise <= NOISE_FREE * 0.5 * (o->high - o->low);
+}
 
 /* Value at t of the polynomial through the `count` samples from `from` on (Neville). */
 static double interpolate(const struct series *s, size_t from, size_t count, double t)
@@ -237,14 +250,10 @@ static bool fit_period(const struct crossing *up, size_t count, double guess, do
     return true;
 }
 
-/* Where a damped sine describes the series. */
-static bool sine_period(const struct series *series, struct arena *arena, struct period *period, struct error *error)
+/* From the line through the up-crossings of the mean. False: no memory, or there are too few, which `error` says. */
+static bool crossing_period(const struct series *series, const struct overview *o, struct arena *arena,
+                            struct period *period, struct error *error)
 {
-    struct motion m;
-    if (!motion_require(&m, series, arena, NULL, error)) {
-        return false;
-    }
-    const struct overview *o = &m.overview;
     size_t room = 2 * (size_t)o->periods + 16, up = 0;
     struct crossing *crossing = arena_array(arena, room, sizeof *crossing);
     double *scratch = arena_array(arena, room, sizeof *scratch);
@@ -257,11 +266,121 @@ static bool sine_period(const struct series *series, struct arena *arena, struct
             crossing[up++] = crossing[i];
         }
     }
-    bool exact = o->noise <= NOISE_FREE * 0.5 * (o->high - o->low);
-    *period = (struct period){.level = o->mean};
-    if (up < 2 || !fit_period(crossing, up, o->period, scratch, exact, period)) {
+    *period = (struct period){.level = o->mean, .how = "up-crossings"};
+    if (up < 2 || !fit_period(crossing, up, o->period, scratch, is_exact(o), period)) {
         error_set(error, ERROR_COMMAND, "no period: fewer than two up-crossings of %g stand out of the noise", o->mean);
         return error_hint(error, "fit finds the period of such a signal");
+    }
+    return true;
+}
+
+/* Of one damped sine, where there are too few windows for a line through their phases. */
+static void whole_period(const struct motion *m, struct period *period)
+{
+    const struct harmonic *h = &m->harmonic;
+    const struct oscillation o = {h->a, h->b, h->omega, h->gamma, h->origin};
+    const double widen = residual_widening(&m->samples, m->residual, &o, 2).phase;
+    const double sigma = harmonic_sigma(h, FREE_GAMMA) * sqrt(widen * h->inverse[RATE_OMEGA][RATE_OMEGA]);
+    if (m->tracked || !h->converged || !isfinite(sigma)) {
+        return;
+    }
+    period->period = (struct measured){TWO_PI / h->omega, TWO_PI / (h->omega * h->omega) * sigma};
+    period->how = "one damped sine";
+}
+
+/* Two lines of the spectrum whose sum waxes and wanes. */
+static void warn_beats(const struct series *series, const struct track *track, struct arena *arena,
+                       struct period *period)
+{
+    struct spectrum_peak peak[3];
+    double before = 0, deepest = 1;
+    for (size_t k = 0; k < track->windows; k++) {
+        double after = 0;
+        for (size_t j = k + 1; j < track->windows; j++) {
+            after = fmax(after, track->window[j].amplitude);
+        }
+        const double around = fmin(before, after);
+        deepest = around > 0 ? fmin(deepest, track->window[k].amplitude / around) : deepest;
+        before = fmax(before, track->window[k].amplitude);
+    }
+    if (!(deepest < WANES) || series_peaks(series, arena, peak, 2) < 2) {
+        return;
+    }
+    const double f = peak[0].frequency.value, g = peak[1].frequency.value;
+    if (fabs(g / f - 1) < NEIGHBOURS && peak[1].amplitude.value > SECOND_LEAST * peak[0].amplitude.value) {
+        snprintf(period->warning, sizeof period->warning, "two frequencies: %.5g and %.5g Hz (beats)", fmin(f, g),
+                 fmax(f, g));
+    }
+}
+
+/* Noisy samples, window by window. False: too few windows, or no memory. */
+static bool phase_period(const struct series *series, struct motion *m, struct arena *arena, struct period *period)
+{
+    struct track track;
+    if (m->tracked) {
+        memset(m->samples.use, 1, m->samples.n);
+        samples_flag_spikes(&m->samples, m->scratch);
+    }
+    for (int periods = 2; periods <= 32; periods *= 2) {
+        if (!track_follow(&m->samples, TWO_PI / m->overview.period, periods, arena, &track)) {
+            return false;
+        }
+        if (track_is_oscillation(&track)) {
+            const bool found = track_period(&track, arena, period);
+            if (found) {
+                warn_beats(series, &track, arena, period);
+            }
+            return found;
+        }
+    }
+    return false;
+}
+
+/* Where a damped sine describes the series, or sines do window by window. */
+static bool sine_period(const struct series *series, struct arena *arena, struct period *period, struct error *error)
+{
+    struct motion m;
+    if (!motion_require(&m, series, arena, NULL, error)) {
+        return false;
+    }
+    if (!is_exact(&m.overview) && phase_period(series, &m, arena, period)) {
+        return true;
+    }
+    if (!crossing_period(series, &m.overview, arena, period, error)) {
+        return false;
+    }
+    if (!is_exact(&m.overview)) {
+        whole_period(&m, period);
+    }
+    return true;
+}
+
+/* Of many samples, in a few passes. False: no memory, or the slower way has to judge. */
+static bool long_period(const struct series *series, struct arena *arena, struct period *period)
+{
+    struct samples x;
+    struct track track;
+    double scratch[NOISE_SAMPLES];
+    struct overview o = {.low = HUGE_VAL, .high = -HUGE_VAL, .oscillates = true};
+    if (!samples_init(&x, series, arena) || !(x.dt > 0)) {
+        return false;
+    }
+    const struct samples part = samples_part(&x, x.n / 2, x.n / 2 + NOISE_SAMPLES);
+    if (!track_long(&x, arena, &track) || !track_is_oscillation(&track) || !track_period(&track, arena, period)) {
+        return false;
+    }
+    for (size_t i = 0; i < x.n; i++) {
+        o.low = fmin(o.low, x.y[i]);
+        o.high = fmax(o.high, x.y[i]);
+    }
+    o.noise = samples_noise(&part, scratch);
+    o.mean = period->level;
+    o.period = period->period.value;
+    o.periods = (x.t[x.n - 1] - x.t[0]) / o.period;
+    struct period exact;
+    struct error ignored;
+    if (is_exact(&o) && crossing_period(series, &o, arena, &exact, &ignored)) {
+        *period = exact;
     }
     return true;
 }
@@ -302,11 +421,14 @@ static bool wave_period(const struct series *series, struct arena *arena, struct
             return false;
         }
     }
-    *period = (struct period){.level = o.mean};
+    *period = (struct period){.level = o.mean, .how = "up-crossings"};
     return fit_period(crossing, up, beat, scratch, true, period);
 }
 
 bool series_period(const struct series *series, struct arena *arena, struct period *period, struct error *error)
 {
+    if (series->n > LONG_RECORD && long_period(series, arena, period)) {
+        return true;
+    }
     return sine_period(series, arena, period, error) || wave_period(series, arena, period);
 }

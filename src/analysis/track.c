@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-enum { COLUMNS = 5, WINDOW_SAMPLES = 10, CANDIDATES = 15, PERIODS_MOST = 32, FEW = 2, MANY = 8 };
+enum { COLUMNS = 5, WINDOW_SAMPLES = 10, CANDIDATES = 15, PERIODS_MOST = 32, FEW = 2, MANY = 8, PART = 8192 };
 
 #define BEAT_LEAST 0.6   /* [beats with the sampling] cosine and sine differ too little over less */
 #define CLEAR_AT 5.0     /* explained over residual variance, per degree of freedom */
@@ -74,6 +74,9 @@ static bool factorise(struct moments *m)
 /* Amplitude and phase at the middle with w->omega; the phase in (-pi, pi]. */
 static void fit_window(const struct samples *x, struct track_window *w)
 {
+    if (cancelled(x->cancel)) {
+        return;
+    }
     const double half = 0.5 * (x->t[w->to - 1] - x->t[w->from]);
     struct moments m = {.used = 0};
     w->clear = false;
@@ -86,6 +89,7 @@ static void fit_window(const struct samples *x, struct track_window *w)
     if (m.used < COLUMNS + 2 || !factorise(&m)) {
         return;
     }
+    w->mean = x->y[w->from] + m.gram[COLUMNS][0] / m.gram[0][0];
     const double *r = m.gram[COLUMNS], pc = r[3], pd = r[4];
     const double q = pd / m.gram[4][4], p = (pc - m.gram[4][3] * q) / m.gram[3][3];
     const double freedom = (double)(m.used - COLUMNS), tiny = 1e-13 * (m.gram[COLUMNS][0] * m.gram[COLUMNS][0]);
@@ -197,35 +201,70 @@ static void conclude_track(struct track *track)
                                          : NAN;
 }
 
-bool track_follow(const struct samples *x, double omega, double periods, struct arena *arena, struct track *track)
+/* Width of the windows [s]. */
+static double window_width(const struct samples *x, double omega, double periods)
 {
-    *track = (struct track){.omega = NAN};
     const double beat = 0.5 - omega * x->dt / TWO_PI; /* [1/sample] from the Nyquist frequency */
-    const double least = fmax(WINDOW_SAMPLES, BEAT_LEAST / fmax(beat, 1e-3)) * x->dt;
-    if (!divide(x, fmax(periods * TWO_PI / omega, least), arena, track)) {
+    return fmax(periods * TWO_PI / omega, fmax(WINDOW_SAMPLES, BEAT_LEAST / fmax(beat, 1e-3)) * x->dt);
+}
+
+bool track_from(const struct samples *x, double omega, double periods, double at, struct arena *arena,
+                struct track *track)
+{
+    *track = (struct track){.omega = NAN, .periods = periods};
+    if (!divide(x, window_width(x, omega, periods), arena, track)) {
+        return false;
+    }
+    size_t start = 0;
+    while (start + 1 < track->windows && track->window[start + 1].t <= at) {
+        start++;
+    }
+    if (track->windows > 0) {
+        track->window[start].omega = omega;
+        fit_window(x, &track->window[start]);
+        follow(x, track, start, 1, omega);
+        follow(x, track, start, -1, omega);
+    }
+    conclude_track(track);
+    return true;
+}
+
+/* The frequency between the best window and those beside it; what was given where these are not clear. */
+static double refined(const struct track *track, size_t start, double omega)
+{
+    double sum = 0, count = 0;
+    for (size_t k = start > 0 ? start - 1 : 0; k + 1 < track->windows && k <= start; k++) {
+        const struct track_window *a = &track->window[k], *b = a + 1;
+        if (a->clear && b->clear) {
+            sum += (b->phase - a->phase) / (b->t - a->t);
+            count++;
+        }
+    }
+    return count > 0 && fabs(sum / count / omega - 1) < STRAY ? sum / count : omega;
+}
+
+bool track_follow(const struct samples *x, double omega, double periods, struct arena *arena,
+                  struct track *track)
+{
+    *track = (struct track){.omega = NAN, .periods = periods};
+    if (!divide(x, window_width(x, omega, periods), arena, track)) {
         return false;
     }
     const size_t start = best_window(x, omega, track);
+    for (int pass = 0; pass < 2 && start < track->windows; pass++) {
+        follow(x, track, start, 1, omega);
+        follow(x, track, start, -1, omega);
+        const double better = refined(track, start, omega);
+        if (better == omega) {
+            break;
+        }
+        omega = better;
+        track->window[start].omega = omega;
+        fit_window(x, &track->window[start]);
+    }
     if (start < track->windows) {
         follow(x, track, start, 1, omega);
         follow(x, track, start, -1, omega);
-        /* A second time, from the frequency that the neighbours of the best window have found. */
-        const struct track_window *w = &track->window[start];
-        double sum = 0, count = 0;
-        for (size_t k = start > 0 ? start - 1 : 0; k + 1 < track->windows && k <= start; k++) {
-            const struct track_window *a = &track->window[k], *b = a + 1;
-            if (a->clear && b->clear) {
-                sum += (b->phase - a->phase) / (b->t - a->t);
-                count++;
-            }
-        }
-        if (count > 0 && fabs(sum / count / w->omega - 1) < STRAY) {
-            omega = sum / count;
-            track->window[start].omega = omega;
-            fit_window(x, &track->window[start]);
-            follow(x, track, start, 1, omega);
-            follow(x, track, start, -1, omega);
-        }
     }
     conclude_track(track);
     return true;
@@ -235,7 +274,7 @@ bool track_follow(const struct samples *x, double omega, double periods, struct 
  * An oscillation keeps its phase from window to window. Where a few windows are all there is, hardly anything else may
  * be in them; thousands of bumps, steps, exponentials and random walks stay well below (tests/unit/analysis_detect.c).
  */
-static bool is_oscillation(const struct track *track)
+bool track_is_oscillation(const struct track *track)
 {
     const bool all = track->clear >= FEW && track->coherence > 0.9 && track->share > 0.9;
     return all || (track->clear >= MANY && track->coherence > 0.85 && track->share > 0.2);
@@ -260,7 +299,7 @@ bool track_find(const struct samples *x, struct arena *arena, struct track *trac
             for (int periods = 2; periods <= PERIODS_MOST && memory; periods *= 2) {
                 struct track trial;
                 memory = track_follow(x, omega[i], periods, arena, &trial);
-                const bool found = memory && (pass == 0 ? is_oscillation(&trial) : is_fundamental(&trial, &best));
+                const bool found = memory && (pass == 0 ? track_is_oscillation(&trial) : is_fundamental(&trial, &best));
                 if (found && (pass == 1 || !(trial.explained * trial.coherence <= best.explained * best.coherence))) {
                     best = trial;
                 }
@@ -272,4 +311,50 @@ bool track_find(const struct samples *x, struct arena *arena, struct track *trac
     }
     *track = best;
     return memory;
+}
+
+/* ---- long recordings ---- */
+
+/* Means of so many neighbours each. False: no memory. */
+static bool average(const struct samples *x, size_t of, struct arena *arena, struct samples *out)
+{
+    const size_t n = x->n / of;
+    double *t = arena_array(arena, n, sizeof *t), *y = arena_array(arena, n, sizeof *y);
+    if (!t || !y) {
+        return false;
+    }
+    for (size_t k = 0; k < n; k++) {
+        double sum = 0, time = 0;
+        for (size_t i = k * of; i < (k + 1) * of; i++) {
+            sum += x->y[i];
+            time += x->t[i];
+        }
+        t[k] = time / (double)of;
+        y[k] = sum / (double)of;
+    }
+    const struct series series = {.t = t, .y = y, .n = n};
+    return samples_init(out, &series, arena);
+}
+
+static double power(const struct track *track, const struct samples *x)
+{
+    return track->omega > 0 ? track->explained / (double)x->n : 0;
+}
+
+bool track_long(const struct samples *x, struct arena *arena, struct track *track)
+{
+    struct samples coarse, part = samples_part(x, (x->n - PART) / 2, (x->n + PART) / 2);
+    struct track fast, slow;
+    *track = (struct track){.omega = NAN};
+    if (!average(x, x->n / PART, arena, &coarse) || !track_find(&part, arena, &fast) ||
+        !track_find(&coarse, arena, &slow)) {
+        return false;
+    }
+    const struct track *best = power(&fast, &part) > power(&slow, &coarse) ? &fast : &slow;
+    const struct track_window *at = NULL;
+    for (size_t k = 0; k < best->windows && best->omega > 0; k++) {
+        const struct track_window *w = &best->window[k];
+        at = w->clear && (!at || w->explained * at->rss > at->explained * w->rss) ? w : at;
+    }
+    return !at || track_from(x, at->omega, best->periods, at->t, arena, track);
 }

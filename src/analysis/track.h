@@ -17,6 +17,7 @@ struct track_window {
     double phase;     /* [rad] at t, counted through */
     double sigma;     /* [rad] of the phase, from the residuals of the window */
     double off;       /* [rad] of the phase from where the windows before expected it; NAN: nothing was expected */
+    double mean;      /* of the samples */
     double explained; /* sum of squares that the sine takes off what the parabola left */
     double rss;       /* sum of squares that is left */
     size_t used;
@@ -26,6 +27,7 @@ struct track_window {
 struct track {
     struct track_window *window; /* [windows] */
     size_t windows, clear;
+    double periods;   /* per window, as asked for */
     double omega;     /* [rad/s] mean over the clear windows, by their phases */
     double coherence; /* mean cosine of `off`, weighted by amplitude: 1 for an oscillation, about 0 for chance */
     double share;     /* of the variance about the baseline, in the windows from the first to the last clear one */
@@ -43,5 +45,20 @@ bool track_follow(const struct samples *samples, double omega, double periods, s
  * NAN where there is none. False: no memory.
  */
 bool track_find(const struct samples *samples, struct arena *arena, struct track *track);
+
+/* One pass over all samples with the frequency that they have at the time `at`. False: no memory. */
+bool track_from(const struct samples *samples, double omega, double periods, double at, struct arena *arena,
+                struct track *track);
+
+bool track_is_oscillation(const struct track *track);
+
+/* Of a long recording, from a part of it and from means of neighbours: one pass over all samples. False: no memory. */
+bool track_long(const struct samples *samples, struct arena *arena, struct track *track);
+
+/*
+ * The period from the weighted line through the phases of the clear windows; its uncertainty from their scatter about
+ * the line, whatever made it. A warning where the phases bend. False: too few windows.
+ */
+bool track_period(const struct track *track, struct arena *arena, struct period *period);
 
 #endif

@@ -87,15 +87,18 @@ static bool measure_period(struct measuring *m)
         !keep(m, m->quantity, p.period, QUANTITY_TIME, p.periods))
         return false;
     put(&text, "T", p.period, QUANTITY_TIME);
-    buffer_format(&text, " (%g period%s, up-crossings)", p.periods, p.periods == 1 ? "" : "s");
+    buffer_format(&text, " (%g period%s, %s)", p.periods, p.periods == 1 ? "" : "s", p.how);
     if (!m->subject.energy && !m->subject.column)
         put_theory(&text, p.period.value, theory_period(m), QUANTITY_TIME);
     if (m->subject.recording && series_correlation_period(&m->subject.series, m->given->arena, &alike))
         put(&text, "\nautocorrelation: T", alike, QUANTITY_TIME);
     begin(m, p.period, QUANTITY_TIME, p.periods);
+    reply_string(m->reply, "how", p.how);
     if (m->subject.recording)
         reply_measured(m->reply, "autocorrelation", alike, QUANTITY_TIME);
     reply_end(m->reply);
+    if (p.warning[0])
+        reply_warning(m->reply, "%s", p.warning);
     return say(m, &text);
 }
 
