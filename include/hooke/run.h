@@ -251,6 +251,7 @@ enum observable_need {
     NEED_CENTRE = 8,    /* a linear oscillation about an equilibrium: a whole oscillator, stiffness > 0 */
     NEED_LINE = 64,     /* one coordinate, in metres */
     NEED_POWER = 32,    /* says nothing in a conservative scene, where it is 0: lists may leave it out */
+    NEED_ENERGY = 128,  /* struct system's energy */
     NEED_RATIO =
         16, /* the value is a ratio of energies: states, work and energies come scaled so that squares stay in range */
 };
@@ -270,6 +271,10 @@ extern const struct catalog observable_catalog;
  */
 enum quantity observable_quantity(const struct observable *observable, const struct system *system);
 const char *observable_unit(const struct observable *observable, const struct system *system);
+/* Whether an observable means something for this system. */
+bool observable_defined(const struct observable *observable, const struct system *system, bool exact_known);
+/* The energy, or the kinetic energy where that is all there is. */
+const struct observable *observable_energy(const struct system *system);
 
 /* Column `observable` over all rows of the trace into out [trace_count]; false: not defined for this run (no exact
  * solution …), with reason. */

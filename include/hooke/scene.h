@@ -336,6 +336,7 @@ struct system {
     bool autonomous;   /* no TERM_TIME */
     bool velocity;     /* some force depends on velocity */
     bool conservative; /* every term has a potential: energy is constant */
+    bool energy;       /* kinetic and potential; false: kinetic is all there is, of typed forces without a potential */
     int switches;      /* of typed equations, with branches that can be frozen (switch.c) */
     const struct sliding *sliding; /* of a frozen system; NULL: along none of them */
     bool kinks;        /* n = 2, and some force is not smooth at v = 0 */
@@ -348,6 +349,9 @@ struct system {
 };
 
 bool scene_bind(const struct scene *scene, struct system *system, struct error *error);
+/* Without looking for the potential of typed forces, which takes about a thousand evaluations: for those who bind many
+ * and ask for no energy. */
+bool scene_bind_motion(const struct scene *scene, struct system *system, struct error *error);
 
 void system_acceleration(const struct system *system, double t, const double *y, double *a);  /* [n/2], order 2 only */
 void system_derivative(const struct system *system, double t, const double *y, double *dydt); /* [n] */
@@ -421,7 +425,9 @@ void system_exact(const struct system *system, double t0, const double *start, d
  *
  * Summands of a second derivative are sorted into forces that depend on positions (and time) and drag, which depends on
  * velocities, so that splittings apply with drag=explicit. A summand whose factor is a parameter that is 0 is absent.
- * Jacobians are derivatives of the expressions. Without a potential all typed forces count as work.
+ * Jacobians are derivatives of the expressions. Without a typed
+ * potential the summands that depend on positions only get one where there is one; what depends on time alone is a
+ * drive, whose work counts, like that of drag. All other forces have no energy: the kinetic one is all that is known.
  *
  * A model is immutable: a line makes a new one. All of them live until typed_destroy(). An incomplete one (a variable
  * without an equation) can be looked at and set; scene_bind() says what is missing. Natural sizes: the largest |initial

@@ -249,7 +249,8 @@ static bool measure_energy(struct measuring *m)
         return false;
     const double first = s->y[0], last = s->y[s->n - 1];
     struct buffer text = {0};
-    put(&text, "E", mean, s->quantity);
+    const bool kinetic = m->subject.run && !m->subject.run->system.energy;
+    put(&text, kinetic ? "Ekin" : "E", mean, s->quantity);
     buffer_format(&text, " (mean and spread over %.6g..%.6g s)   from ", s->t[0], s->t[s->n - 1]);
     buffer_measured(&text, (struct measured){first, 0}, s->quantity, 6);
     buffer_put(&text, TEXT(" to "));

@@ -64,9 +64,10 @@ static void add_column(struct chosen_column one, struct chosen_column *list, int
 }
 
 /* t first, then what was asked for, or the state, the energy and what is observed, each once. */
-static bool list_columns(const struct model *model, const struct given *column, struct chosen_column *list, int *count,
-                         struct error *error)
+static bool list_columns(const struct system *system, const struct given *column, struct chosen_column *list,
+                         int *count, struct error *error)
 {
+    const struct model *model = system->model;
     struct chosen_column one;
     if (!chosen_find(model, TEXT("t"), &one, error))
         return false;
@@ -78,8 +79,8 @@ static bool list_columns(const struct model *model, const struct given *column, 
     }
     for (int v = 0; v < model->n && !column->count; v++)
         add_column((struct chosen_column){NULL, v}, list, count);
-    if (!column->count && model->order == 2 && chosen_find(model, TEXT("energy"), &one, error))
-        add_column(one, list, count);
+    if (!column->count && model->order == 2)
+        add_column((struct chosen_column){observable_energy(system), -1}, list, count);
     for (int v = 0; v < model_observed(model) && !column->count; v++)
         add_column((struct chosen_column){NULL, model->n + v}, list, count);
     return true;
@@ -130,8 +131,10 @@ bool export_runs(const struct session *session, const struct given *runs, const 
         rows += select_rows(run, thinning, mark[r]);
         largest = n > largest ? n : largest;
     }
+    for (int r = 1; r < count && system->energy; r++) /* what all of them have */
+        system = &session->run[place[r]]->run->system;
     int columns = 0;
-    if (!list_columns(model, column, list, &columns, error))
+    if (!list_columns(system, column, list, &columns, error))
         return false;
     const int lead = count > 1;
     struct table_column *out = arena_array(arena, (size_t)(columns + lead), sizeof *out);

@@ -68,7 +68,9 @@ static bool value_at(const struct run *run, const struct chosen_column *column, 
     const struct sample sample = {
         .run = run, .system = &run->system, .t = happening->t, .y = run_happening_state(run, i)};
     const int n = run->system.n;
-    if (column->observable && column->observable->needs & ~(unsigned)(NEED_MECHANICS | NEED_LINE | NEED_POWER))
+    if (column->observable &&
+        (column->observable->needs & ~(unsigned)(NEED_MECHANICS | NEED_LINE | NEED_POWER | NEED_ENERGY) ||
+         !observable_defined(column->observable, &run->system, false)))
         return error_set(error, ERROR_COMMAND, "%s is not known at events", column->observable->row.name);
     *out = column->observable      ? column->observable->value(&sample)
            : column->variable < n ? sample.y[column->variable]

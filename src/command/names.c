@@ -73,11 +73,18 @@ static const struct scene *scene_of(const struct names *names)
     return &force->scene;
 }
 
+/* Typed forces without a potential have no energy. */
+static bool lacks_energy(const struct run *run, const struct observable *observable)
+{
+    return run && observable && observable->needs & NEED_ENERGY && run->system.order == 2 && !run->system.energy;
+}
+
 static bool find_name(const struct names *names, struct text name, int *slot)
 {
     const struct session *session = names->session;
     const struct scene *scene = scene_of(names);
     const struct model *moving = state_model(names);
+    const struct run *run = names->run ? names->run : session_run(session);
     enum name_kind kind;
     int place = 0;
     if (moving && in_state(moving, name, &place))
@@ -86,7 +93,8 @@ static bool find_name(const struct names *names, struct text name, int *slot)
         kind = NAME_OBSERVED;
     else if (scene->model->typed && in_catalog(scene_params(scene), name, &place))
         kind = NAME_PARAM;
-    else if (moving && model_observable(moving, name) && in_catalog(&observable_catalog, name, &place))
+    else if (moving && model_observable(moving, name) && !lacks_energy(run, model_observable(moving, name)) &&
+             in_catalog(&observable_catalog, name, &place))
         kind = NAME_OBSERVABLE;
     else if (in_catalog(scene_params(scene), name, &place))
         kind = NAME_PARAM;
@@ -248,6 +256,10 @@ bool names_explain(const struct session *session, struct error *error)
     if (find_name(&names, name, &slot))
         return false;
     const struct model *model = session->setup.scene.model;
+    if (lacks_energy(session_run(session), model_observable(model, name))) {
+        error_at(error, name, "'%.*s' has no value: the typed forces have no potential", (int)name.len, name.at);
+        return error_hint(error, "the kinetic energy is called kinetic");
+    }
     if (model_observable(model, name) || model_variable(model, name) >= 0 ||
         model_observation(model, name) >= 0) {
         error_at(error, name, "'%.*s' has no value: there is no run yet", (int)name.len, name.at);

@@ -83,6 +83,8 @@ void reply_run(const struct session *session, const struct run *run, struct repl
         reply_real(reply, system_variable(&run->system, i).name, run->y[i]);
     reply_close(reply);
     reply_real(reply, "energy", ledger.final);
+    if (run->system.order == 2 && !run->system.energy)
+        reply_real(reply, "kinetic", run_observable(run, observable_energy(&run->system)));
     reply_real(reply, "energy_error", ledger.error_max);
     reply_real(reply, "error", errors.max);
     reply_string(reply, "status", stop_name(run->stop));

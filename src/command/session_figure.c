@@ -12,6 +12,31 @@ const struct observable *observable_named(const char *name)
     return (const struct observable *)(const void *)catalog_find(&observable_catalog, text_of(name));
 }
 
+static const struct run *run_of(const struct drawing *d, int i)
+{
+    return d->session->run[d->request->run[i]]->run;
+}
+
+/* What is drawn of runs; of the energy what all of them have. NULL: states. */
+static const struct observable *observable(const struct drawing *d)
+{
+    const enum plot_kind kind = d->request->kind;
+    if (!plot_rows[kind].observable)
+        return NULL;
+    for (int i = 0; i < d->request->runs && kind == PLOT_ENERGY; i++)
+        if (!run_of(d, i)->system.energy)
+            return observable_energy(&run_of(d, i)->system);
+    return (const struct observable *)(const void *)catalog_find(&observable_catalog,
+                                                                 text_of(plot_rows[kind].observable));
+}
+
+/* The energy of forces without a potential is the kinetic one. */
+static bool is_kinetic(const struct drawing *d)
+{
+    const struct observable *drawn = d->request->kind == PLOT_ENERGY ? observable(d) : NULL;
+    return drawn && !(drawn->needs & NEED_ENERGY);
+}
+
 /* What all runs of the plot have to be. */
 static bool find_model(struct drawing *d)
 {
@@ -67,7 +92,7 @@ static bool vertical_values(struct drawing *d, const struct run *run, int coordi
     if (d->request->columns)
         return chosen_at_rows(run, &d->column[coordinate], rows, d->arena, y, d->error);
     if (plot_rows[kind].observable)
-        return values_at_rows(run, observable_named(plot_rows[kind].observable), rows, d->arena, y, d->error);
+        return values_at_rows(run, observable(d), rows, d->arena, y, d->error);
     state_at_rows(run, (int)(vertical_variable(d->model, kind) - d->model->variable) + coordinate, rows, y);
     for (size_t i = 0; i < rows->n && d->omega0 != 1; i++)
         y[i] /= d->omega0;
@@ -200,7 +225,7 @@ static enum quantity y_quantity(const struct drawing *d)
     if (d->request->columns)
         return chosen_variable(&d->session->run[d->request->run[0]]->run->system, &d->column[0]).quantity;
     if (plot_rows[kind].observable)
-        return model_quantity(d->model, observable_named(plot_rows[kind].observable));
+        return model_quantity(d->model, observable(d));
     return vertical_variable(d->model, kind)->quantity;
 }
 
@@ -208,6 +233,8 @@ static enum quantity y_quantity(const struct drawing *d)
 const char *drawing_y_label(const struct drawing *d, int panel)
 {
     const enum plot_kind kind = d->request->kind;
+    if (is_kinetic(d))
+        return "E kin";
     if (plot_rows[kind].label && (!d->model || kind != PLOT_POSITION))
         return plot_rows[kind].label;
     struct buffer text = {0};
@@ -312,7 +339,9 @@ bool session_figure(const struct session *session, const struct figure_request *
     const char *x_name = arena_text(arena, text_of(across.name));
     if (!x_name)
         return error_memory(error);
-    *figure = (struct figure){.title = values ? "values" : plot_rows[request->kind].row.name,
+    *figure = (struct figure){.title = values ? "values"
+                                       : is_kinetic(&d) ? "kinetic"
+                                                        : plot_rows[request->kind].row.name,
                               .curve = d.curve,
                               .curves = d.curves,
                               .plane = plane,

@@ -15,8 +15,7 @@ bool run_series(const struct run *run, bool energy, struct arena *arena, struct 
     double *t = arena_array(arena, n, sizeof *t), *y = arena_array(arena, n, sizeof *y);
     if (!t || !y)
         return error_memory(error);
-    const struct observable *energy_of =
-        (const struct observable *)(const void *)catalog_find(&observable_catalog, TEXT("energy"));
+    const struct observable *energy_of = observable_energy(&run->system);
     if (energy && !run_column(run, energy_of, y, error))
         return false;
     if (!energy)

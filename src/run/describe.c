@@ -236,7 +236,8 @@ void plan_describe(const struct scene *scene, const struct system *system, const
         const bool apart = settings->record.rule == RECORD_TIMES ||
                            (settings->record.rule == RECORD_EVERY && settings->record.every > 1) ||
                            (settings->record.rule == RECORD_AUTO && !(plan->steps < LIMIT_SAMPLES));
-        buffer_format(text, plan->ledger ? "balance E - E0 - W, W the work of each step%s\n"
+        buffer_format(text, !system->energy ? "unknown: the typed forces have no potential; kinetic is what there is\n"
+                            : plan->ledger  ? "balance E - E0 - W, W the work of each step%s\n"
                                          : "constant: no ledger, E - E0 of each step%s\n",
                       apart ? ", kept while stepping where rows are apart" : ", only when asked for");
     }

@@ -445,7 +445,7 @@ void ledger_rescale(struct run *run, double factor)
 void run_ledger(const struct run *run, struct ledger *ledger)
 {
     *ledger = (struct ledger){NAN, NAN, NAN, NAN, NAN};
-    if (run->system.order != 2)
+    if (!run->system.energy)
         return;
     const double unit = run->private_state->factor * run->private_state->factor;
     struct balance balance;

@@ -132,11 +132,14 @@ static const struct observable observables[] = {
     {{"y", "m", "position", "", NULL}, QUANTITY_LENGTH, 0, value_y},
     {{"v", "m/s", "velocity", "", NULL}, QUANTITY_VELOCITY, NEED_MECHANICS, value_v},
     {{"a", "m/s^2", "acceleration", "", NULL}, QUANTITY_ACCELERATION, NEED_MECHANICS, value_a},
-    {{"energy", "J", "kinetic and potential energy", "", NULL}, QUANTITY_ENERGY, NEED_MECHANICS, energy_of},
+    {{"energy", "J", "kinetic and potential energy", "", NULL},
+     QUANTITY_ENERGY,
+     NEED_MECHANICS | NEED_ENERGY,
+     energy_of},
     {{"kinetic", "J", "kinetic energy m v^2/2", "", NULL}, QUANTITY_ENERGY, NEED_MECHANICS, value_kinetic},
     {{"potential", "J", "potential energy of the conservative forces", "", NULL},
      QUANTITY_ENERGY,
-     NEED_MECHANICS,
+     NEED_MECHANICS | NEED_ENERGY,
      value_potential},
     {{"work", "J", "work of drag and drive since the start", "", NULL},
      QUANTITY_ENERGY,
@@ -149,7 +152,7 @@ static const struct observable observables[] = {
     {{"power", "W", "power of drag and drive", "", NULL}, QUANTITY_POWER, NEED_MECHANICS | NEED_POWER, value_power},
     {{"energy-error", "", "error of the energy balance, (E - E0 - work)/E0", "", "energy_error"},
      QUANTITY_NUMBER,
-     NEED_MECHANICS | NEED_WORK | NEED_RATIO,
+     NEED_MECHANICS | NEED_ENERGY | NEED_WORK | NEED_RATIO,
      value_energy_error},
     {{"momentum", "kg m/s", "momentum m v", "", NULL}, QUANTITY_OTHER, NEED_MECHANICS | NEED_LINE, value_momentum},
     {{"amplitude", "m", "hypot(y - equilibrium, v/omega0)", "", NULL},
@@ -202,6 +205,8 @@ static const char *missing_need(const struct observable *observable, const struc
         return "a scene with a closed-form solution";
     if (observable->needs & NEED_MECHANICS && system->order != 2)
         return "a scene with positions and velocities";
+    if (observable->needs & NEED_ENERGY && !system->energy)
+        return "forces that have a potential";
     if (observable->needs & NEED_LINE && !(system->n == 2 && on_a_line(system)))
         return "motion along a line";
     if (observable->needs & NEED_CENTRE && !system->oscillator.whole)
@@ -211,16 +216,28 @@ static const char *missing_need(const struct observable *observable, const struc
     return NULL;
 }
 
+static bool refuse(const struct observable *observable, const char *missing, struct error *error)
+{
+    error_set(error, ERROR_COMMAND, "%s needs %s, which this run has not", observable->row.name, missing);
+    return observable->needs & NEED_ENERGY ? error_hint(error, "its kinetic energy is called kinetic") : false;
+}
+
 bool observable_defined(const struct observable *observable, const struct system *system, bool exact_known)
 {
     return !missing_need(observable, system, exact_known);
+}
+
+const struct observable *observable_energy(const struct system *system)
+{
+    return (const struct observable *)(const void *)catalog_find(&observable_catalog,
+                                                                 system->energy || system->order != 2 ? TEXT("energy") : TEXT("kinetic"));
 }
 
 bool run_column(const struct run *run, const struct observable *observable, double *out, struct error *error)
 {
     const char *missing = missing_need(observable, &run->system, run->plan.exact_known);
     if (missing)
-        return error_set(error, ERROR_COMMAND, "%s needs %s, which this run has not", observable->row.name, missing);
+        return refuse(observable, missing, error);
     struct walk walk;
     walk_begin(&walk, run, observable->needs);
     while (walk_next(&walk))
@@ -315,6 +332,9 @@ static bool scope_find(const void *context, struct text name, int *slot)
     if (*slot >= 0)
         return true;
     const struct row *row = catalog_find(&observable_catalog, name);
+    if (row && ((const struct observable *)(const void *)row)->needs & NEED_ENERGY && run->system.order == 2 &&
+        !run->system.energy)
+        return false;
     if (row)
         *slot = model->n + model_observed(model) + (int)((const struct observable *)(const void *)row - observables);
     return row != NULL;

@@ -332,9 +332,6 @@ bool run_creeps(struct run *run);
 /* The epoch that led to the state at `step`: where one ends, the state still belongs to it. */
 const struct epoch *run_epoch(const struct run *run, int64_t step);
 
-/* Whether an observable means something for this system. */
-bool observable_defined(const struct observable *observable, const struct system *system, bool exact_known);
-
 /* Visits the rows of a run in order, or its present state, with what an observable needs beside the state. */
 struct walk {
     const struct run *run;

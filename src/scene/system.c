@@ -216,6 +216,7 @@ static void begin(const struct model *model, struct system *system)
     system->n = model->n;
     system->order = model->order;
     system->terms = system->switches = 0;
+    system->energy = false;
     system->typed.row = NULL;
     system->mass = system->t0 = 0;
     memset(system->start, 0, (size_t)model->n * sizeof *system->start);
@@ -226,7 +227,7 @@ static void begin(const struct model *model, struct system *system)
     };
 }
 
-bool scene_bind(const struct scene *scene, struct system *system, struct error *error)
+bool scene_bind_motion(const struct scene *scene, struct system *system, struct error *error)
 {
     const struct model *model = scene->model;
     const double *param = scene->value;
@@ -248,4 +249,14 @@ bool scene_bind(const struct scene *scene, struct system *system, struct error *
         if (!check_term(system, &system->term[i], error))
             return false;
     return !model->typed || typed_check(system, error);
+}
+
+bool scene_bind(const struct scene *scene, struct system *system, struct error *error)
+{
+    if (!scene_bind_motion(scene, system, error))
+        return false;
+    if (scene->model->typed && typed_find_potential(system))
+        sum_up(system);
+    system->energy = system->order == 2 && (!scene->model->typed || typed_has_energy(system));
+    return true;
 }

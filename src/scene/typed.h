@@ -9,8 +9,8 @@
 #define TYPED_READS (TERM_VALUES - 2)      /* parameters that expressions may read */
 
 /*
- * Forces by what they depend on: FORCE on positions only where there is a potential, WORK on positions and time, DRAG
- * on velocities. A scene of first order has all in WORK.
+ * Forces by what they depend on: FORCE on positions only, WORK on time, too, DRAG on velocities. A scene of first order
+ * has all in WORK, and so have forces on a built-in scene without a typed potential.
  */
 enum typed_group { GROUP_FORCE, GROUP_WORK, GROUP_DRAG, GROUPS };
 
@@ -67,7 +67,7 @@ struct typed_sort {
     struct arena *arena;
     struct error *error;
     const unsigned *depends; /* of each name: bits of enum typed_dependence */
-    bool potential;
+    bool positions; /* what depends on them only is a group of its own */
 };
 
 enum typed_dependence { DEPENDS_TIME = 1, DEPENDS_POSITION = 2, DEPENDS_VELOCITY = 4 };
@@ -77,6 +77,8 @@ unsigned typed_depends(const struct expr *expr, const unsigned *depends);
 bool typed_sort(const struct typed_sort *sort, const struct expr *expr, const struct expr *group[GROUPS]);
 
 /* ---- programs (typed_parts.c) ---- */
+
+#define TYPED_FOUND 4 /* ways to a potential (typed_potential.c) */
 
 /* Of a group, or of all of them, with those parameters known that are 0. */
 struct typed_term {
@@ -94,6 +96,7 @@ struct typed_part {
     struct typed_term frozen;      /* all, with the branches of switches as given values; add NULL: no switches */
     struct program *argument;      /* of each switch */
     struct switches switches;
+    struct term_row found[TYPED_FOUND]; /* of GROUP_FORCE with a potential that was found, by the way to it */
     int given; /* values of a bound term behind the first: the mass, the parameters, what its programs keep */
     atomic_bool checked; /* force and potential agree */
 };
@@ -124,6 +127,15 @@ void typed_parts_destroy(struct typed_parts *parts);
 bool typed_bind(const struct typed *typed, const double *param, struct system *system, struct error *error);
 /* Once start and scale are known: is the force the slope of the potential? */
 bool typed_check(const struct system *system, struct error *error);
+
+/* ---- potentials that were not typed (typed_potential.c) ---- */
+
+void typed_found_rows(struct typed_part *part); /* once its terms are made */
+/* Once start and scale are known: forces that depend on positions only get a potential where there is one. False: there
+ * is none, or nothing to look for. */
+bool typed_find_potential(struct system *system);
+/* Then: is there nothing but forces with a potential, drag, and drives that depend on time alone? */
+bool typed_has_energy(const struct system *system);
 
 /* ---- what they are (typed_linear.c) ---- */
 

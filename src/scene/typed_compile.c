@@ -237,7 +237,7 @@ static bool group_rows(struct compile *c, const unsigned *depends)
 {
     struct typed *typed = c->typed;
     const int rows = typed_rows(typed);
-    const struct typed_sort sort = {&typed->arena, c->error, depends, typed->potential != NULL};
+    const struct typed_sort sort = {&typed->arena, c->error, depends, typed->potential || (typed->model.order == 2 && !typed->base)};
     for (int row = 0; row < rows; row++) {
         const struct expr *whole, *group[GROUPS] = {NULL, NULL, NULL};
         if (!whole_row(c, row, &whole) || (whole && !typed_sort(&sort, whole, group)))
@@ -260,7 +260,7 @@ static bool group_rows(struct compile *c, const unsigned *depends)
 static bool make_tables(struct compile *c)
 {
     static const char *const name[GROUPS] = {"typed force", "typed force", "typed drag"};
-    static const char *const brief[GROUPS] = {"with the typed potential", "depends on positions and time",
+    static const char *const brief[GROUPS] = {"depends on positions only", "depends on positions and time",
                                               "depends on velocities"};
     struct typed *typed = c->typed;
     const struct model *base = typed->base;

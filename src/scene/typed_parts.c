@@ -212,13 +212,14 @@ static bool make_groups(const struct making *m, struct typed_part *part)
         if (!make_add(m, term, typed->group[g], &first[g]))
             return false;
         there += term->add != NULL;
-        if (g != GROUP_FORCE && typed->model.order == 2)
+        if ((g != GROUP_FORCE || !typed->potential) && typed->model.order == 2)
             term->row.power = power;
     }
     const bool whole = there >= 2 && !typed->base;
     for (int g = 0; g < GROUPS; g++)
         if (typed->group[g] && !make_term(m, &part->term[g], first[g], whole ? RARELY : STEPS))
             return false;
+    typed_found_rows(part);
     return !whole || make_whole(m, part);
 }
 

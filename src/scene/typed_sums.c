@@ -84,7 +84,7 @@ static enum typed_group group_of(const struct typed_sort *sort, unsigned mask)
 {
     if (mask & DEPENDS_VELOCITY)
         return GROUP_DRAG;
-    return mask & DEPENDS_TIME || !sort->potential ? GROUP_WORK : GROUP_FORCE;
+    return mask & DEPENDS_TIME || !sort->positions ? GROUP_WORK : GROUP_FORCE;
 }
 
 /* The expression that ends at an operation. */

@@ -82,7 +82,7 @@ static bool compute(struct scene_curve *c, const double *parameter, const double
     struct scene scene;
     struct error ignored;
     const double offset = c->offset ? parameter[c->frees] : 0;
-    if (!scene_at(c, parameter, &scene) || !scene_bind(&scene, &c->variation->base, &ignored) ||
+    if (!scene_at(c, parameter, &scene) || !scene_bind_motion(&scene, &c->variation->base, &ignored) ||
         (derivative && !variation_bind(c->variation, &scene, c->place, c->frees)))
         return false;
     const struct system *system = derivative ? &c->variation->whole : &c->variation->base;
@@ -199,7 +199,7 @@ bool scene_curve_mesh(struct scene_curve *c, const double *parameter, const stru
     for (int j = 0; j < c->frees; j++)
         if (!scene_set(&scene, c->place[j], (struct measured){parameter[j], 0}, error))
             return false;
-    if (!scene_bind(&scene, &system, error))
+    if (!scene_bind_motion(&scene, &system, error))
         return false;
     enum meshing meshing = try_mesh(c, &system, "dop853", c->tol, 20000 + 2 * series->n, end);
     if (meshing == MESH_FAILED)

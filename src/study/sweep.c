@@ -77,7 +77,7 @@ static bool lane_measures(const struct sweep_measure *measure)
         return measure->kind != SWEEP_MEAN && measure->column == SWEEP_VARIABLE && measure->variable == 0;
     return measure->kind != SWEEP_ERROR && measure->kind != SWEEP_ENERGY_ERROR &&
            (measure->kind != SWEEP_OBSERVABLE ||
-            !(measure->observable->needs & ~(unsigned)(NEED_MECHANICS | NEED_LINE | NEED_POWER)));
+            !(measure->observable->needs & ~(unsigned)(NEED_MECHANICS | NEED_LINE | NEED_POWER | NEED_ENERGY)));
 }
 
 /* The system at one end of an axis; false: it is refused there. */

@@ -38,7 +38,9 @@ static double lane_measure(const struct sweep_worker *worker, int lane, const st
     case SWEEP_EVALS:
         return (double)evals;
     case SWEEP_OBSERVABLE:
-        return measure->observable->value(&(struct sample){.t = end, .y = y, .system = system});
+        return observable_defined(measure->observable, system, false)
+                   ? measure->observable->value(&(struct sample){.t = end, .y = y, .system = system})
+                   : NAN;
     default:
         return sweep_measured(measure, system, end, y);
     }
@@ -204,6 +206,16 @@ void sweep_flush(struct sweep_worker *worker)
     worker->used = 0;
 }
 
+/* The potential of typed forces is looked for only where somebody asks for an energy. */
+static bool bind_point(const struct sweep_request *request, const struct scene *scene, struct system *system,
+                       struct error *error)
+{
+    bool energy = request->method->flags & METHOD_POTENTIAL;
+    for (int m = 0; m < request->measures; m++)
+        energy |= request->measure[m].kind == SWEEP_OBSERVABLE && request->measure[m].observable->needs & NEED_ENERGY;
+    return energy ? scene_bind(scene, system, error) : scene_bind_motion(scene, system, error);
+}
+
 void sweep_gather(struct sweep_worker *worker, int64_t i)
 {
     struct sweep_job *job = worker->job;
@@ -213,7 +225,7 @@ void sweep_gather(struct sweep_worker *worker, int64_t i)
     struct system *system = &worker->system[worker->used];
     enum drag drag = request->settings.drag;
     if (!sweep_point(request, job->sweep, i, &worker->scene, &worker->settings, &error) ||
-        !scene_bind(&worker->scene, system, &error) || !method_applies(request->method, system, &drag, &error) ||
+        !bind_point(request, &worker->scene, system, &error) || !method_applies(request->method, system, &drag, &error) ||
         !method_fits(request->method, system, drag, h, &error)) {
         sweep_refuse(worker, i, &error);
         return;

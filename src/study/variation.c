@@ -50,10 +50,10 @@ bool direction_find(const struct scene *scene, int place, struct direction *d)
     double at[2];
     for (int s = 0; s < 2; s++) {
         trial.value[place] = at[s] = value + (s == 0 ? DELTA : -DELTA) * size;
-        if (scene_bind(&trial, &side[s], &ignored))
+        if (scene_bind_motion(&trial, &side[s], &ignored))
             continue;
         trial.value[place] = at[s] = value; /* beyond a bound: a difference to one side */
-        if (!scene_bind(&trial, &side[s], &ignored))
+        if (!scene_bind_motion(&trial, &side[s], &ignored))
             return false;
     }
     *d = (struct direction){.apart = at[0] - at[1]};
@@ -166,7 +166,7 @@ bool variation_bind(struct variation *v, const struct scene *scene, const int *p
 {
     struct error ignored;
     double rate[LIMIT_VARIABLES];
-    if (!scene_bind(scene, &v->base, &ignored))
+    if (!scene_bind_motion(scene, &v->base, &ignored))
         return false;
     const struct system *base = &v->base;
     v->directions = count;

@@ -18,11 +18,10 @@ static double present(const struct run *run, const char *name)
 static void put_energy(struct buffer *out, const struct run *run, double energy)
 {
     double start = system_kinetic(&run->system, run->system.start) + system_potential(&run->system, run->system.start);
-    const struct row *row = catalog_find(&observable_catalog, TEXT("energy"));
-    enum quantity quantity = observable_quantity((const struct observable *)(const void *)row, &run->system);
+    enum quantity quantity = observable_quantity(observable_energy(&run->system), &run->system);
     const struct unit *unit = unit_display(
         quantity, fabs(energy) < 100 * fabs(start) && fabs(start) < 100 * fabs(energy) ? start : energy);
-    buffer_format(out, "E=%#.4g%s%s", energy / (unit ? unit->factor : 1), unit ? " " : "", unit ? unit->row.name : "");
+    buffer_format(out, "%s=%#.4g%s%s", run->system.energy ? "E" : "Ekin", energy / (unit ? unit->factor : 1), unit ? " " : "", unit ? unit->row.name : "");
 }
 
 /* "dE/E0=-3.1e-6"; where drag or a drive changes the energy, the error of its balance. */
@@ -54,7 +53,7 @@ static int put_numbers(const struct screen *screen, int x, int y)
     const struct run *run = session_run(screen->session);
     if (!run)
         return x;
-    double energy = present(run, "energy"), error = present(run, "energy-error");
+    double energy = run_observable(run, observable_energy(&run->system)), error = present(run, "energy-error");
     struct buffer full = {0}, brief = {0}, runs = {0};
     if (isfinite(energy)) {
         put_energy(&full, run, energy);

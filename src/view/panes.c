@@ -189,9 +189,9 @@ static bool make_figure(struct screen *screen, const struct place *place, const 
     }
     if (time->known && pane_is_timed(place->pane))
         figure->x = time->window.axis;
+    if (kind->label) /* an energy is called by the figure's title: it may be the kinetic one */
+        figure->y.label = place->pane == PANE_ENERGY ? figure->title : kind->label;
     figure->title = numbered_title(screen, place);
-    if (kind->label)
-        figure->y.label = kind->label;
     figure->has_point = figure->has_point && pane_is_plane(place->pane);
     if (pane_is_plane(place->pane) && place->at.width >= CAPTION_WIDTH) {
         figure->caption = figure->note;

@@ -411,6 +411,87 @@ static void test_threads(void **state)
     }
 }
 
+/* ---- potentials that are found ---- */
+
+/* Is the slope of the potential the force, in units of the mass, at random places? Differences are good to 1e-7. */
+static void check_slopes(struct fixture *f)
+{
+    const struct system *s = &f->system;
+    const int rows = s->n / 2;
+    for (int k = 0; k < 20; k++) {
+        double y[LIMIT_VARIABLES] = {0}, a[LIMIT_VARIABLES];
+        for (int i = 0; i < rows; i++)
+            y[i] = random_between(0.3, 2) * s->scale[i] * (rand() % 2 ? 1 : -1);
+        system_force(s, 0, y, a);
+        for (int i = 0; i < rows; i++) {
+            const double h = 1e-4 * fabs(y[i]), at = y[i];
+            y[i] = at + h;
+            const double above = system_potential(s, y);
+            y[i] = at - h;
+            const double slope = (above - system_potential(s, y)) / (2 * h);
+            y[i] = at;
+            assert_true(near(-slope, s->mass * a[i], 1e-6));
+        }
+    }
+}
+
+static void test_found_potentials(void **state)
+{
+    static const struct {
+        const char *line[6];
+        bool found, energy;
+    } cases[] = {
+        {{"var x = 1", "var y = 0", "x'' = y - 2*x", "y'' = x - 2*y + 1"}, true, true},
+        {{"var x = 1", "var y = 0", "param m = 3", "x'' = -x^3 - 2*x*y^2", "y'' = -2*x^2*y - sin(y)"}, true, true},
+        {{"var x = 1", "var y = 0", "x'' = -x/(x^2 + y^2)^1.5", "y'' = -y/(x^2 + y^2)^1.5"}, true, true},
+        {{"var x = 1", "var y = 0", "var z = 0.5", "x'' = -x/(x^2 + y^2 + z^2)", "y'' = -y/(x^2 + y^2 + z^2)",
+          "z'' = -z/(x^2 + y^2 + z^2)"}, true, true},
+        {{"var x = 1", "x'' = -1/x"}, true, true},
+        {{"var x = 1", "x'' = -sin(x) + exp(-x) - x'"}, true, true},
+        {{"var x = 1", "x'' = -x + cos(3*t)"}, true, true},
+        {{"var x = 1", "x'' = cos(3*t) - x'*abs(x')"}, false, true},
+        {{"var x = 1", "x'' = -x*cos(3*t)"}, false, false},
+        {{"var x = 1", "x'' = -x - sin(x - t)"}, true, false},
+        {{"var x = 1", "x'' = -x*(1 + x')"}, false, false},
+        {{"var x = 1", "var y = 0", "x'' = y", "y'' = -x"}, false, false},
+        {{"var x = 1", "var y = 0", "x'' = -y/(x^2 + y^2)", "y'' = x/(x^2 + y^2)"}, false, false},
+        {{"var x = 1", "var y = 0", "x'' = if(y > 0.3, 1, 0) - x", "y'' = -2*y"}, false, false},
+    };
+    struct fixture *f = *state;
+    for (size_t c = 0; c < COUNT_OF(cases); c++) {
+        const char *line[7] = {NULL};
+        memcpy(line, cases[c].line, sizeof cases[c].line);
+        scene_init(&f->scene, NULL);
+        type(f, line);
+        bind(f);
+        bool found = false;
+        for (int i = 0; i < f->system.terms; i++)
+            found |= f->system.term[i].row->potential != NULL;
+        if (found != cases[c].found || f->system.energy != cases[c].energy)
+            fail_msg("case %zu: potential %d, energy %d", c, found, f->system.energy);
+        if (found && f->system.autonomous && !f->system.velocity)
+            check_slopes(f);
+        struct system motion;
+        assert_true(scene_bind_motion(&f->scene, &motion, &f->error));
+        for (int i = 0; i < motion.terms; i++)
+            assert_null(motion.term[i].row->potential);
+    }
+}
+
+/* In one coordinate a force with kinks and jumps has a potential that is continuous. */
+static void test_potential_of_kinks(void **state)
+{
+    struct fixture *f = *state;
+    type(f, LINES("var x = 1", "x'' = if(x > 0.3, -x, -4*x) - 0.2*sign(x)"));
+    bind(f);
+    assert_true(f->system.conservative && f->system.energy);
+    for (double x = -2; x < 2; x += 0.01) {
+        const double y[] = {x, 0}, x0 = fmin(x, 0.3);
+        assert_true(near(system_potential(&f->system, y), 2 * x0 * x0 + (x > 0.3 ? (x * x - 0.09) / 2 : 0) +
+                                                              0.2 * fabs(x), 1e-10));
+    }
+}
+
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
 
 int main(void)
@@ -424,6 +505,8 @@ int main(void)
         TEST(test_observe_built_in),
         TEST(test_refusals),
         TEST(test_potential_is_checked),
+        TEST(test_found_potentials),
+        TEST(test_potential_of_kinks),
         TEST(test_jacobians),
         TEST(test_same_bits_as_built_in),
         TEST(test_absent),
