@@ -210,6 +210,8 @@ bool run_back(struct run *run, int64_t rows);
  * run is unchanged on error.
  */
 bool run_rebind(struct run *run, const struct scene *scene, struct error *error);
+/* Takes back what run_rebind() has changed at the present step, if anything: the run has the scene of before. */
+void run_unbind(struct run *run);
 /*
  * Gives variable i of the present state another value, in a step of no length: two rows at one time. The change of
  * energy counts as work, and from there on no exact solution is known. run_back() does not stop at the row before the
@@ -272,6 +274,8 @@ extern const struct catalog observable_catalog;
 enum quantity observable_quantity(const struct observable *observable, const struct system *system);
 const char *observable_unit(const struct observable *observable, const struct system *system);
 
+/* Where the oscillator rests, about which its free motion swings; false: there is no such place. */
+bool run_centre(const struct run *run, double *centre);
 /* Column `observable` over all rows of the trace into out [trace_count]; false: not defined for this run (no exact
  * solution …), with reason. */
 bool run_column(const struct run *run, const struct observable *observable, double *out, struct error *error);
