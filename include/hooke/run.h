@@ -209,6 +209,8 @@ bool run_back(struct run *run, int64_t rows);
  * run is unchanged on error.
  */
 bool run_rebind(struct run *run, const struct scene *scene, struct error *error);
+/* Takes back what run_rebind() has changed at the present step, if anything: the run has the scene of before. */
+void run_unbind(struct run *run);
 /*
  * Gives variable i of the present state another value, in a step of no length: two rows at one time. The change of
  * energy counts as work, and from there on no exact solution is known. run_back() does not stop at the row before the
@@ -276,6 +278,8 @@ bool observable_defined(const struct observable *observable, const struct system
 /* The energy, or the kinetic energy where that is all there is. */
 const struct observable *observable_energy(const struct system *system);
 
+/* Where the oscillator rests, about which its free motion swings; false: there is no such place. */
+bool run_centre(const struct run *run, double *centre);
 /* Column `observable` over all rows of the trace into out [trace_count]; false: not defined for this run (no exact
  * solution …), with reason. */
 bool run_column(const struct run *run, const struct observable *observable, double *out, struct error *error);

@@ -402,6 +402,15 @@ int model_state(const struct model *model, struct text name);
  */
 bool system_has_exact(const struct system *system);
 void system_exact(const struct system *system, double t0, const double *start, double t, double *y, double *floor);
+/*
+ * The same for many times that are h apart but for rounding, [s] in the direction of h, at a fraction of the cost: found
+ * anew from time to time, and from there on by what each step does, in long double. Good to an ulp of system_exact();
+ * times elsewhere are right too. NULL: not of use for this system or step, or no memory. The system has to stay.
+ */
+struct exact_table;
+struct exact_table *exact_table_create(const struct system *system, double t0, const double *start, double h);
+void exact_table_at(struct exact_table *table, double t, double *y);
+void exact_table_free(struct exact_table *table);
 
 /* ---- typed scenes ----
  *

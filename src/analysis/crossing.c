@@ -388,23 +388,21 @@ static bool long_period(const struct series *series, struct arena *arena, struct
 #define WAVES 512   /* crossings that are asked for */
 #define REGULAR 0.01 /* how far the times between crossings are off their median */
 
-/*
- * A wave of any shape, as pulses and relaxation oscillations have it: it crosses the middle between its extremes
- * upwards at regular times, three times at least. Noise does not.
- */
-static bool wave_period(const struct series *series, struct arena *arena, struct period *period)
+/* It crosses the level (NAN: the middle between its extremes) upwards at regular times, three times at least. */
+static bool regular_period(const struct series *series, double level, size_t room, struct arena *arena,
+                           struct period *period)
 {
-    struct crossing *crossing = arena_array(arena, WAVES, sizeof *crossing);
-    double *scratch = arena_array(arena, WAVES, sizeof *scratch);
+    struct crossing *crossing = arena_array(arena, room, sizeof *crossing);
+    double *scratch = arena_array(arena, room, sizeof *scratch);
     struct overview o = {.low = HUGE_VAL, .high = -HUGE_VAL};
     size_t up = 0;
     for (size_t i = 0; i < series->n; i++) {
-        o.low = fmin(o.low, series->y[i]);
-        o.high = fmax(o.high, series->y[i]);
+        o.low = series->y[i] < o.low ? series->y[i] : o.low;
+        o.high = series->y[i] > o.high ? series->y[i] : o.high;
     }
-    o.mean = o.low + (o.high - o.low) / 2;
-    const size_t count = crossing && scratch ? series_crossings(series, &o, o.mean, crossing, WAVES) : 0;
-    for (size_t i = 0; i < count && i < WAVES; i++) {
+    o.mean = isnan(level) ? o.low + (o.high - o.low) / 2 : level;
+    const size_t count = crossing && scratch ? series_crossings(series, &o, o.mean, crossing, room) : 0;
+    for (size_t i = 0; i < count && i < room; i++) {
         if (crossing[i].up) {
             crossing[up++] = crossing[i];
         }
@@ -423,6 +421,20 @@ static bool wave_period(const struct series *series, struct arena *arena, struct
     }
     *period = (struct period){.level = o.mean, .how = "up-crossings"};
     return fit_period(crossing, up, beat, scratch, true, period);
+}
+
+/* A wave of any shape, as pulses and relaxation oscillations have it. Noise is not regular. */
+static bool wave_period(const struct series *series, struct arena *arena, struct period *period)
+{
+    return regular_period(series, NAN, WAVES, arena, period);
+}
+
+#define SMOOTH 20 /* samples a period from which on a quintic places crossings to rounding */
+
+bool series_clean_period(const struct series *series, double centre, struct arena *arena, struct period *period)
+{
+    return regular_period(series, centre, series->n / 2 + 1, arena, period) &&
+           period->period.value * (double)(series->n - 1) >= SMOOTH * (series->t[series->n - 1] - series->t[0]);
 }
 
 bool series_period(const struct series *series, struct arena *arena, struct period *period, struct error *error)

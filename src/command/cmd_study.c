@@ -8,17 +8,6 @@
 #include <stdio.h>
 #include <string.h>
 
-static struct measured run_period(const struct run *run, struct arena *arena)
-{
-    const struct measured none = {NAN, NAN};
-    struct series series;
-    struct period period;
-    struct error ignored;
-    return run_series(run, false, arena, &series, &ignored) && series_period(&series, arena, &period, &ignored)
-               ? period.period
-               : none;
-}
-
 static void period_cell(struct text_table *table, struct measured period)
 {
     struct buffer text = {0};
@@ -57,7 +46,8 @@ static struct columns columns_for(const struct session *session, const struct co
 {
     struct columns columns = {.data = session_recording(session) != NULL};
     for (int i = 0; i < count; i++) {
-        period[i] = run_period(rows[i].run, arena);
+        if (!run_period(rows[i].run, arena, &period[i]))
+            period[i] = (struct measured){NAN, NAN};
         columns.period |= isfinite(period[i].value);
         columns.phase |= isfinite(rows[i].errors.phase);
         columns.timed |= isfinite(rows[i].time.minimum);

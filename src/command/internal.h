@@ -403,6 +403,8 @@ bool session_keep_measurement(struct session *session, const char *name, const c
                               enum quantity unit, double periods, struct error *error);
 /* The first variable, or energy, of a run over time; oldest first also where it went backwards. */
 bool run_series(const struct run *run, bool energy, struct arena *arena, struct series *series, struct error *error);
+/* As of its position over all recorded rows, found the cheapest way that is sound for it; false: it has none. */
+bool run_period(const struct run *run, struct arena *arena, struct measured *period);
 /* The series of another column of the subject's run, in the same window. */
 bool subject_column(struct subject *subject, const struct given *column, const struct given *window,
                     struct arena *arena, struct error *error);

@@ -288,13 +288,23 @@ static int64_t common_way(const struct leg *a, const struct leg *b)
     return mine < other ? mine : other;
 }
 
+/* A parameter changed at that step is in force, and leaves no row. */
+static bool sets_at(const struct leg *last, int64_t step)
+{
+    for (; last && last->from >= step; last = last->before)
+        if (last->kind == LEG_SET && last->from == step)
+            return true;
+    return false;
+}
+
 bool journal_restore(struct session *session, struct held_run *held, struct leg *last, int64_t steps, double t)
 {
     struct run *run = held->run;
     int64_t way = common_way(held->last, last);
     bool ok = true;
     way = steps < way ? steps : way;
-    if (run->steps != steps || run->t != t || way < steps) {
+    const bool changed = held->last != last && (sets_at(held->last, steps) || sets_at(last, steps));
+    if (run->steps != steps || run->t != t || way < steps || changed) {
         /* What these remember of earlier steps comes back only by doing them again; a row at an even time is no step,
          * and a step control starts anew from any but the first. */
         if (run->method->flags & (METHOD_MULTISTEP | METHOD_YARDSTICK) || run->settings.record.rule == RECORD_TIMES ||
@@ -305,6 +315,8 @@ bool journal_restore(struct session *session, struct held_run *held, struct leg 
             back++;
         if (back > 0)
             run_back(run, (int64_t)back);
+        if (sets_at(held->last, run->steps)) /* those that the other list has, too, are done again */
+            run_unbind(run);
         ok = replay(session, held, last, steps);
     }
     if (ok) {

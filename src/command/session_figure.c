@@ -279,12 +279,8 @@ static bool find_motion(struct drawing *d, const struct recording *recording)
 
 static double seen_period(const struct drawing *d, const struct run *run)
 {
-    struct series series;
-    struct period period;
-    struct error ignored;
-    return run_series(run, false, d->arena, &series, &ignored) && series_period(&series, d->arena, &period, &ignored)
-               ? period.period.value
-               : NAN;
+    struct measured period;
+    return run_period(run, d->arena, &period) ? period.value : NAN;
 }
 
 bool session_figure(const struct session *session, const struct figure_request *request, struct arena *arena,

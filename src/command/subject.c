@@ -35,6 +35,21 @@ bool run_series(const struct run *run, bool energy, struct arena *arena, struct 
     return true;
 }
 
+bool run_period(const struct run *run, struct arena *arena, struct measured *period)
+{
+    struct series series;
+    struct period found;
+    struct error ignored;
+    double centre;
+    if (!run_series(run, false, arena, &series, &ignored))
+        return false;
+    const bool clean = run_centre(run, &centre) && series_clean_period(&series, centre, arena, &found);
+    if (!clean && !series_period(&series, arena, &found, &ignored))
+        return false;
+    *period = found.period;
+    return true;
+}
+
 bool needs_spring(const struct scene *scene, const char *what, struct error *error)
 {
     if (is_oscillator(scene))

@@ -196,6 +196,13 @@ const char *observable_unit(const struct observable *observable, const struct sy
     return quantity == QUANTITY_OTHER ? observable->row.unit : quantity_unit(quantity);
 }
 
+bool run_centre(const struct run *run, double *centre)
+{
+    const struct oscillator *o = &run->system.oscillator;
+    *centre = -o->gravity / o->stiffness;
+    return run->system.n == 2 && o->whole && o->stiffness > 0 && o->drive == 0;
+}
+
 /* ---- asking ---- */
 
 /* What is missing of an observable's needs, as words; NULL: nothing. */

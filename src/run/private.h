@@ -340,11 +340,13 @@ struct walk {
     struct balance balance;
     struct work_done done;
     double state[LIMIT_VARIABLES], exact[LIMIT_VARIABLES];
+    struct exact_table *table; /* of the exact solution in the epoch; NULL: not yet, or of no use */
+    const struct epoch *epoch; /* that it was asked for; NULL: none yet */
     struct sample sample;
 };
 
 void walk_begin(struct walk *walk, const struct run *run, unsigned needs);
-bool walk_next(struct walk *walk); /* false: no more rows */
+bool walk_next(struct walk *walk); /* to be called until false: no more rows, nothing is held any longer */
 void walk_present(struct walk *walk, const struct run *run, unsigned needs);
 
 /* ---- ledger.c ---- */

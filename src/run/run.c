@@ -267,6 +267,21 @@ bool run_rebind(struct run *run, const struct scene *scene, struct error *error)
     return true;
 }
 
+void run_unbind(struct run *run)
+{
+    struct run_private *p = run->private_state;
+    struct error ignored;
+    if (p->epoch[p->epochs - 1].first != run->steps)
+        return;
+    if (p->epochs == 1) {
+        run_rebind(run, &run->scene, &ignored); /* was accepted when it began */
+        return;
+    }
+    p->epochs--;
+    use_system(run, &p->epoch[p->epochs - 1].system);
+    ledger_back(run);
+}
+
 static bool reserve_kick(struct run_private *p)
 {
     if (p->kicks < p->kick_room)

@@ -353,6 +353,45 @@ static void test_floor(void **state)
     assert_true(tightest > 0.1);
 }
 
+/* Many times a step apart, with the rounding that a grid has, and one between: as found one by one, to an ulp of the
+ * largest so far. Forwards and backwards, in every regime; where steps are coarse there is no table. */
+static void test_table(void **state)
+{
+    (void)state;
+    uint64_t seed = 5;
+    int tables = 0;
+    for (int i = 0; i < 300; i++) {
+        struct oscillator o = {.stiffness = pow(10, random_between(&seed, -2, 4))};
+        const double turn = sqrt(o.stiffness);
+        o.damping = i % 5 == 1 ? random_between(&seed, 0, 4) * turn : i % 5 == 2 ? 2 * turn : i % 5 == 3 ? -0.05 * turn : 0;
+        o.gravity = i % 2 ? 9.81 : 0;
+        o.drive = i % 3 == 0 ? 1 : 0;
+        o.omega = random_between(&seed, 0.5, 2) * turn;
+        o.stiffness = i % 7 == 6 ? -o.stiffness : o.stiffness;
+        const double t0 = random_between(&seed, -1, 1) / turn;
+        const double h = (i % 4 == 0 ? -1 : 1) * pow(10, random_between(&seed, -3, -0.5)) / turn;
+        const struct system system = oscillating(o, random_between(&seed, -1, 1), turn * random_between(&seed, -1, 1), t0);
+        struct exact_table *table = exact_table_create(&system, t0, system.start, h);
+        double top[2] = {0, 0};
+        assert_true(table || fabs(h) * turn > 0.1);
+        for (int k = 0; table && k < 400; k++) {
+            const double t = t0 + (k == 321 ? 320.25 : k) * h;
+            double y[2], wanted[2];
+            system_exact(&system, t0, system.start, t, wanted, NULL);
+            exact_table_at(table, t, y);
+            for (int j = 0; j < 2; j++) {
+                top[j] = fmax(top[j], fabs(wanted[j]));
+                expect_near(y[j], wanted[j], DBL_EPSILON * top[j]);
+            }
+        }
+        tables += table != NULL;
+        exact_table_free(table);
+    }
+    assert_true(tables > 200);
+    const struct system coarse = oscillating((struct oscillator){.stiffness = 1}, 1, 0, 0);
+    assert_null(exact_table_create(&coarse, 0, coarse.start, 1));
+}
+
 static void test_which_systems_have_one(void **state)
 {
     (void)state;
@@ -451,6 +490,7 @@ int main(void)
         cmocka_unit_test(test_semigroup),
         cmocka_unit_test(test_start_is_exact),
         cmocka_unit_test(test_floor),
+        cmocka_unit_test(test_table),
         cmocka_unit_test(test_which_systems_have_one),
         cmocka_unit_test(test_reference_table),
     };

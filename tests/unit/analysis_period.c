@@ -120,6 +120,33 @@ static void exact_period(void **state)
     }
 }
 
+/* About a centre that is known, with no analysis of noise: the period itself, or nothing. */
+static void clean_periods_are_exact_or_none(void **state)
+{
+    (void)state;
+    static const struct {
+        double gamma, period, offset, span;
+        bool found;
+    } of[] = {{0, 0.7526, 0, 20, true},     {0.05, 0.7526, 25, 20, true}, {-0.05, 0.7526, 0, 20, true},
+              {0, 0.15, 0, 20, false}, /* 15 samples each */
+              {0, 0.7526, 0, 1.2, false} /* too few */};
+    for (size_t i = 0; i < COUNT_OF(of); i++) {
+        const struct truth truth = {.amplitude = 0.05, .period = of[i].period, .gamma = of[i].gamma,
+                                    .offset = of[i].offset, .rate = 100, .span = of[i].span};
+        struct synthetic s = synthetic_make(&truth);
+        struct arena arena = {0};
+        struct period period, about;
+        assert_int_equal(series_clean_period(&s.series, of[i].offset, &arena, &period), of[i].found);
+        /* Quintics between 75 samples a period leave (2 pi/75)^6/6! of the amplitude, half of it cancels. */
+        assert_true(!of[i].found || close_to(period.period.value, of[i].period, 1e-9));
+        /* Away from the centre damped motion does not cross at regular times. */
+        if (of[i].gamma > 0 && series_clean_period(&s.series, of[i].offset + 0.03, &arena, &about))
+            assert_false(close_to(about.period.value, of[i].period, 1e-6));
+        arena_reset(&arena);
+        synthetic_free(&s);
+    }
+}
+
 /* Pulses, in uneven steps: no damped sine comes near. Where they come less and less often there is no period. */
 static void pulses_have_a_period(void **state)
 {
@@ -377,6 +404,7 @@ int main(void)
         cmocka_unit_test(spikes_that_cross_first_do_not_matter),
         cmocka_unit_test(noise_makes_no_extra_crossings),
         cmocka_unit_test(exact_period),
+        cmocka_unit_test(clean_periods_are_exact_or_none),
         cmocka_unit_test(pulses_have_a_period),
         cmocka_unit_test(period_covers_the_truth),
         cmocka_unit_test(amplitudes_at_times),

@@ -229,6 +229,55 @@ static void undo_keeps_the_last_levels(void **state)
     bench_close(&b);
 }
 
+/* What entries share stays as it was in all of them: a list of many changes that goes on in two ways, each to its end
+ * and back, has the bits of the run that went there at once. */
+static void shared_lists_stay_as_they_were(void **state)
+{
+    (void)state;
+    enum { CHANGES = 40 };
+    struct end at[CHANGES + 1], other;
+    struct bench b, once;
+    char line[80];
+    bench_open(&b, false);
+    bench_open(&once, false);
+    type_ok(&b, "method rk4; run 0.1 s");
+    type_ok(&once, "method rk4; run 0.1 s");
+    at[0] = end_of(&b);
+    for (int i = 1; i <= CHANGES; i++) {
+        snprintf(line, sizeof line, "change k %d; continue %d ms; step; step", 10 + i, 7 * i);
+        type_ok(&b, line);
+        at[i] = end_of(&b);
+    }
+    for (int way = 0; way < 2; way++) {
+        snprintf(line, sizeof line, "undo %d", 4 * (CHANGES - 20));
+        type_ok(&b, line);
+        assert_same_end(end_of(&b), at[20]);
+        if (way == 0) {
+            snprintf(line, sizeof line, "redo %d", 4 * (CHANGES - 20));
+            type_ok(&b, line);
+            assert_same_end(end_of(&b), at[CHANGES]);
+        }
+    }
+    static const char *const onwards[] = {"step", "change m 0.3", "continue 0.2 s", "step 3"};
+    for (size_t i = 0; i < COUNT_OF(onwards); i++)
+        type_ok(&b, onwards[i]);
+    for (int i = 1; i <= 20; i++) {
+        snprintf(line, sizeof line, "change k %d; continue %d ms; step 2", 10 + i, 7 * i);
+        type_ok(&once, line);
+    }
+    type_ok(&once, "step; change m 0.3; continue 0.2 s; step 3");
+    other = end_of(&once);
+    assert_same_end(end_of(&b), other);
+    type_ok(&b, "undo 4");
+    assert_same_end(end_of(&b), at[20]);
+    type_ok(&b, "undo 80");
+    assert_same_end(end_of(&b), at[0]);
+    type_ok(&b, "redo 84");
+    assert_same_end(end_of(&b), other);
+    bench_close(&b);
+    bench_close(&once);
+}
+
 static void a_run_dropped_lives_as_long_as_undo_needs_it(void **state)
 {
     (void)state;
@@ -324,6 +373,7 @@ int main(void)
         cmocka_unit_test(save_recreates_the_setup_exactly),
         cmocka_unit_test(failed_statements_change_nothing),
         cmocka_unit_test(undo_keeps_the_last_levels),
+        cmocka_unit_test(shared_lists_stay_as_they_were),
         cmocka_unit_test(undo_of_every_setting_does_what_it_says),
         cmocka_unit_test(what_changes_nothing_is_no_step_of_undo),
         cmocka_unit_test(a_run_dropped_lives_as_long_as_undo_needs_it),
