@@ -2,8 +2,9 @@
 #include "track.h"
 
 #include <math.h>
+#include <string.h>
 
-enum { COLUMNS = 5, WINDOW_SAMPLES = 10, CANDIDATES = 15, PERIODS_MOST = 32, FEW = 2, MANY = 8, PART = 8192 };
+enum { COLUMNS = 5, WINDOW_SAMPLES = 10, CANDIDATES = 15, PERIODS_MOST = 32, FEW = 2, MANY = 8, PART = 4096 };
 
 #define BEAT_LEAST 0.6   /* [beats with the sampling] cosine and sine differ too little over less */
 #define CLEAR_AT 5.0     /* explained over residual variance, per degree of freedom */
@@ -17,20 +18,23 @@ struct moments {
     size_t used;
 };
 
-static void add_sample(struct moments *m, double x, double c, double d, double y)
+static inline void add_sample(double gram[COLUMNS + 1][COLUMNS + 1], double x, double c, double d, double y)
 {
     const double column[COLUMNS + 1] = {1, x, x * x, c, d, y};
+#pragma GCC unroll 8
     for (int i = 0; i <= COLUMNS; i++) {
+#pragma GCC unroll 8
         for (int j = 0; j <= i; j++) {
-            m->gram[i][j] += column[i] * column[j];
+            gram[i][j] += column[i] * column[j];
         }
     }
-    m->used++;
 }
 
 static struct moments collect(const struct samples *x, const struct track_window *w, double half)
 {
     struct moments m = {.used = 0};
+    double gram[COLUMNS + 1][COLUMNS + 1] = {{0}}; /* on its own, so that it can stay in registers */
+    const double scale = 1 / half;
     const double first = w->omega * (x->t[w->from] - w->t), y0 = x->y[w->from];
     double c = cos(first), d = sin(first), re = cos(w->omega * x->dt), im = sin(w->omega * x->dt);
     for (size_t i = w->from; i < w->to; i++) {
@@ -40,12 +44,14 @@ static struct moments collect(const struct samples *x, const struct track_window
             d = sin(w->omega * s);
         }
         if (x->use[i]) {
-            add_sample(&m, s / half, c, d, x->y[i] - y0);
+            add_sample(gram, s * scale, c, d, x->y[i] - y0);
+            m.used++;
         }
         const double next = c * re - d * im;
         d = c * im + d * re;
         c = next;
     }
+    memcpy(m.gram, gram, sizeof gram);
     return m;
 }
 
