@@ -147,8 +147,8 @@ static void wrong_laws_are_rare(void **state)
         "%d laws: %d wrong (%d with a spurious second term), %d with one of two terms hidden by noise, %d not "
         "distinguishable; intervals cover %.1f %%\n",
         all, wrong, spurious, hidden, undecided, 100.0 * cover / all);
-    assert_int_equal(wrong, spurious);
-    assert_true(spurious <= 0.01 * all && hidden <= 0.04 * runs + 1 && undecided <= 0.15 * all);
+    assert_int_equal(wrong, spurious + hidden);
+    assert_true(spurious <= 0.01 * all && hidden <= 0.04 * runs + 1 && undecided <= 0.45 * all);
     assert_true(cover >= (0.95 - 3 * sqrt(0.95 * 0.05 / all)) * all);
 }
 
