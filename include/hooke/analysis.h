@@ -246,32 +246,73 @@ void formula_values(const struct formula *formula, const double *parameter, cons
 
 /* ---- fits ---- */
 
-enum drag_law { LAW_NONE, LAW_LINEAR, LAW_QUADRATIC, LAW_MIXED, LAW_UNDECIDED, LAW_FRICTION };
+/* What damps an oscillation: terms of y'' + gamma y' + b|y'|y' + f sign(y') + omega0^2 y = 0, and their sums. */
+enum drag_law {
+    LAW_NONE = 0,
+    LAW_LINEAR = 1,
+    LAW_QUADRATIC = 2,
+    LAW_DRY = 4,
+    LAW_UNDECIDED = 8,
+    DRAG_LAWS = 7, /* the sums: 1 .. 7 */
+    DRAG_RATES = 3
+};
 
-const char *drag_law_name(
-    enum drag_law law); /* "linear", "quadratic", "mixed", "not distinguishable", "dry friction", NULL for LAW_NONE */
+struct drag_law_row {
+    struct row row;     /* linear, linear+quadratic, …; citation: its equation */
+    enum drag_law law;
+};
 
-#define DRAG_LAWS 4
+extern const struct catalog drag_law_catalog;
+
+struct drag_rate {
+    const char *name;     /* gamma, b, f */
+    const char *unit;     /* of a position in metres */
+    const char *bare;     /* of an angle or a plain number */
+};
+
+extern const struct drag_rate drag_rates[DRAG_RATES]; /* in the order of the bits of enum drag_law */
+
+const char *drag_law_name(enum drag_law law); /* "linear+dry", "not distinguishable", NULL for LAW_NONE */
+
+enum {
+    EQUATION_START,
+    EQUATION_SPEED,
+    EQUATION_OMEGA,
+    EQUATION_RATE, /* gamma, b, f */
+    EQUATION_OFFSET = EQUATION_RATE + DRAG_RATES,
+    EQUATION_PARAMETERS
+};
+
+/* One motion under such a law: y and y' at t0 [without the offset], omega0, gamma, b, f, and the offset. */
+struct equation {
+    double value[EQUATION_PARAMETERS];
+    double t0;
+    int order; /* what is observed: 0 the position, 1 its velocity, 2 its acceleration */
+};
 
 /*
- * The whole oscillation under each law of y'' + gamma y' + b|y'|y' + f sign(y') + Omega^2 y = 0: linear, quadratic,
- * mixed, dry friction. The envelope is that of averaging: A' = -(gamma/2) A - (4 b Omega/(3 pi)) A^2 - 2 f/(pi Omega).
+ * Values [n] at ascending times t >= t0, offset included, and unless NULL their derivatives [n][EQUATION_PARAMETERS].
+ * Integrated to rounding, through turning points and into rest. False: it cannot be integrated so far.
  */
+bool equation_solve(const struct equation *equation, const double *t, size_t n, double *value, double *derivative);
+
+/* The whole oscillation under each law, integrated. */
 struct drag_fit {
     struct drag_candidate {
         enum drag_law law;
         bool converged;
-        struct measured gamma;     /* [1/s] */
-        struct measured quadratic; /* b [1/m] where y is a length */
-        struct measured friction;  /* f [m/s^2] */
-        double bic;                /* of this many independent residuals */
+        struct measured rate[DRAG_RATES]; /* gamma [1/s], b [1/m], f [m/s^2] where y is a length; 0: it has none */
+        double bic;                       /* of this many independent residuals */
+        double rms;
     } candidate[DRAG_LAWS];
-    int candidates;     /* 0: the fit was not one of drag */
-    double independent; /* residuals, after allowing for their correlation in the amplitude */
-    double delta;   /* BIC of the next best single law, or of the best one for the mixed law, less that of the preferred
-                       one */
-    double p_value; /* F-test of the mixed law against the best single one */
-    char said[240]; /* the choice in words, with the numbers */
+    int candidates;        /* 0: the fit was not one of drag */
+    enum drag_law best;    /* by BIC, preferred or not: the law that the fit's values are those of */
+    double independent;    /* residuals, after allowing for their correlation in the amplitude */
+    double delta;          /* BIC of the next best law less that of the best */
+    double p_value;        /* F-test of the last term of a sum, or of a second one beside a single law */
+    struct equation motion;
+    struct measured start, speed; /* y and y' at t0 */
+    char said[240];               /* the choice in words, with the numbers */
 };
 
 struct fit {
@@ -291,9 +332,6 @@ struct fit {
     int warnings;
     double t0;             /* [s] time of the first sample: t in the model counts from here */
     struct measured drift; /* [y/s] of the offset, which is that at t0; 0: it stands still */
-    /* The amplitude also falls by 1/(1 + quadratic_rate (1 - exp(-gamma t/2)) 2/gamma) and to 1 - friction_rate t: 0
-     * but in fits of drag. */
-    double quadratic_rate, friction_rate; /* [1/s] */
     struct drag_fit drag;
 };
 
@@ -314,6 +352,8 @@ extern const struct catalog fit_catalog;
 
 /* Model value at time t [s] (absolute). */
 double fit_value(const struct fit *fit, double t);
+/* At n ascending times. */
+void fit_values(const struct fit *fit, const double *t, size_t n, double *value);
 /* k = m (omega^2 + gamma^2/4) with the mass's and the fit's uncertainties. */
 struct measured fit_stiffness(const struct fit *fit, struct measured mass);
 

@@ -65,6 +65,7 @@ void reply_real(struct reply *reply, const char *key, double value);
 void reply_int(struct reply *reply, const char *key, int64_t value);
 void reply_bool(struct reply *reply, const char *key, bool value);
 void reply_null(struct reply *reply, const char *key);
+void reply_in_unit(struct reply *reply, const char *key, struct measured value, const char *unit);
 void reply_measured(struct reply *reply, const char *key, struct measured value, enum quantity quantity);
 void reply_object(struct reply *reply, const char *key);
 void reply_array(struct reply *reply, const char *key);

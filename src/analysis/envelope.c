@@ -25,7 +25,7 @@ struct envelope {
     bool gamma, quadratic;  /* which terms the law has */
 };
 
-double envelope_value(const struct envelope_rates *rates, double s, double by[3])
+double envelope_value(const struct envelope_rates *rates, double s, double by[2])
 {
     double h = 0.5 * rates->gamma, hs = h * s, phi, slope; /* phi = (1 - exp(-hs))/h, slope = dphi/dh */
     if (fabs(hs) < 1e-3) {
@@ -35,12 +35,10 @@ double envelope_value(const struct envelope_rates *rates, double s, double by[3]
         phi = -expm1(-hs) / h;
         slope = (s * exp(-hs) - phi) / h;
     }
-    double under = 1 + rates->q * phi, value = exp(-hs) / under, left = value - rates->f * s;
-    bool moves = left > 0; /* dry friction ends the motion */
-    by[0] = moves ? 0.5 * value * (-s - rates->q * slope / under) : 0;
-    by[1] = moves ? -value * phi / under : 0;
-    by[2] = moves ? -s : 0;
-    return moves ? left : 0;
+    double under = 1 + rates->q * phi, value = exp(-hs) / under;
+    by[0] = 0.5 * value * (-s - rates->q * slope / under);
+    by[1] = -value * phi / under;
+    return value;
 }
 
 /* x = ln A0, then the rates the law has [1/span]. value and its derivatives d[3] with respect to ln A0, gamma, q. */
@@ -48,7 +46,7 @@ static double law_value(const struct envelope *e, const gsl_vector *x, double s,
 {
     struct envelope_rates rates = {.gamma = e->gamma ? gsl_vector_get(x, 1) : 0,
                                    .q = e->quadratic ? gsl_vector_get(x, e->gamma ? 2 : 1) : 0};
-    double by[3], a0 = exp(gsl_vector_get(x, 0)), value = a0 * envelope_value(&rates, s, by);
+    double by[2], a0 = exp(gsl_vector_get(x, 0)), value = a0 * envelope_value(&rates, s, by);
     d[0] = value;
     d[1] = a0 * by[0];
     d[2] = a0 * by[1];
@@ -190,7 +188,7 @@ bool envelope_laws(const struct motion *m, struct fit *fit, double *sway, struct
     int simple = bic[0] <= bic[1] ? 0 : 1;
     bool physical = law[2].gamma > 0 && law[2].q > 0;
     if (physical && bic[simple] - bic[2] >= DELTA_LEAST) {
-        fit->preferred = LAW_MIXED;
+        fit->preferred = LAW_LINEAR | LAW_QUADRATIC;
     } else if (bic[1 - simple] - bic[simple] >= DELTA_LEAST) {
         fit->preferred = simple == 0 ? LAW_LINEAR : LAW_QUADRATIC;
     } else {

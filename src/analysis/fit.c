@@ -125,7 +125,7 @@ static bool fit_harmonic(const char *model, enum harmonic_free unknowns, bool dr
         widen_by_halves(fit->half_periods, &fit->period);
         fit->omega.uncertainty = fit->omega.value * fit->period.uncertainty / fit->period.value;
         const double rate = fmax(m.harmonic.gamma, 0);
-        struct envelope_rates rates[3] = {{rate, 0, 0}, {0, 0.5 * rate, 0}, {0.5 * rate, 0.25 * rate, 0}};
+        struct envelope_rates rates[3] = {{rate, 0}, {0, 0.5 * rate}, {0.5 * rate, 0.25 * rate}};
         if (!envelope_laws(&m, fit, &sway, rates)) {
             return error_memory(error);
         }
@@ -171,19 +171,35 @@ static const struct fit_model models[] = {
      .fit = fit_sine},
     {.row = {.name = "drag",
              .unit = "",
-             .brief = "which drag: linear, quadratic, mixed or dry friction, fitted to the whole oscillation",
-             .citation = "Nayfeh & Mook 1979, Nonlinear Oscillations, 3.3 (averaging)"},
+             .brief = "which drag: linear, quadratic, dry friction or their sums, integrated and compared",
+             .citation = "Moore 1966 (Taylor series); Schwarz 1978 (BIC)"},
      .fit = fit_drag},
 };
 
 const struct catalog fit_catalog = CATALOG("model", models);
 
+void fit_values(const struct fit *fit, const double *t, size_t n, double *value)
+{
+    const double gamma = fit->gamma.value, omega = fit->omega.value;
+    if (fit->drag.candidates > 0) {
+        if (!equation_solve(&fit->drag.motion, t, n, value, NULL))
+            for (size_t i = 0; i < n; i++)
+                value[i] = NAN;
+    } else {
+        for (size_t i = 0; i < n; i++) {
+            const double s = t[i] - fit->t0, decay = isfinite(gamma) ? exp(-0.5 * gamma * s) : 1;
+            value[i] = fit->offset.value + fit->amplitude.value * decay * cos(omega * s + fit->phase.value);
+        }
+    }
+    for (size_t i = 0; i < n; i++)
+        value[i] += fit->drift.value * (t[i] - fit->t0);
+}
+
 double fit_value(const struct fit *fit, double t)
 {
-    const struct envelope_rates rates = {fit->gamma.value, fit->quadratic_rate, fit->friction_rate};
-    double s = t - fit->t0, by[3];
-    return fit->offset.value + fit->drift.value * s +
-           fit->amplitude.value * envelope_value(&rates, s, by) * cos(fit->omega.value * s + fit->phase.value);
+    double value;
+    fit_values(fit, &t, 1, &value);
+    return value;
 }
 
 struct measured fit_stiffness(const struct fit *fit, struct measured mass)
@@ -192,14 +208,4 @@ struct measured fit_stiffness(const struct fit *fit, struct measured mass)
     double by_mass = isfinite(mass.uncertainty) ? square * mass.uncertainty : 0;
     double by_omega = 2 * m * w * fit->omega.uncertainty, by_gamma = 0.5 * m * g * fit->gamma.uncertainty;
     return (struct measured){m * square, sqrt(by_mass * by_mass + by_omega * by_omega + by_gamma * by_gamma)};
-}
-
-const char *drag_law_name(enum drag_law law)
-{
-    static const char *const names[] = {[LAW_LINEAR] = "linear",
-                                        [LAW_QUADRATIC] = "quadratic",
-                                        [LAW_MIXED] = "mixed",
-                                        [LAW_UNDECIDED] = "not distinguishable",
-                                        [LAW_FRICTION] = "dry friction"};
-    return names[law];
 }

@@ -150,19 +150,34 @@ bool local_amplitude(const struct motion *motion, size_t from, size_t to, struct
 
 /* ---- envelope.c ---- */
 
-/* Amplitude at s >= 0 since the start, relative to that at the start, and its derivatives by gamma, q and f. */
+/* Amplitude at s >= 0 since the start, relative to that at the start, and its derivatives by gamma and q. */
 struct envelope_rates {
-    double gamma, q, f; /* [1/s]: exp(-gamma s/2)/(1 + q phi(s)) - f s, f alone */
+    double gamma, q; /* [1/s]: exp(-gamma s/2)/(1 + q phi(s)) */
 };
 
-double envelope_value(const struct envelope_rates *rates, double s, double by[3]);
+double envelope_value(const struct envelope_rates *rates, double s, double by[2]);
 
 /*
- * Compares linear, quadratic and mixed drag on the envelope: fills preferred and evidence. *sway: scatter of the
+ * Compares linear, quadratic and linear+quadratic drag on the envelope: fills preferred and evidence. *sway: scatter of the
  * amplitudes about the best law, relative to their size, where it is more than their noise, else 0; NAN: too few
- * readings to tell. rates of linear, quadratic, mixed where they were found. False: no memory.
+ * readings to tell. rates of these three where they were found. False: no memory.
  */
 bool envelope_laws(const struct motion *motion, struct fit *fit, double *sway, struct envelope_rates rates[3]);
+
+/* ---- laws.c ---- */
+
+/*
+ * Chooses among the laws' fits [DRAG_LAWS] with the variance of one independent residual; share [DRAG_RATES][law] is
+ * what a unit of each rate loses along the best of them. Returns the place of the law that the fit's values are to be
+ * those of.
+ */
+struct law_evidence {
+    const struct curve_fit *fit; /* [DRAG_LAWS] */
+    double variance;             /* [y^2] of one independent residual */
+    double loss[DRAG_RATES];     /* energy that a rate of 1 takes */
+};
+
+int law_choose(const struct law_evidence *evidence, struct fit *fit);
 
 /* ---- drag.c ---- */
 

@@ -48,7 +48,7 @@ static void keep_fit(struct session *session, const struct subject *subject, con
 static const struct row kinds[] = {
     {"damped", "", "y = c + A exp(-gamma t/2) cos(omega t + phase): the default", "", NULL},
     {"sine", "", "the same without damping", "", NULL},
-    {"drag", "", "linear, quadratic, mixed drag and dry friction, and which of them it is", "", NULL},
+    {"drag", "", "linear, quadratic, dry friction and their sums, integrated, and which of them it is", "", NULL},
     {"scene", "", "the scene's own equation of motion, integrated", "", NULL},
 };
 
@@ -113,156 +113,9 @@ HANDLER(fit)
     return strcmp(name, "scene") == 0 ? fit_the_scene(&asked, error) : fit_motion(&asked, name, error);
 }
 
-/* ---- adopt ---- */
-
-static void put(struct buffer *text, const char *name, struct measured value, enum quantity quantity)
-{
-    buffer_format(text, "%s = ", name);
-    if (isfinite(value.value))
-        buffer_measured(text, value, quantity, 6);
-    else
-        buffer_put(text, TEXT("unknown"));
-}
-
-
-static bool adopt_value(struct scene *scene, const char *name, double value, double uncertainty, struct error *error)
-{
-    return scene_set(scene, scene_param(scene, name), (struct measured){value, isfinite(uncertainty) ? uncertainty : 0},
-                     error);
-}
-
-/* How often the position was differentiated to give such a recording, -1: it is no motion. Numbers without a unit are
- * taken as positions. */
-static int derivatives(enum quantity quantity)
-{
-    switch (quantity) {
-    case QUANTITY_LENGTH:
-    case QUANTITY_ANGLE:
-    case QUANTITY_OTHER:
-        return 0;
-    case QUANTITY_VELOCITY:
-        return 1;
-    case QUANTITY_ACCELERATION:
-        return 2;
-    default:
-        return -1;
-    }
-}
-
-/* Place of the recording that was fitted, -1: it was none, or is gone. */
-static int fitted_recording(const struct session *session)
-{
-    const struct text of = text_of(session->fit_of);
-    return text_starts(of, TEXT("data ")) ? session_find_recording(session, (struct text){of.at + 5, of.len - 5}) : -1;
-}
-
-/* Of a fit of the scene: what was free, as it was fitted. */
-static bool adopt_curve(struct session *session, const struct arguments *given, struct reply *reply,
-                        struct error *error)
-{
-    struct scene scene = session->setup.scene;
-    const struct scene *fitted = &session->fit_scene;
-    if (!fitted->model) {
-        error_set(error, ERROR_COMMAND, "a formula has nothing that the scene could take");
-        return error_hint(error, "type: fit, or: fit scene");
-    }
-    if (fitted->model != scene.model)
-        return error_set(error, ERROR_COMMAND, "the fit was one of %s, the scene is %s", fitted->preset->row.name,
-                         scene.preset->row.name);
-    if (is_given(given, "amplitude"))
-        return error_set(error, ERROR_COMMAND, "'adopt amplitude' belongs to the fit of a damped oscillation");
-    struct buffer text = {0};
-    const int t0 = scene_param(fitted, "t0");
-    for (int i = 0; i < (int)scene_params(&scene)->count; i++) {
-        if (!session->fit_free[i] && (i != t0 || scene.value[i] == fitted->value[i]))
-            continue;
-        const struct measured value = {fitted->value[i], session->fit_free[i] ? fitted->uncertainty[i] : 0};
-        if (!scene_set(&scene, i, value, error)) {
-            buffer_free(&text);
-            return false;
-        }
-        buffer_put(&text, text.len ? TEXT("  ") : TEXT(""));
-        put(&text, param_at(&scene, i)->row.name, value, param_at(&scene, i)->quantity);
-    }
-    session->setup.scene = scene;
-    const int data = fitted_recording(session);
-    if (data >= 0 && session->fit.offset.value != 0) {
-        struct recording *recording = session->recording[data]->recording;
-        recording->zero = session->fit_zero + session->fit.offset.value;
-        put(&text, "\nzero of the recording", (struct measured){recording->zero, 0},
-            recording->column[recording->value].quantity);
-        buffer_put(&text, TEXT(" (the offset of the fit)"));
-    }
-    session_changed(session);
-    reply_text(reply, buffer_text(&text));
-    buffer_free(&text);
-    return true;
-}
-
 HANDLER(adopt)
 {
-    const struct fit *fit = &session->fit;
-    if (!session->has_fit) {
-        error_set(error, ERROR_COMMAND, "there is no fit to adopt yet");
-        return error_hint(error, "type: fit");
-    }
-    if (session->fit_samples > 0)
-        return adopt_curve(session, given, reply, error);
-    struct scene scene = session->setup.scene;
-    if (!needs_spring(&scene, "adopt", error))
-        return false;
-    const int m = scene_param(&scene, "m"), g = scene_param(&scene, "g");
-    const struct measured mass = {scene.value[m], scene.uncertainty[m]}, stiffness = fit_stiffness(fit, mass);
-    const bool decays = isfinite(fit->gamma.value);
-    const double gamma = decays ? fit->gamma.value : 0, omega = fit->omega.value;
-    struct named_value fitted = {.quantity = QUANTITY_LENGTH};
-    names_value(session, TEXT("fit_amplitude"), &fitted);
-    /* Each derivative of A exp(-gamma t/2) cos(omega t + phi) is the same, larger by `growth` and earlier by `turn`. */
-    const int n = derivatives(fitted.quantity);
-    const double growth = hypot(0.5 * gamma, omega), turn = atan2(omega, -0.5 * gamma);
-    const double A = fit->amplitude.value / pow(growth, n), phi = fit->phase.value - n * turn;
-    const bool at_rest = is_given(given, "amplitude");
-    /* With gravity the motion is about the equilibrium, not about y = 0. */
-    const double middle = -scene.value[m] * scene.value[g] / stiffness.value;
-    const double y0 = (at_rest ? A : A * cos(phi)) + middle;
-    const double v0 = at_rest ? 0 : A * (-0.5 * gamma * cos(phi) - omega * sin(phi));
-    if (!adopt_value(&scene, "k", stiffness.value, stiffness.uncertainty, error) ||
-        !adopt_value(&scene, "gamma", gamma, decays ? fit->gamma.uncertainty : 0, error))
-        return false;
-    const double spread = at_rest ? fit->amplitude.uncertainty / pow(growth, n) : 0;
-    if (n >= 0 && (!adopt_value(&scene, "y0", y0, spread, error) || !adopt_value(&scene, "v0", v0, 0, error) ||
-                   !adopt_value(&scene, "t0", at_rest ? 0 : fit->t0, 0, error)))
-        return false;
-    session->setup.scene = scene;
-    const int data = fitted_recording(session);
-    const double zero = session->fit_zero + fit->offset.value - (n == 0 ? middle : 0);
-    if (data >= 0)
-        session->recording[data]->recording->zero = zero;
-    session_changed(session);
-
-    struct buffer text = {0};
-    put(&text, "k", stiffness, QUANTITY_STIFFNESS);
-    put(&text, "  gamma", (struct measured){gamma, decays ? fit->gamma.uncertainty : 0}, QUANTITY_RATE);
-    if (n >= 0) {
-        put(&text, "  y0", (struct measured){y0, 0}, QUANTITY_LENGTH);
-        put(&text, "  v0", (struct measured){v0, 0}, QUANTITY_VELOCITY);
-        put(&text, "  t0", (struct measured){param_value(&scene, "t0"), 0}, QUANTITY_TIME);
-    }
-    if (data >= 0) {
-        put(&text, "\nzero of the recording", (struct measured){zero, 0}, fitted.quantity);
-        buffer_put(&text, TEXT(" (the offset of the fit)"));
-    }
-    reply_text(reply, buffer_text(&text));
-    buffer_free(&text);
-    if (n < 0)
-        reply_warning(reply, "y0, v0 and t0 stay: what was fitted (%s) is no position, velocity or acceleration",
-                      quantity_name(fitted.quantity));
-    if (!scene.given[m])
-        reply_warning(reply,
-                      "k was computed with the mass of the scene, which nobody has set: m = 200 g, then adopt again");
-    if (param_value(&scene, "C") > 0 || param_value(&scene, "F0") > 0)
-        reply_warning(reply, "the scene also has quadratic drag or a driving force, which the fit knows nothing of");
-    return true;
+    return adopt_fit(session, given, reply, error);
 }
 #endif
 
@@ -273,7 +126,7 @@ COMMAND(fit, .row = {"fit", "", "fit an oscillation, the scene or a formula to a
             "that of\n"
             "y'' + gamma y' + omega0^2 y = 0. No guesses are needed. Both halves and the law of the envelope are "
             "always compared.\n"
-            "drag: the whole oscillation under linear, quadratic, mixed drag and dry friction, and which it is.\n"
+            "drag: the equation of motion with linear drag, quadratic drag, dry friction and their sums: which it is.\n"
             "scene: the scene's equation, integrated. Free are the start, and k, gamma and the drag that is there "
             "unless you have\n"
             "given them without an uncertainty, or what free= says; NAME=VALUE changes a value for this fit, offset=0 "
@@ -290,11 +143,13 @@ COMMAND(fit, .row = {"fit", "", "fit an oscillation, the scene or a formula to a
                   KEY("free", TYPE_PARAM, .flags = ARG_MANY), KEY("NAME", TYPE_START, .flags = ARG_MANY | ARG_NEGATIVE),
                   OPTION("robust", TYPE_NONE), OPTION("bootstrap", TYPE_INTEGER)))
 
-COMMAND(adopt, .row = {"adopt", "", "take what the last fit found into the scene: k, gamma, the start", "", NULL},
+COMMAND(adopt, .row = {"adopt", "", "take what the last fit found into the scene: k, the drag, the start", "", NULL},
         .group = "DATA",
         .text = "y0, v0 and t0 are those of the fit at the first sample of its window, and the offset is taken off the "
                 "recording, so that the\n"
-                "run lies over the data. 'adopt amplitude' starts at y0 = A, v0 = 0, t0 = 0 instead, as on the sheet.\n"
+                "run lies over the data. Of 'fit drag' every term of the law is taken: gamma, C (with rho and area of "
+                "the scene), friction.\n"
+                "The scene is then run over the recording, and its rms told beside the fit's. 'adopt amplitude' starts at y0 = A, v0 = 0, t0 = 0 instead, as on the sheet.\n"
                 "Of 'fit scene' everything that was free is taken.",
         .examples = "load bare.txt; m = 200 g; fit; adopt; run\nadopt amplitude", .see = "fit run",
         .flags = COMMAND_CHANGES, ARGUMENTS(WORD("amplitude", TYPE_NONE)))

@@ -114,10 +114,10 @@ bool drawing_residual(struct drawing *d, const struct recording *recording)
         return error_memory(d->error);
     const double shift = recording->zero - d->session->fit_zero; /* since the fit */
     const int derivative = run ? recorded_derivative(recording, run) : 0;
+    if (fitted)
+        session_fit_values(d->session, curve->x, curve->n, left);
     for (size_t i = 0; i < curve->n; i++)
-        left[i] = curve->y[i] -
-                  (fitted ? session_fit_value(d->session, curve->x[i]) - shift
-                          : run_motion(run, curve->x[i], derivative));
+        left[i] = curve->y[i] - (fitted ? left[i] - shift : run_motion(run, curve->x[i], derivative));
     curve->y = left;
     curve->label = fitted ? "data - fit" : "data - run";
     return true;

@@ -18,10 +18,8 @@ void session_drop_curve(struct session *session)
     session->fit_scene.model = NULL;
 }
 
-double session_fit_value(const struct session *session, double t)
+static double curve_value(const struct session *session, double t)
 {
-    if (session->fit_samples == 0)
-        return fit_value(&session->fit, t);
     const double *time = session->fit_curve[0], *value = session->fit_curve[1];
     size_t low = 0, high = session->fit_samples;
     while (low < high) {
@@ -37,6 +35,14 @@ double session_fit_value(const struct session *session, double t)
         return NAN;
     const double share = (t - time[low - 1]) / (time[low] - time[low - 1]);
     return value[low - 1] + share * (value[low] - value[low - 1]);
+}
+
+void session_fit_values(const struct session *session, const double *t, size_t n, double *value)
+{
+    if (session->fit_samples == 0)
+        fit_values(&session->fit, t, n, value);
+    for (size_t i = 0; i < n && session->fit_samples > 0; i++)
+        value[i] = curve_value(session, t[i]);
 }
 
 /* The curve at the samples, and fit_NAME. */

@@ -80,7 +80,7 @@ static void put_law(const struct fit *fit, struct buffer *text)
     buffer_short(text, fit->evidence[0], 6);
     buffer_put(text, TEXT(", quadratic "));
     buffer_short(text, fit->evidence[1], 6);
-    buffer_put(text, TEXT(", mixed "));
+    buffer_put(text, TEXT(", linear+quadratic "));
     buffer_short(text, fit->evidence[2], 6);
     buffer_char(text, ')');
 }
@@ -98,12 +98,17 @@ static void cell_rate(struct text_table *table, struct measured value, const cha
 }
 
 /* Of a position in metres b is in 1/m and f in m/s^2; of angles and plain numbers without the metre. */
-static void put_laws(const struct told_fit *told, struct arena *arena, struct buffer *text)
+static const char *rate_unit(const struct told_fit *told, int k)
 {
-    static const char *const heads[] = {"law", "gamma", "b of b|v|v", "friction f", "BIC", ""};
     const enum quantity quantity = told->subject->series.quantity;
     const bool metres =
         quantity == QUANTITY_LENGTH || quantity == QUANTITY_VELOCITY || quantity == QUANTITY_ACCELERATION;
+    return metres ? drag_rates[k].unit : drag_rates[k].bare;
+}
+
+static void put_laws(const struct told_fit *told, struct arena *arena, struct buffer *text)
+{
+    static const char *const heads[] = {"law", "gamma", "b of b|v|v", "friction f", "BIC", ""};
     const struct drag_fit *drag = &told->motion->drag;
     struct text_table table = {.arena = arena, .columns = COUNT_OF(heads), .gap = 2, .indent = 2};
     for (size_t i = 0; i < COUNT_OF(heads); i++)
@@ -112,12 +117,14 @@ static void put_laws(const struct told_fit *told, struct arena *arena, struct bu
         const struct drag_candidate *c = &drag->candidate[i];
         struct buffer bic = {0};
         cell_text(&table, drag_law_name(c->law));
-        cell_rate(&table, c->gamma, "1/s");
-        cell_rate(&table, c->quadratic, metres ? "1/m" : "");
-        cell_rate(&table, c->friction, metres ? "m/s^2" : "1/s^2");
+        for (int k = 0; k < DRAG_RATES; k++)
+            cell_rate(&table, c->rate[k], rate_unit(told, k));
         buffer_format(&bic, isfinite(c->bic) ? "%.1f" : "-", c->bic);
         cell_take(&table, &bic);
-        cell_text(&table, !c->converged ? "did not converge" : c->law == told->motion->preferred ? "preferred" : "");
+        cell_text(&table, !c->converged                         ? "did not converge"
+                          : c->law == told->motion->preferred   ? "preferred"
+                          : c->law == told->motion->drag.best   ? "best"
+                                                                : "");
     }
     buffer_char(text, '\n');
     text_table_put(&table, text);
@@ -139,7 +146,7 @@ static void put_motion(const struct told_fit *told, struct arena *arena, struct 
             put(text, "tau", quotient(2, fit->gamma), QUANTITY_TIME);
             put(text, "   Q", quality(fit), QUANTITY_NUMBER);
         } else {
-            const bool decays = fit->quadratic_rate > 0 || fit->friction_rate > 0;
+            const bool decays = fit->drag.best & (LAW_QUADRATIC | LAW_DRY);
             buffer_put(text, decays ? TEXT("no linear damping: the law below has another term") : TEXT("no decay"));
         }
     }
@@ -266,6 +273,13 @@ static void reply_parameters(const struct told_fit *told, struct reply *reply)
     reply_close(reply);
 }
 
+static void reply_rates(const struct told_fit *told, const struct drag_candidate *c, struct reply *reply)
+{
+    for (int k = 0; k < DRAG_RATES; k++)
+        if (c->law >> k & 1)
+            reply_in_unit(reply, drag_rates[k].name, c->rate[k], rate_unit(told, k));
+}
+
 static void reply_laws(const struct told_fit *told, struct reply *reply)
 {
     const struct drag_fit *drag = told->motion ? &told->motion->drag : NULL;
@@ -273,12 +287,13 @@ static void reply_laws(const struct told_fit *told, struct reply *reply)
     for (int i = 0; drag && i < drag->candidates; i++) {
         const struct drag_candidate *c = &drag->candidate[i];
         reply_object(reply, NULL);
-        reply_string(reply, "law", drag_law_name(c->law));
+        reply_string(reply, "name", drag_law_name(c->law));
         reply_bool(reply, "converged", c->converged);
-        reply_measured(reply, "gamma", c->gamma, QUANTITY_RATE);
-        reply_measured(reply, "b", c->quadratic, QUANTITY_OTHER);
-        reply_measured(reply, "friction", c->friction, QUANTITY_OTHER);
         reply_real(reply, "bic", c->bic);
+        reply_object(reply, "parameters");
+        reply_rates(told, c, reply);
+        reply_close(reply);
+        reply_real(reply, "rms", c->rms);
         reply_close(reply);
     }
     reply_close(reply);
@@ -323,8 +338,17 @@ static void reply_record(const struct told_fit *told, struct reply *reply)
     reply_real(reply, NULL, fit->halves[1].value);
     reply_close(reply);
     reply_close(reply);
-    reply_string(reply, "preferred", told->motion ? drag_law_name(fit->preferred) : NULL);
-    reply_parameters(told, reply);
+    const bool decided = told->motion && fit->preferred < LAW_UNDECIDED;
+    reply_string(reply, "preferred", decided ? drag_law_name(fit->preferred) : NULL);
+    if (told->motion && fit->drag.candidates > 0) {
+        reply_object(reply, "parameters");
+        reply_rates(told, &fit->drag.candidate[fit->drag.best - 1], reply);
+        reply_close(reply);
+        reply_array(reply, "correlated");
+        reply_close(reply);
+    } else {
+        reply_parameters(told, reply);
+    }
     reply_laws(told, reply);
     reply_bool(reply, "converged", told->motion ? fit->converged : told->curve->converged);
     reply_array(reply, "warnings");

@@ -45,4 +45,8 @@ bool fit_a_formula(const struct asked_fit *asked, struct text formula, struct er
 /* A fit of something else replaces its curve. */
 void session_drop_curve(struct session *session);
 
+/* ---- adopt.c ---- */
+
+bool adopt_fit(struct session *session, const struct arguments *given, struct reply *reply, struct error *error);
+
 #endif

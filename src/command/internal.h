@@ -272,8 +272,8 @@ void held_recording_release(struct held_recording *held);
 int session_find_run(const struct session *session, struct text name);       /* number or name; -1: none */
 int session_find_recording(const struct session *session, struct text name); /* -1: none */
 /* The latest one of each model, recording or run, and window; without memory it is only not in the report. */
-/* Value of the last fit at time t [s]; NAN: outside of what it was fitted to. */
-double session_fit_value(const struct session *session, double t);
+/* Values of the last fit at n ascending times [s]; NAN: outside of what it was fitted to. */
+void session_fit_values(const struct session *session, const double *t, size_t n, double *value);
 void session_keep_fit(struct session *session, const struct kept_fit *fit);
 void session_set_result(struct session *session, const char *name, struct measured value, enum quantity quantity);
 struct write_policy session_policy(const struct session *session, bool force);

@@ -117,7 +117,7 @@ static bool put_recording(struct report *report, int place, enum section section
         if (!law || strcmp(kept->of, of) != 0 || section != SECTION_DAMPED_RECORDING)
             continue;
         document_open(document, BLOCK_PARAGRAPH);
-        document_say(document, "Drag law of the envelope (fit %s): %s; BIC linear %.6g, quadratic %.6g, mixed %.6g.",
+        document_say(document, "Drag law of the envelope (fit %s): %s; BIC linear %.6g, quadratic %.6g, linear+quadratic %.6g.",
                      kept->fit.model, law, kept->fit.evidence[0], kept->fit.evidence[1], kept->fit.evidence[2]);
         document_close(document, BLOCK_PARAGRAPH);
     }

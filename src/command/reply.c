@@ -272,13 +272,18 @@ void reply_null(struct reply *reply, const char *key)
     put_literal(reply, key, TEXT("null"), TEXT(""));
 }
 
-void reply_measured(struct reply *reply, const char *key, struct measured value, enum quantity quantity)
+void reply_in_unit(struct reply *reply, const char *key, struct measured value, const char *unit)
 {
     reply_object(reply, key);
     reply_real(reply, "value", value.value);
     reply_real(reply, "uncertainty", value.uncertainty);
-    reply_string(reply, "unit", quantity_unit(quantity));
+    reply_string(reply, "unit", unit);
     reply_close(reply);
+}
+
+void reply_measured(struct reply *reply, const char *key, struct measured value, enum quantity quantity)
+{
+    reply_in_unit(reply, key, value, quantity_unit(quantity));
 }
 
 void reply_object(struct reply *reply, const char *key)

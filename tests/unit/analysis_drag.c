@@ -15,13 +15,14 @@
 #include <string.h>
 
 struct laws {
-    double gamma, b, f; /* [1/s] [1/m] [m/s^2] */
+    double rate[DRAG_RATES]; /* gamma [1/s], b [1/m], f [m/s^2] */
     enum drag_law law;
 };
 
 static double acceleration(const struct laws *l, double omega, double y, double v)
 {
-    return -l->gamma * v - l->b * fabs(v) * v - (v > 0 ? l->f : v < 0 ? -l->f : 0) - omega * omega * y;
+    const double f = l->rate[2];
+    return -l->rate[0] * v - l->rate[1] * fabs(v) * v - (v > 0 ? f : v < 0 ? -f : 0) - omega * omega * y;
 }
 
 /* Classical Runge-Kutta, forty steps a sample. */
@@ -70,7 +71,13 @@ static bool holds(struct measured m, double truth)
 }
 
 static const struct laws truths[] = {
-    {0.04, 0, 0, LAW_LINEAR}, {0, 0.12, 0, LAW_QUADRATIC}, {0.0124, 0.0585, 0, LAW_MIXED}, {0, 0, 0.003, LAW_FRICTION}};
+    {{0.04, 0, 0}, LAW_LINEAR},
+    {{0, 0.12, 0}, LAW_QUADRATIC},
+    {{0.0124, 0.0585, 0}, LAW_LINEAR | LAW_QUADRATIC},
+    {{0, 0, 0.003}, LAW_DRY},
+    {{0.02, 0, 0.003}, LAW_LINEAR | LAW_DRY},
+    {{0, 0.12, 0.003}, LAW_QUADRATIC | LAW_DRY},
+};
 
 /* The right law with the right coefficients. */
 static void each_law_is_found(void **state)
@@ -86,15 +93,19 @@ static void each_law_is_found(void **state)
         const struct drag_candidate *c = candidate(&fit, truths[i].law);
         print_message("%s\n", fit.drag.said);
         assert_int_equal(fit.preferred, truths[i].law);
-        assert_true(c->converged && holds(c->gamma, truths[i].gamma) && holds(c->quadratic, truths[i].b) &&
-                    holds(c->friction, truths[i].f));
+        assert_true(c->converged);
+        for (int k = 0; k < DRAG_RATES; k++)
+            assert_true(holds(c->rate[k], truths[i].rate[k]));
         assert_true(fit.drag.delta >= 6 && strstr(fit.drag.said, drag_law_name(truths[i].law)) == fit.drag.said);
         /* the values that are drawn are those of that law */
-        double square = 0;
+        double square = 0, *value = calloc(s.series.n, sizeof *value);
+        assert_non_null(value);
+        fit_values(&fit, s.t, s.series.n, value);
         for (size_t k = 0; k < s.series.n; k++) {
-            double r = s.y[k] - fit_value(&fit, s.t[k]);
+            double r = s.y[k] - value[k];
             square += r * r;
         }
+        free(value);
         assert_true(close_to(sqrt(square / (double)s.series.n), 2e-4, 1e-5));
         synthetic_free(&s);
     }
@@ -119,13 +130,15 @@ static void wrong_laws_are_rare(void **state)
                 fail_msg("law %zu: %s", i, error.text);
             bool right = fit.preferred == truths[i].law;
             undecided += fit.preferred == LAW_UNDECIDED;
-            spurious += !right && fit.preferred == LAW_MIXED;
-            hidden += truths[i].law == LAW_MIXED && (fit.preferred == LAW_LINEAR || fit.preferred == LAW_QUADRATIC);
-            wrong += !right && fit.preferred != LAW_UNDECIDED && truths[i].law != LAW_MIXED;
+            const bool claimed = fit.preferred != LAW_UNDECIDED;
+            spurious += !right && claimed && (fit.preferred & truths[i].law) == truths[i].law;
+            hidden += !right && claimed && (fit.preferred & truths[i].law) == fit.preferred;
+            wrong += !right && claimed;
+            if (!right && claimed)
+                print_message("%zu: noise %g: %s\n", i, noise, fit.drag.said);
             const struct drag_candidate *c = candidate(&fit, truths[i].law);
-            struct measured rate = i == 1 ? c->quadratic : i == 3 ? c->friction : c->gamma;
-            double truth = i == 1 ? truths[i].b : i == 3 ? truths[i].f : truths[i].gamma;
-            cover += close_to(rate.value, truth, 1.96 * rate.uncertainty + 0.002 * truth);
+            const int k = truths[i].law & LAW_LINEAR ? 0 : truths[i].law & LAW_QUADRATIC ? 1 : 2;
+            cover += close_to(c->rate[k].value, truths[i].rate[k], 1.96 * c->rate[k].uncertainty);
             synthetic_free(&s);
         }
     }
@@ -134,8 +147,8 @@ static void wrong_laws_are_rare(void **state)
         "%d laws: %d wrong (%d with a spurious second term), %d with one of two terms hidden by noise, %d not "
         "distinguishable; intervals cover %.1f %%\n",
         all, wrong, spurious, hidden, undecided, 100.0 * cover / all);
-    assert_int_equal(wrong, spurious);
-    assert_true(spurious <= 0.01 * all && hidden <= 0.04 * runs + 1 && undecided <= 0.15 * all);
+    assert_int_equal(wrong, spurious + hidden);
+    assert_true(spurious <= 0.01 * all && hidden <= 0.04 * runs + 1 && undecided <= 0.45 * all);
     assert_true(cover >= (0.95 - 3 * sqrt(0.95 * 0.05 / all)) * all);
 }
 
@@ -165,9 +178,9 @@ static void velocities_give_the_same_coefficients(void **state)
     struct fit fit;
     struct error error = {0};
     assert_true(fit_named("drag", &s.series, &fit, &error));
-    assert_int_equal(fit.preferred, LAW_MIXED);
-    const struct drag_candidate *c = candidate(&fit, LAW_MIXED);
-    assert_true(holds(c->gamma, truths[2].gamma) && holds(c->quadratic, truths[2].b));
+    assert_int_equal(fit.preferred, LAW_LINEAR | LAW_QUADRATIC);
+    const struct drag_candidate *c = candidate(&fit, LAW_LINEAR | LAW_QUADRATIC);
+    assert_true(holds(c->rate[0], truths[2].rate[0]) && holds(c->rate[1], truths[2].rate[1]));
     synthetic_free(&s);
 }
 

@@ -246,7 +246,7 @@ static void laws_of_drag(void **state)
     static const struct {
         double gamma, quadratic;
         enum drag_law law;
-    } cases[] = {{0.04, 0, LAW_LINEAR}, {1e-9, 0.04, LAW_QUADRATIC}, {0.015, 0.06, LAW_MIXED}};
+    } cases[] = {{0.04, 0, LAW_LINEAR}, {1e-9, 0.04, LAW_QUADRATIC}, {0.015, 0.06, LAW_LINEAR | LAW_QUADRATIC}};
     random_state = 11;
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         struct truth truth = {.amplitude = 5,
@@ -289,7 +289,7 @@ static void law_does_not_hang_on_the_windows(void **state)
     static const struct {
         double gamma, quadratic;
         enum drag_law law;
-    } cases[] = {{0.04, 0, LAW_LINEAR}, {1e-9, 0.04, LAW_QUADRATIC}, {0.015, 0.06, LAW_MIXED}};
+    } cases[] = {{0.04, 0, LAW_LINEAR}, {1e-9, 0.04, LAW_QUADRATIC}, {0.015, 0.06, LAW_LINEAR | LAW_QUADRATIC}};
     int runs = is_long() ? 200 : 12, wrong = 0, undecided = 0;
     random_state = 14;
     for (int run = 0; run < runs; run++) {

@@ -1,0 +1,322 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* adopt: all that the last fit found becomes the scene, and is proved by a run over the recording. */
+#include "fit_text.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static void put(struct buffer *text, const char *name, struct measured value, enum quantity quantity)
+{
+    buffer_format(text, "%s = ", name);
+    if (isfinite(value.value))
+        buffer_measured(text, value, quantity, 6);
+    else
+        buffer_put(text, TEXT("unknown"));
+}
+
+/* ---- what was taken ---- */
+
+enum { ADOPTED_MOST = LIMIT_VARIABLES + 16, LEFT_OUT_MOST = 4 };
+
+struct adoption {
+    struct session *session;
+    struct scene scene; /* as it becomes */
+    struct adopted {
+        char name[LIMIT_NAME + 1];
+        struct measured value;
+        enum quantity quantity;
+    } taken[ADOPTED_MOST];
+    int count;
+    const char *left_out[LEFT_OUT_MOST];
+    int left;
+    int data;        /* place of the recording that was fitted, -1: none */
+    bool as_on_data; /* it starts where the fit does: it can be compared */
+};
+
+static bool take(struct adoption *a, const char *name, struct measured value, struct error *error)
+{
+    const int place = scene_param(&a->scene, name);
+    value.uncertainty = isfinite(value.uncertainty) ? value.uncertainty : 0;
+    if (!scene_set(&a->scene, place, value, error))
+        return false;
+    if (a->count < ADOPTED_MOST) {
+        struct adopted *taken = &a->taken[a->count++];
+        snprintf(taken->name, sizeof taken->name, "%s", name);
+        taken->value = value;
+        taken->quantity = param_at(&a->scene, place)->quantity;
+    }
+    return true;
+}
+
+static void leave_out(struct adoption *a, const char *what)
+{
+    if (a->left < LEFT_OUT_MOST)
+        a->left_out[a->left++] = what;
+}
+
+/* ---- the proof ---- */
+
+#define AGREES 1.2   /* rms of the run over that of the fit, at most */
+#define ACCURATE 1e-10
+#define ROWS 200 /* recorded in a radian of the natural frequency */
+
+/* Rms of the scene, run from its start over the window of the fit; NAN: it cannot be compared, or was stopped. */
+static double rms_of_run(const struct adoption *a)
+{
+    const struct session *session = a->session;
+    const double span = session->fit.window[1] - param_value(&a->scene, "t0");
+    struct run_settings settings = {.dt = span / 1e4, .tol = ACCURATE};
+    struct error ignored = {0};
+    struct system system;
+    if (a->data < 0 || !a->as_on_data || !(span > 0) || !scene_bind(&a->scene, &system, &ignored))
+        return NAN;
+    settings.record = (struct recording_rule){RECORD_TIMES, 1, system.scale[0] / (ROWS * system.scale[1])};
+    settings.record.interval = fmax(settings.record.interval, span / 1e6);
+    const struct method *method =
+        (const struct method *)(const void *)catalog_find(&method_catalog, TEXT("dop853"));
+    struct run *run = run_create(&a->scene, method, &settings, span, &ignored);
+    if (!run)
+        return NAN;
+    const struct run_target target = {.t = session->fit.window[1], .steps = -1};
+    while (run_advance(run, &target, 0, session->front.cancel))
+        continue;
+    const double rms = run->stop == STOP_END ? run_data_distance(run, session->recording[a->data]->recording).rms : NAN;
+    run_destroy(run);
+    return rms;
+}
+
+/* What stands between the run and the fit. */
+static void warn_apart(const struct adoption *a, double rms, struct reply *reply)
+{
+    const struct fit *fit = &a->session->fit;
+    struct buffer text = {0};
+    buffer_format(&text, "the run is %.2g times as far from the data as the fit: ", rms / fit->rms);
+    if (a->left > 0)
+        for (int i = 0; i < a->left; i++)
+            buffer_format(&text, "%s%s", i ? ", " : "the scene does not take ", a->left_out[i]);
+    else if (param_value(&a->scene, "C") > 0 && fit->drag.candidates == 0)
+        buffer_put(&text, TEXT("the scene has quadratic drag, which this fit does not know (fit drag)"));
+    else if (param_value(&a->scene, "F0") > 0 || param_value(&a->scene, "k3") != 0)
+        buffer_put(&text, TEXT("the scene has forces that the fit does not know"));
+    else
+        buffer_put(&text, TEXT("the fitted curve is no motion of this scene"));
+    reply_warning(reply, "%s", text.data ? text.data : "");
+    buffer_free(&text);
+}
+
+static void reply_adoption(const struct adoption *a, struct buffer *text, struct reply *reply)
+{
+    const struct fit *fit = &a->session->fit;
+    const double rms = rms_of_run(a);
+    const struct recording *of = a->data >= 0 ? a->session->recording[a->data]->recording : NULL;
+    const enum quantity quantity = of ? of->column[of->value].quantity : QUANTITY_LENGTH;
+    if (isfinite(rms)) {
+        buffer_put(text, TEXT("\nrms of the run "));
+        buffer_quantity(text, rms, quantity, 3);
+        buffer_put(text, TEXT(", of the fit "));
+        buffer_quantity(text, fit->rms, quantity, 3);
+    }
+    reply_text(reply, buffer_text(text));
+    reply_begin(reply, "adopt");
+    reply_object(reply, "parameters");
+    for (int i = 0; i < a->count; i++)
+        reply_measured(reply, a->taken[i].name, a->taken[i].value, a->taken[i].quantity);
+    reply_close(reply);
+    reply_array(reply, "left_out");
+    for (int i = 0; i < a->left; i++)
+        reply_string(reply, NULL, a->left_out[i]);
+    reply_close(reply);
+    reply_real(reply, "rms_fit", fit->rms);
+    reply_real(reply, "rms_run", rms);
+    if (isfinite(rms))
+        reply_bool(reply, "agrees", rms <= AGREES * fit->rms);
+    else
+        reply_null(reply, "agrees");
+    reply_end(reply);
+    if (rms > AGREES * fit->rms)
+        warn_apart(a, rms, reply);
+}
+
+static void put_taken(const struct adoption *a, struct buffer *text)
+{
+    for (int i = 0; i < a->count; i++) {
+        buffer_put(text, i ? TEXT("  ") : TEXT(""));
+        put(text, a->taken[i].name, a->taken[i].value, a->taken[i].quantity);
+    }
+}
+
+/* How often the position was differentiated to give such a recording, -1: it is no motion. Numbers without a unit are
+ * taken as positions. */
+static int derivatives(enum quantity quantity)
+{
+    switch (quantity) {
+    case QUANTITY_LENGTH:
+    case QUANTITY_ANGLE:
+    case QUANTITY_OTHER:
+        return 0;
+    case QUANTITY_VELOCITY:
+        return 1;
+    case QUANTITY_ACCELERATION:
+        return 2;
+    default:
+        return -1;
+    }
+}
+
+/* Place of the recording that was fitted, -1: it was none, or is gone. */
+static int fitted_recording(const struct session *session)
+{
+    const struct text of = text_of(session->fit_of);
+    return text_starts(of, TEXT("data ")) ? session_find_recording(session, (struct text){of.at + 5, of.len - 5}) : -1;
+}
+
+/* Of a fit of the scene: what was free, as it was fitted. */
+static bool adopt_curve(struct session *session, const struct arguments *given, struct reply *reply,
+                        struct error *error)
+{
+    struct scene scene = session->setup.scene;
+    const struct scene *fitted = &session->fit_scene;
+    if (!fitted->model) {
+        error_set(error, ERROR_COMMAND, "a formula has nothing that the scene could take");
+        return error_hint(error, "type: fit, or: fit scene");
+    }
+    if (fitted->model != scene.model)
+        return error_set(error, ERROR_COMMAND, "the fit was one of %s, the scene is %s", fitted->preset->row.name,
+                         scene.preset->row.name);
+    if (is_given(given, "amplitude"))
+        return error_set(error, ERROR_COMMAND, "'adopt amplitude' belongs to the fit of a damped oscillation");
+    struct buffer text = {0};
+    struct adoption a = {.session = session, .scene = scene, .data = fitted_recording(session), .as_on_data = true};
+    const int t0 = scene_param(fitted, "t0");
+    for (int i = 0; i < (int)scene_params(&scene)->count; i++) {
+        if (!session->fit_free[i] && (i != t0 || scene.value[i] == fitted->value[i]))
+            continue;
+        const struct measured value = {fitted->value[i], session->fit_free[i] ? fitted->uncertainty[i] : 0};
+        if (!take(&a, param_at(&scene, i)->row.name, value, error))
+            return false;
+    }
+    session->setup.scene = a.scene;
+    put_taken(&a, &text);
+    if (a.data >= 0 && session->fit.offset.value != 0) {
+        struct recording *recording = session->recording[a.data]->recording;
+        recording->zero = session->fit_zero + session->fit.offset.value;
+        put(&text, "\nzero of the recording", (struct measured){recording->zero, 0},
+            recording->column[recording->value].quantity);
+        buffer_put(&text, TEXT(" (the offset of the fit)"));
+    }
+    session_changed(session);
+    reply_adoption(&a, &text, reply);
+    buffer_free(&text);
+    return true;
+}
+
+/* ---- of an oscillation ---- */
+
+/* Every term of the law, those it does not have as 0. */
+static bool take_law(struct adoption *a, const struct fit *fit, struct error *error)
+{
+    if (fit->drag.candidates == 0) {
+        const bool decays = isfinite(fit->gamma.value);
+        return take(a, "gamma", decays ? fit->gamma : (struct measured){0, 0}, error);
+    }
+    const struct drag_candidate *law = &fit->drag.candidate[fit->drag.best - 1];
+    const double m = param_value(&a->scene, "m");
+    const double drag = param_value(&a->scene, "rho") * param_value(&a->scene, "area") / m;
+    const bool quadratic = law->law & LAW_QUADRATIC, dry = law->law & LAW_DRY;
+    if (!take(a, "gamma", law->rate[0], error))
+        return false;
+    if (quadratic && !(drag > 0))
+        leave_out(a, "quadratic drag (rho or area is 0)");
+    else if ((quadratic || param_value(&a->scene, "C") > 0) &&
+             !take(a, "C", (struct measured){law->rate[1].value / drag, law->rate[1].uncertainty / drag}, error))
+        return false;
+    if (scene_param(&a->scene, "friction") < 0) {
+        if (dry)
+            leave_out(a, "dry friction");
+        return true;
+    }
+    return !(dry || param_value(&a->scene, "friction") > 0) ||
+           take(a, "friction", (struct measured){law->rate[2].value * m, law->rate[2].uncertainty * m}, error);
+}
+
+/* y0 and v0 of the fit at its t0, as a position about its middle. n: how often it was differentiated. */
+static void start_of(const struct fit *fit, int n, struct measured start[2])
+{
+    if (fit->drag.candidates > 0) {
+        start[0] = fit->drag.start;
+        start[1] = fit->drag.speed;
+        return;
+    }
+    /* Each derivative of A exp(-gamma t/2) cos(omega t + phi) is the same, larger by `growth` and earlier by `turn`. */
+    const double half = isfinite(fit->gamma.value) ? 0.5 * fit->gamma.value : 0, omega = fit->omega.value;
+    const double growth = hypot(half, omega), turn = atan2(omega, -half);
+    const double A = fit->amplitude.value / pow(growth, n), phi = fit->phase.value - n * turn;
+    const double spread = fit->amplitude.uncertainty / pow(growth, n), angle = A * fit->phase.uncertainty;
+    start[0] = (struct measured){A * cos(phi), hypot(spread * cos(phi), angle * sin(phi))};
+    start[1] = (struct measured){A * (-half * cos(phi) - omega * sin(phi)),
+                                 omega * hypot(spread * sin(phi), angle * cos(phi))};
+}
+
+bool adopt_fit(struct session *session, const struct arguments *given, struct reply *reply, struct error *error)
+{
+    const struct fit *fit = &session->fit;
+    if (!session->has_fit) {
+        error_set(error, ERROR_COMMAND, "there is no fit to adopt yet");
+        return error_hint(error, "type: fit");
+    }
+    if (session->fit_samples > 0)
+        return adopt_curve(session, given, reply, error);
+    const bool at_rest = is_given(given, "amplitude");
+    struct adoption a = {.session = session, .scene = session->setup.scene, .data = fitted_recording(session)};
+    if (!needs_spring(&a.scene, "adopt", error))
+        return false;
+    const int m = scene_param(&a.scene, "m"), g = scene_param(&a.scene, "g");
+    const struct measured mass = {a.scene.value[m], a.scene.uncertainty[m]}, stiffness = fit_stiffness(fit, mass);
+    struct named_value fitted = {.quantity = QUANTITY_LENGTH};
+    names_value(session, TEXT("fit_amplitude"), &fitted);
+    const int n = derivatives(fitted.quantity);
+    a.as_on_data = n >= 0 && !at_rest;
+    /* With gravity the motion is about the equilibrium, not about y = 0. */
+    const double middle = -a.scene.value[m] * a.scene.value[g] / stiffness.value;
+    struct measured start[2], t0 = {fit->t0, 0};
+    start_of(fit, n > 0 ? n : 0, start);
+    if (at_rest) {
+        const double growth = pow(hypot(0.5 * (isfinite(fit->gamma.value) ? fit->gamma.value : 0), fit->omega.value), n);
+        start[0] = (struct measured){fit->amplitude.value / growth, fit->amplitude.uncertainty / growth};
+        start[1] = t0 = (struct measured){0, 0};
+    }
+    start[0].value += middle;
+    if (!take(&a, "k", stiffness, error) || !take_law(&a, fit, error))
+        return false;
+    if (n >= 0 && (!take(&a, "y0", start[0], error) || !take(&a, "v0", start[1], error) || !take(&a, "t0", t0, error)))
+        return false;
+    if (fit->drift.value != 0 && fit->drag.candidates > 0)
+        leave_out(&a, "the drift of the offset");
+    session->setup.scene = a.scene;
+    const double zero = session->fit_zero + fit->offset.value - (n == 0 ? middle : 0);
+    if (a.data >= 0)
+        session->recording[a.data]->recording->zero = zero;
+    session_changed(session);
+
+    struct buffer text = {0};
+    put_taken(&a, &text);
+    if (a.data >= 0) {
+        put(&text, "\nzero of the recording", (struct measured){zero, 0}, fitted.quantity);
+        buffer_put(&text, TEXT(" (the offset of the fit)"));
+    }
+    if (fit->drag.candidates > 0 && fit->preferred == LAW_UNDECIDED)
+        buffer_format(&text, "\nthe data do not distinguish the laws: the best one, %s, is taken",
+                      drag_law_name(fit->drag.best));
+    reply_adoption(&a, &text, reply);
+    buffer_free(&text);
+    if (n < 0)
+        reply_warning(reply, "y0, v0 and t0 stay: what was fitted (%s) is no position, velocity or acceleration",
+                      quantity_name(fitted.quantity));
+    if (!a.scene.given[m])
+        reply_warning(reply,
+                      "k was computed with the mass of the scene, which nobody has set: m = 200 g, then adopt again");
+    if ((fit->drag.candidates == 0 && param_value(&a.scene, "C") > 0) || param_value(&a.scene, "F0") > 0)
+        reply_warning(reply, "the scene also has quadratic drag or a driving force, which the fit knows nothing of");
+    return true;
+}
