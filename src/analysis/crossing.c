@@ -429,6 +429,7 @@ static bool wave_period(const struct series *series, struct arena *arena, struct
     return regular_period(series, NAN, WAVES, arena, period);
 }
 
+#define SHARP 1e-6  /* of the period: nothing better is looked for */
 #define SMOOTH 20 /* samples a period from which on a quintic places crossings to rounding */
 
 bool series_clean_period(const struct series *series, double centre, struct arena *arena, struct period *period)
@@ -442,5 +443,12 @@ bool series_period(const struct series *series, struct arena *arena, struct peri
     if (series->n > LONG_RECORD && long_period(series, arena, period)) {
         return true;
     }
-    return sine_period(series, arena, period, error) || wave_period(series, arena, period);
+    struct period wave;
+    if (!sine_period(series, arena, period, error))
+        return wave_period(series, arena, period);
+    /* What repeats itself without noise, but is no sine, is placed better by its crossings than by phases of sines. */
+    if (period->period.uncertainty > SHARP * period->period.value && wave_period(series, arena, &wave) &&
+        wave.period.uncertainty < period->period.uncertainty / 10)
+        *period = wave;
+    return true;
 }

@@ -458,7 +458,9 @@ void run_ledger(const struct run *run, struct ledger *ledger)
     const struct tally *tally = &balance.tally;
     const double energy = energy_now(run, &run_epoch(run, run->steps)->system, balance.y),
                  work = tally->work.high + tally->work.low,
-                 scale = balance.initial != 0 ? fabs(balance.initial) : tally->scale;
+                 /* A total that is 0 all the time (x'' = -1/x from 1) is no unit: what moves is. */
+                 moving = system_kinetic(&run_epoch(run, run->steps)->system, balance.y),
+                 scale = balance.initial != 0 ? fabs(balance.initial) : fmax(tally->scale, moving);
     ledger->initial = balance.initial / unit;
     ledger->final = energy / unit;
     ledger->work = work / unit;
