@@ -212,11 +212,22 @@ void typed_found_rows(struct typed_part *part)
 #define POINTS 8
 #define REACH 3.0 /* natural sizes */
 
+#define SIDE 1.0  /* of the largest: a coordinate that the trial run did not reach is tried so far */
+
+static double largest_scale(const struct system *system)
+{
+    double largest = 0;
+    for (int i = 0; i < system->n / 2; i++)
+        largest = fmax(largest, system->scale[i]);
+    return largest;
+}
+
 /* Points where the force is finite. Returns how many were found. */
 static int choose_points(const struct system *system, const struct typed_term *term, const double *c,
                          double point[][LIMIT_VARIABLES])
 {
     const int rows = system->n / 2;
+    const double side = SIDE * largest_scale(system);
     uint64_t random = 1;
     int count = 0;
     for (int tries = 0; tries < 4 * POINTS && count < POINTS; tries++) {
@@ -225,7 +236,7 @@ static int choose_points(const struct system *system, const struct typed_term *t
         memset(point[count], 0, sizeof point[count]);
         for (int i = 0; i < rows; i++) {
             random = random * 6364136223846793005u + 1442695040888963407u;
-            point[count][i] = REACH * system->scale[i] * ldexp((double)(int64_t)random, -63);
+            point[count][i] = REACH * fmax(system->scale[i], side) * ldexp((double)(int64_t)random, -63);
         }
         typed_evaluate(term->add, c, 0, point[count], a);
         for (int i = 0; i < rows; i++)

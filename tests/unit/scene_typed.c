@@ -421,7 +421,7 @@ static void check_slopes(struct fixture *f)
     for (int k = 0; k < 20; k++) {
         double y[LIMIT_VARIABLES] = {0}, a[LIMIT_VARIABLES];
         for (int i = 0; i < rows; i++)
-            y[i] = random_between(0.3, 2) * s->scale[i] * (rand() % 2 ? 1 : -1);
+            y[i] = random_between(0.3, 2) * fmax(s->scale[i], 0.1 * s->scale[0]) * (rand() % 2 ? 1 : -1);
         system_force(s, 0, y, a);
         for (int i = 0; i < rows; i++) {
             const double h = 1e-4 * fabs(y[i]), at = y[i];
