@@ -103,8 +103,13 @@ void reply_growth(struct run *run, struct reply *reply)
     if (!(ledger.final > 100 * ledger.initial))
         return;
     struct buffer text = {0};
-    buffer_format(&text, "the energy has grown by a factor of ");
-    buffer_short(&text, ledger.final / ledger.initial, 2);
+    if (ledger.initial > 0) {
+        buffer_put(&text, TEXT("the energy has grown by a factor of "));
+        buffer_short(&text, ledger.final / ledger.initial, 2);
+    } else {
+        buffer_put(&text, TEXT("the energy has grown from 0 to "));
+        buffer_quantity(&text, ledger.final, QUANTITY_ENERGY, 3);
+    }
     buffer_format(&text, ": %s lets the amplitude grow by ", run->method->row.name);
     buffer_short(&text, run->plan.growth, 6);
     buffer_put(&text, TEXT(" a step"));
