@@ -38,7 +38,7 @@ static uint32_t crc32(struct text bytes)
 static void put_number(struct buffer *out, uint32_t value, int bytes)
 {
     for (int i = 0; i < bytes; i++)
-        buffer_char(out, (char)(value >> (8 * i) & 0xFF));
+        buffer_char(out, (char)((uint64_t)value >> (8 * i) & 0xFF));
 }
 
 static void put_gzip(struct buffer *out, struct text bytes)
