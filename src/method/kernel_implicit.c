@@ -57,7 +57,7 @@ INLINE enum step_status newton_stage_of(slope_function *slope, jacobian_function
     z[0] = z[1] = 0;
     if (!newton_factor(&equations, step, N, t, h, y, &room))
         return STEP_NO_SOLUTION;
-    const enum step_status status = newton_iterate(&equations, step, N, t, h, y, z, weight, &room);
+    const enum step_status status = newton_to_rounding(&equations, step, N, t, h, y, z, weight, &room);
     for (int i = 0; i < N; i++)
         sum[i] = y[i] + z[i];
     return status;

@@ -59,4 +59,13 @@ INSTANCE void lu_solve_size(int n, const double *a, double *b)
     }
 }
 
+/* Is the determinant of what was factored negative? The diagonal holds the reciprocals of the pivots. */
+INSTANCE bool lu_negative(int n, const double *a)
+{
+    bool negative = false;
+    for (int p = 0; p < n; p++)
+        negative ^= (a[p * n + p] < 0) != ((int)a[n * n + p] != p);
+    return negative;
+}
+
 #endif

@@ -7,6 +7,10 @@
 
 enum { ADAPTIVE_ITERATIONS = 7 };
 
+/* Following a solution from h = 0: the first part of h, the shortest, how many; stages of all methods. */
+static const double FIRST_PART = 0.25, PART_LEAST = 1e-5;
+enum { PARTS_MOST = 100, STAGES_MOST = 3 };
+
 static const double FAST = 1e-3; /* increments that shrink by this in an adaptive step: keep the Jacobian */
 
 /* Of the tolerance of an adaptive step, what the iteration may leave; in finer steps errors of many add up. */
@@ -101,6 +105,32 @@ static enum step_status approach(const struct newton *equations, struct step *st
     return STEP_NO_SOLUTION;
 }
 
+bool newton_follow(const struct newton *equations, struct step *step, int n, double t, double h, const double *y,
+                   double *z, const double *weight, double *work)
+{
+    const int count = equations->tableau->stages * n;
+    struct room room = room_of(equations->tableau->stages, n, work);
+    double at[STAGES_MOST * LIMIT_VARIABLES] = {0}, next[STAGES_MOST * LIMIT_VARIABLES];
+    double done = 0, part = FIRST_PART; /* of h */
+    for (int i = 0; i < PARTS_MOST && done < 1 && part >= PART_LEAST; i++) {
+        const double to = fmin(1, done + part);
+        bool near = false;
+        memcpy(next, at, (size_t)count * sizeof *next);
+        if (newton_renew(equations, step, n, t, to * h, y, next, &room) &&
+            newton_iterate(equations, step, n, t, to * h, y, next, weight, &room, &near) == STEP_OK && near) {
+            memcpy(at, next, (size_t)count * sizeof *at);
+            done = to;
+            part *= 2;
+        } else {
+            part /= 4;
+        }
+    }
+    if (done < 1)
+        return false;
+    memcpy(z, at, (size_t)count * sizeof *z);
+    return true;
+}
+
 enum step_status newton_solve(const struct newton *equations, struct step *step, double t, double h, const double *y,
                               double *z, double *work)
 {
@@ -113,7 +143,7 @@ enum step_status newton_solve(const struct newton *equations, struct step *step,
     if (!kept && !newton_factor(equations, step, system->n, t, h, y, &room))
         return STEP_NO_SOLUTION;
     return adaptive ? approach(equations, step, t, h, y, z, weight, share(step->tol) * step->tol, &room)
-                    : newton_iterate(equations, step, system->n, t, h, y, z, weight, &room);
+                    : newton_to_rounding(equations, step, system->n, t, h, y, z, weight, &room);
 }
 
 /* ---- one stage ---- */

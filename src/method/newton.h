@@ -41,6 +41,14 @@ enum step_status newton_solve(const struct newton *equations, struct step *step,
 size_t newton_room(int stages, int n);
 void newton_forget(double *work);
 
+/*
+ * The solution that is reached from h = 0 in shorter and shorter parts of h, each of which contracts: the one that
+ * belongs to y. z: out, unchanged where there is none (the branch turns back before h). weight [n]: 1/size of each
+ * variable. Source: Deuflhard 2011, Newton Methods for Nonlinear Problems, 5.1.
+ */
+bool newton_follow(const struct newton *equations, struct step *step, int n, double t, double h, const double *y,
+                   double *z, const double *weight, double *work);
+
 /* x [n] becomes (real - h J)^-1 x; J at y, unless the factors for this h are there. False: singular. */
 bool newton_filter(const struct implicit_tableau *tableau, struct step *step, double t, double h, const double *y,
                    double *x, double *work);

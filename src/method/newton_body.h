@@ -22,6 +22,7 @@ enum { HALVINGS = 8, ITERATIONS = 30 };
 
 #define STANDSTILL 1e-10 /* an increment this small (relative) that shrinks no more is rounding */
 #define SLOW 0.1         /* increments that shrink by less than this want a new Jacobian */
+#define CONTRACTS 0.5    /* increments that shrink by this stay near where they began (Newton-Kantorovich) */
 
 static const double newton_one[] = {1}, newton_now[] = {0};
 #define NEWTON_EULER                                                                                                   \
@@ -176,14 +177,16 @@ INLINE void newton_halve(int count, double *z, double *move)
 
 /*
  * Until increments stop decreasing: a tolerance would bias the rounding. An increment that does not bring the equations
- * nearer to 0 is halved.
+ * nearer to 0 is halved. near: is the solution the one beside the guess? It is where increments shrink from the first
+ * one on, and the determinant is positive, as it is in short steps.
  */
 INLINE enum step_status newton_iterate(const struct newton *equations, struct step *step, int n, double t, double h,
-                                       const double *y, double *z, const double *weight, struct room *room)
+                                       const double *y, double *z, const double *weight, struct room *room, bool *near)
 {
     const struct implicit_tableau *tableau = equations->tableau;
     const int stages = tableau->stages;
     double last = HUGE_VAL, off = HUGE_VAL;
+    *near = true;
     for (int iteration = 0, halvings = 0; iteration < ITERATIONS;) {
         equations->rest(equations, step, n, t, h, y, z, room->slope, room->rest);
         double rest = newton_size(stages, n, weight, room->rest);
@@ -192,6 +195,7 @@ INLINE enum step_status newton_iterate(const struct newton *equations, struct st
         if (!(rest < off) && last > STANDSTILL) {
             if (++halvings > HALVINGS)
                 return STEP_NO_SOLUTION;
+            *near = false;
             newton_halve(stages * n, z, room->move);
             continue;
         }
@@ -200,8 +204,12 @@ INLINE enum step_status newton_iterate(const struct newton *equations, struct st
         double size = newton_size(stages, n, weight, room->move);
         for (int i = 0; i < stages * n; i++)
             z[i] += room->move[i];
-        if (step->system->linear || size <= DBL_EPSILON / 2 || (size >= last && size <= STANDSTILL))
+        if (size > CONTRACTS * last && size > STANDSTILL)
+            *near = false;
+        if (step->system->linear || size <= DBL_EPSILON / 2 || (size >= last && size <= STANDSTILL)) {
+            *near = *near && !(tableau->real != 0 && lu_negative(n, room->real));
             return STEP_OK;
+        }
         if (size > SLOW * last && !newton_renew(equations, step, n, t, h, y, z, room))
             return STEP_NO_SOLUTION;
         last = size;
@@ -209,7 +217,24 @@ INLINE enum step_status newton_iterate(const struct newton *equations, struct st
         halvings = 0;
         iteration++;
     }
+    *near = false;
     return last <= STANDSTILL ? STEP_OK : STEP_NO_SOLUTION;
+}
+
+/*
+ * The solution from z = 0. Where it is not sure to be the one that belongs to y, it is followed from a step of length 0:
+ * over y' = -y^2 the equation of a step has two solutions, and in long steps Newton's iteration may find the wrong one.
+ */
+INLINE enum step_status newton_to_rounding(const struct newton *equations, struct step *step, int n, double t, double h,
+                                           const double *y, double *z, const double *weight, struct room *room)
+{
+    bool near;
+    const enum step_status status = newton_iterate(equations, step, n, t, h, y, z, weight, room, &near);
+    if (step->system->linear || status == STEP_NONFINITE || (status == STEP_OK && near))
+        return status;
+    if (newton_follow(equations, step, n, t, h, y, z, weight, room->h))
+        return STEP_OK;
+    return status;
 }
 
 /* 1/size of each variable: what increments are measured by */
