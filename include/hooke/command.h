@@ -564,7 +564,6 @@ struct figure_request {
     struct text at; /* only at the moments of this event, as points; empty: all along */
     bool next;      /* then the columns at the event after the one where `against` is taken: a return map */
     double window[2]; /* [s] NAN: choose */
-    bool all_time;    /* unless a window is given: the width, of a picture, has room for it */
     const struct figure_range *x, *y; /* of the axes; NULL: automatic */
     bool full; /* all of it: the whole time, all curves on one axis */
     int width;        /* [cell] that will be drawn on */

@@ -230,7 +230,6 @@ HANDLER(plot)
         height = height > LEAST_ROWS + OTHER_ROWS ? height - OTHER_ROWS : LEAST_ROWS;
     request.width = as_text ? width : PICTURE_COLUMNS;
     request.charset = as_text ? request.charset : CHARSET_BRAILLE;
-    request.all_time = !as_text;
     request.peaks = &peaks;
     if (window->count)
         memcpy(request.window, window->item->range, sizeof request.window);
@@ -284,18 +283,14 @@ COMMAND(
         "A kind of plot, or names of what moves and is observed: 'plot x', 'plot x,y', 'plot y against x';\n"
         "with 'at EVENT' as points where that event happened, a Poincare section; with --next what is drawn upwards is "
         "taken where it\nhappened the next time: 'plot z against z at top --next' is a return map.\n"
-        "Of the current run and of the recording where they overlap in time, unless told. Without a window at "
-        "least 8 columns a\n"
-        "period are kept (5 with dots) and the phase plot shows the last 2 periods; the frame says so. Curves whose sizes "
-        "differ by more\n"
-        "than a factor of 10 get a logarithmic axis where nothing is negative, else a panel for each size. --full shows "
-        "all of the time\n"
-        "and all curves on one axis. x= and y= fix the axes, values with units: y=0:35J, y=2cm: with an open end, y=: as "
-        "narrow as what\n"
-        "is drawn; the frame says which curve leaves where and how far. An energy that hardly varies is drawn from zero "
-        "otherwise.\n"
-        "A file that ends in .svg, .pdf or .png becomes a picture of all the time there is, one in .txt "
-        "holds the text.",
+        "Of the current run and of the recording where they overlap in time, unless told; all of the time, unless\n"
+        "a window is given: more periods than the width can show are an envelope, and the frame says how many.\n"
+        "The phase plot shows the last 2 periods ('trail' says how many). Curves whose sizes differ by more than\n"
+        "a factor of 10 get a logarithmic axis where nothing is negative, else a panel for each size; --full puts\n"
+        "all on one axis, whole. x= and y= fix the axes, values with units: y=0:35J, y=2cm: with an open end,\n"
+        "y=: as narrow as what is drawn; the frame says which curve leaves where and how far. An energy that\n"
+        "hardly varies is drawn from zero otherwise. A file that ends in .svg, .pdf or .png becomes a picture,\n"
+        "one in .txt holds the text.",
     .examples = "run; plot position; plot momentum against y\ncompare euler symplectic-euler; plot energy run all y=0:40mJ",
     .see = "set export measure", .flags = COMMAND_ANYTIME,
     ARGUMENTS(PLACE("WHAT", TYPE_COLUMN, .flags = ARG_REQUIRED | ARG_MANY, .choices = &plot_catalog),

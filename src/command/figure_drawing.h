@@ -87,6 +87,7 @@ void spectrum_note(const struct drawing *d, struct buffer *text); /* names the l
 
 /* [s] that the scene, or the sizes of what moves, lead to expect of a run; NAN: none. */
 double run_rhythm(const struct run *run);
+bool run_goes_back(const struct run *run); /* time falls from row to row */
 /* In the unit that a value of this size is shown in; its range is automatic. */
 struct axis quantity_axis(const char *label, enum quantity quantity, double size);
 struct axis time_axis(const double window[2]); /* [s] fixed */

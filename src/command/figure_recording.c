@@ -73,6 +73,7 @@ static bool recorded_phase(struct drawing *d, struct series series, struct curve
         x[i] = motion->y[row] - motion->middle;
         y[i] = series.y[i] / d->omega0;
     }
+    curve->t = series.t;
     curve->x = x;
     curve->y = y;
     return true;

@@ -123,15 +123,14 @@ static double short_number(double length)
     return length;
 }
 
-/* [s] the longest window in which every period can be seen at this width; NAN: any. */
+/* [s] the longest window of a view in which every period can be seen at this width; NAN: any. */
 static double longest_window(const struct drawing *d)
 {
     const struct figure_request *request = d->request;
     const int each = request->charset == CHARSET_ASCII ? PERIOD_COLUMNS_ASCII : PERIOD_COLUMNS_DOTS;
     const int columns = request->width > 2 * FRAME_COLUMNS ? request->width - FRAME_COLUMNS : FRAME_COLUMNS;
-    const double most =
-        plot_rows[request->kind].periods || (request->follow && !request->alone) ? d->period * columns / each : NAN;
-    return request->follow && d->total > most && isnormal(most) ? short_number(most) : most;
+    const double most = plot_rows[request->kind].periods || !request->alone ? d->period * columns / each : NAN;
+    return d->total > most && isnormal(most) ? short_number(most) : most;
 }
 
 double drawing_trail(const struct drawing *d)
@@ -164,6 +163,30 @@ struct axis time_axis(const double window[2])
     return axis;
 }
 
+bool run_goes_back(const struct run *run)
+{
+    return trace_time(run->trace, trace_count(run->trace) - 1) < trace_time(run->trace, 0);
+}
+
+/* The run in front, whose newest part a view shows. */
+static bool goes_back(const struct drawing *d)
+{
+    return d->request->runs > 0 && run_goes_back(d->session->run[d->request->run[0]]->run);
+}
+
+/*
+ * The newest part of from..to [s], `most` long. A moving window starts a whole number of pages, or of columns, after
+ * the start: while the curve grows nothing else moves.
+ */
+static void follow_window(struct drawing *d, double from, double to, double now, double most)
+{
+    const double turn = most / (d->request->pages > 0 ? d->request->pages : 1);
+    const double passed = goes_back(d) ? to - now : now - from;
+    const double moved = turn * fmax(0, ceil((passed - most) / turn - 1e-6));
+    d->window[0] = goes_back(d) ? to - moved - most : from + moved;
+    d->window[1] = d->window[0] + most;
+}
+
 void drawing_window(struct drawing *d)
 {
     const struct figure_request *request = d->request;
@@ -176,27 +199,22 @@ void drawing_window(struct drawing *d)
         return;
     }
     span_of(d, &from, &to);
-    const double now = to;
-    const bool asked = !isnan(request->window[0]) || !isnan(request->window[1]), phase = plot_is_plane(request->kind);
-    if (request->follow && !phase && request->until > to)
-        to = request->until;
+    const bool asked = !isnan(request->window[0]) || !isnan(request->window[1]), plane = plot_is_plane(request->kind);
+    const double now = goes_back(d) ? from : to;
+    if (request->follow && !plane) {
+        from = fmin(from, request->until);
+        to = fmax(to, request->until);
+    }
     d->total = to - from;
     d->window[0] = isnan(request->window[0]) ? from : request->window[0];
     d->window[1] = isnan(request->window[1]) ? to : request->window[1];
-    const double most = request->span > 0 ? request->span : longest_window(d);
-    if (asked || request->full || (request->all_time && !phase) || request->kind == PLOT_SPECTRUM ||
-        request->kind == PLOT_ENVELOPE) {
-    } else if (phase) {
-        d->window[0] = fmax(from, to - drawing_trail(d) * d->period);
-    } else if (request->follow && (request->span > 0 || d->total > most)) {
-        /* A moving window starts a whole number of pages, or of columns, after the start: while the curve grows nothing
-         * else moves. */
-        const double turn = most / (request->pages > 0 ? request->pages : 1);
-        const double start = from + turn * fmax(0, ceil((now - from - most) / turn - 1e-6));
-        d->window[0] = start;
-        d->window[1] = start + most;
-    } else if (d->total > most) {
-        d->window[1] = from + most;
+    const double trail = drawing_trail(d) * d->period, most = request->span > 0 ? request->span : longest_window(d);
+    if (plane && !asked && !request->full && trail < d->total) {
+        d->window[0] = goes_back(d) ? from : to - trail;
+        d->window[1] = d->window[0] + trail;
+    } else if (request->follow && plot_is_timed(request->kind) && request->kind != PLOT_ENVELOPE && !asked &&
+               (request->span > 0 || d->total > most)) {
+        follow_window(d, from, to, now, most);
     }
     d->shown = d->window[1] - d->window[0];
 }

@@ -99,6 +99,17 @@ static bool vertical_values(struct drawing *d, const struct run *run, int coordi
     return true;
 }
 
+/* [s] Of each run the phase plot shows its own last periods, wherever it ended. */
+static void own_window(const struct drawing *d, const struct run *run, double window[2])
+{
+    const double end = trace_time(run->trace, trace_count(run->trace) - 1);
+    memcpy(window, d->window, sizeof d->window);
+    if (!plot_is_plane(d->request->kind) || !isnan(d->request->window[0]) || !isnan(d->request->window[1]))
+        return;
+    window[0] = run_goes_back(run) ? end : end - d->shown;
+    window[1] = run_goes_back(run) ? end + d->shown : end;
+}
+
 static bool add_run(struct drawing *d, const struct run *run)
 {
     const bool plane = plot_is_plane(d->request->kind);
@@ -119,12 +130,10 @@ static bool add_run(struct drawing *d, const struct run *run)
         series = series_window(series, d->window[0], d->window[1]);
         return data_envelope(&series, d->arena, curve, d->error);
     }
-    /* Of a run that ended earlier the phase plot shows its own last periods. */
-    const double end = trace_time(run->trace, trace_count(run->trace) - 1);
-    const double late = plane && isnan(d->request->window[0]) && end < d->window[1] ? d->window[1] - end : 0;
+    double window[2];
+    own_window(d, run, window);
     struct chosen_rows rows;
-    const struct row_request part = {d->window[0] - late, d->window[1], d->request->width, d->period,
-                                     d->request->follow};
+    const struct row_request part = {window[0], window[1], d->request->width, d->period, d->request->follow};
     if (!choose_rows(run, &part, d->arena, &rows, d->error))
         return false;
     bool drawn;
@@ -195,7 +204,7 @@ static const char *make_note(const struct drawing *d)
     else if (request->follow && part && !request->running)
         buffer_format(&text, "last %.4g of %.4g s", d->shown, d->total);
     else if (part)
-        buffer_format(&text, request->follow ? "last %.4g s" : "first %.4g of %.4g s", d->shown, d->total);
+        buffer_format(&text, "last %.4g s", d->shown);
     else if (isfinite(d->period) && plot_rows[request->kind].periods &&
              d->shown * PERIOD_COLUMNS_DOTS > d->period * (request->width - FRAME_COLUMNS))
         buffer_format(&text, "%.0f periods: envelope", d->shown / d->period);
@@ -255,7 +264,9 @@ static void mark_present(const struct drawing *d, struct figure *figure)
     if (d->request->runs == 0 || d->curve[0].n == 0)
         return;
     const struct curve *curve = &d->curve[0];
-    figure->has_point = true;
+    const struct trace *trace = run_of(d, 0)->trace;
+    const double *t = curve->t ? curve->t : curve->x;
+    figure->has_point = t[curve->n - 1] == trace_time(trace, trace_count(trace) - 1); /* not the end of a window */
     figure->point[0] = curve->x[curve->n - 1];
     figure->point[1] = curve->y[curve->n - 1];
 }

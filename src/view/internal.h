@@ -69,6 +69,9 @@ void cursors_table(const struct screen *screen, struct rectangle at);
 
 /* ---- one file each ---- */
 
+/* A curve of marks alone, too many for so many columns, becomes a line with gaps; false: no memory. */
+bool curves_join_dense(struct arena *arena, int columns, struct figure *figure);
+
 /* Run numbers instead of names where those do not fit into the frame of width x height [cell]. */
 void labels_shorten(struct screen *screen, int width, int height, const struct figure_request *request,
                     struct figure *figure);

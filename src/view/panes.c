@@ -26,8 +26,8 @@ static const struct pane_kind kinds[] = {
 
 static double planned_end(const struct run *run)
 {
-    double span = run->plan.adaptive ? NAN : (double)run->plan.whole * run->settings.dt + run->plan.partial;
-    return span > 0 ? run->system.t0 + span : NAN;
+    const double span = run->plan.adaptive ? NAN : (double)run->plan.whole * run->settings.dt + run->plan.partial;
+    return span > 0 ? run->system.t0 + (run->t < run->system.t0 ? -span : span) : NAN;
 }
 
 /* The present run, then those laid over it. */
@@ -116,19 +116,6 @@ static void empty_figure(const struct screen *screen, const struct place *place,
     }
 }
 
-/* A recording alone that is too dense for marks is drawn as a line. */
-static void join_dense(struct screen *screen, const struct figure_request *request, struct figure *figure)
-{
-    if (request->runs || figure->curves != 1 || figure->curve[0].n < 2 * (size_t)request->width)
-        return;
-    struct curve *curve = arena_array(&screen->arena, 1, sizeof *curve);
-    if (curve) {
-        *curve = figure->curve[0];
-        curve->points = false;
-        figure->curve = curve;
-    }
-}
-
 /* ---- one pane ---- */
 
 static const char *numbered_title(struct screen *screen, const struct place *place)
@@ -185,7 +172,8 @@ static bool make_figure(struct screen *screen, const struct place *place, const 
     } else {
         if (!ranges_settle(screen, place, figure))
             return false;
-        join_dense(screen, &request, figure);
+        if (!request.runs && !curves_join_dense(&screen->arena, request.width, figure))
+            return false;
     }
     if (time->known && pane_is_timed(place->pane))
         figure->x = time->window.axis;

@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A recording alone that is too dense for marks is drawn as a line, which breaks where nothing was recorded. */
+#include "internal.h"
+
+#define DENSE 2 /* samples a column */
+
+/* The samples of a curve, with a NAN wherever a column or more of the time has none. NULL: no memory. */
+static const struct curve *joined(struct arena *arena, const struct curve *from, int columns)
+{
+    const double *t = from->t ? from->t : from->x;
+    const double longest = (t[from->n - 1] - t[0]) / columns;
+    struct curve *curve = arena_array(arena, 1, sizeof *curve);
+    double *x = arena_array(arena, 2 * from->n, sizeof *x), *y = arena_array(arena, 2 * from->n, sizeof *y);
+    double *times = from->t ? arena_array(arena, 2 * from->n, sizeof *times) : NULL;
+    if (!curve || !x || !y || (from->t && !times))
+        return NULL;
+    size_t n = 0;
+    for (size_t i = 0; i < from->n; i++) {
+        if (i > 0 && t[i] - t[i - 1] > longest) {
+            x[n] = y[n] = NAN;
+            if (times)
+                times[n] = NAN;
+            n++;
+        }
+        x[n] = from->x[i];
+        y[n] = from->y[i];
+        if (times)
+            times[n] = t[i];
+        n++;
+    }
+    *curve = *from;
+    curve->points = false;
+    curve->x = x;
+    curve->y = y;
+    curve->t = times;
+    curve->n = n;
+    return curve;
+}
+
+bool curves_join_dense(struct arena *arena, int columns, struct figure *figure)
+{
+    if (figure->curves != 1 || !figure->curve[0].points || figure->curve[0].n < DENSE * (size_t)larger(columns, 1))
+        return true;
+    const struct curve *curve = joined(arena, &figure->curve[0], larger(columns, 1));
+    figure->curve = curve ? curve : figure->curve;
+    return curve != NULL;
+}
