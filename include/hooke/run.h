@@ -209,6 +209,8 @@ bool run_back(struct run *run, int64_t rows);
  * run is unchanged on error.
  */
 bool run_rebind(struct run *run, const struct scene *scene, struct error *error);
+/* The scene that was in force on the way to the state of a row. */
+const struct system *run_system_to(const struct run *run, size_t row);
 /* Takes back what run_rebind() has changed at the present step, if anything: the run has the scene of before. */
 void run_unbind(struct run *run);
 /*

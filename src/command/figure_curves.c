@@ -217,24 +217,24 @@ static double hermite(double x, double h, double left, double left_slope, double
     return z * z * (1 + 2 * x) * left + x * x * (3 - 2 * x) * right + h * x * z * (z * left_slope - x * right_slope);
 }
 
-static double acceleration(const struct run *run, double t, const double *y)
+static double acceleration(const struct system *system, double t, const double *y)
 {
     double a[LIMIT_VARIABLES];
-    system_acceleration(&run->system, t, y, a);
+    system_acceleration(system, t, y, a);
     return a[0];
 }
 
 /* The acceleration of the state that lies between two rows. */
-static double acceleration_between(const struct run *run, double t, double x, double h, const double *left,
+static double acceleration_between(const struct system *system, double t, double x, double h, const double *left,
                                    const double *right)
 {
     double state[LIMIT_VARIABLES];
-    const int half = run->system.n / 2;
+    const int half = system->n / 2;
     for (int i = 0; i < half; i++) {
         state[i] = hermite(x, h, left[i], left[i + half], right[i], right[i + half]);
         state[i + half] = (1 - x) * left[i + half] + x * right[i + half];
     }
-    return acceleration(run, t, state);
+    return acceleration(system, t, state);
 }
 
 double run_motion(const struct run *run, double t, int derivative)
@@ -245,8 +245,9 @@ double run_motion(const struct run *run, double t, int derivative)
         return NAN;
     const double *right = trace_state(run->trace, after);
     const double b = trace_time(run->trace, after);
+    const struct system *system = run_system_to(run, after);
     if (b == t)
-        return derivative == 2 ? acceleration(run, t, right) : right[derivative * half];
+        return derivative == 2 ? acceleration(system, t, right) : right[derivative * half];
     if (after == 0)
         return NAN;
     const double *left = trace_state(run->trace, after - 1);
@@ -256,8 +257,8 @@ double run_motion(const struct run *run, double t, int derivative)
     if (derivative == 0)
         return hermite(x, h, left[0], left[half], right[0], right[half]);
     if (derivative == 1)
-        return hermite(x, h, left[half], acceleration(run, a, left), right[half], acceleration(run, b, right));
-    return acceleration_between(run, t, x, h, left, right);
+        return hermite(x, h, left[half], acceleration(system, a, left), right[half], acceleration(system, b, right));
+    return acceleration_between(system, t, x, h, left, right);
 }
 
 double run_position(const struct run *run, double t)

@@ -197,7 +197,9 @@ bool drawing_scales(struct drawing *d, struct figure *figure, const enum quantit
     figure->y.log = request->log;
     if (!fix_range(d, true, quantity[1], figure) || !fix_range(d, false, quantity[0], figure))
         return false;
-    figure->y.flat = request->y ? -1 : request->kind == PLOT_ENERGY ? FLAT : 0;
+    figure->y.flat = request->y                                                          ? -1
+                     : request->kind == PLOT_ENERGY || request->kind == PLOT_ENVELOPE ? FLAT
+                                                                                       : 0;
     const bool one = asked || request->full || request->log;
     if (one)
         return true;

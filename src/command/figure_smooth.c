@@ -2,8 +2,6 @@
 /* What lies between the rows of an adaptive run, which may be far apart, for the eye. */
 #include "figure_drawing.h"
 
-#include <string.h>
-
 #define SMOOTH_MOST 32 /* points for a row */
 
 /* States at and between chosen rows; n 0: the rows are close enough, or nothing is known between them. */
@@ -15,8 +13,7 @@ struct smooth {
 /* A stiff method's steps are long where slopes at its states, a rounding off the slow motion, mean nothing. */
 static bool is_smooth(const struct run *run, const struct chosen_rows *rows, int points)
 {
-    return run->plan.adaptive && !(run->method->flags & METHOD_IMPLICIT) && rows->n > 1 &&
-           rows->n < (size_t)points && run_never_changed(run);
+    return run->plan.adaptive && !(run->method->flags & METHOD_IMPLICIT) && rows->n > 1 && rows->n < (size_t)points;
 }
 
 /* So many points at least, where there are fewer rows. */
@@ -34,14 +31,14 @@ static bool smooth_rows(const struct run *run, const struct chosen_rows *rows, i
     if (!smooth->t || !smooth->y)
         return error_memory(error);
     double slope[2][LIMIT_VARIABLES];
-    system_derivative(&run->system, trace_time(run->trace, rows->row[0]), trace_state(run->trace, rows->row[0]),
-                      slope[0]);
     for (size_t row = 0; row < rows->n; row++) {
         const double a = trace_time(run->trace, rows->row[row]), *left = trace_state(run->trace, rows->row[row]);
         const bool last = row + 1 == rows->n;
         const size_t next = rows->row[last ? row : row + 1];
         const double h = trace_time(run->trace, next) - a, *right = trace_state(run->trace, next);
-        system_derivative(&run->system, a + h, right, slope[1]);
+        const struct system *system = run_system_to(run, next); /* a jump has no length, a change falls on a row */
+        system_derivative(system, a, left, slope[0]);
+        system_derivative(system, a + h, right, slope[1]);
         for (size_t k = 0; k < (last ? 1 : each); k++) {
             /* Cubic Hermite through both states. */
             const double x = (double)k / (double)each, z = 1 - x;
@@ -51,7 +48,6 @@ static bool smooth_rows(const struct run *run, const struct chosen_rows *rows, i
                        h * x * z * (z * slope[0][i] - x * slope[1][i]);
             smooth->t[smooth->n++] = a + x * h;
         }
-        memcpy(slope[0], slope[1], sizeof slope[0]);
     }
     return true;
 }

@@ -85,14 +85,25 @@ const char *drawing_run_label(const struct drawing *d, const struct run *run)
     return label;
 }
 
+/* Errors have both signs: a logarithmic axis shows how large they are. */
+static bool shows_size(const struct drawing *d)
+{
+    return d->request->kind == PLOT_ERROR && d->request->log;
+}
+
 static bool vertical_values(struct drawing *d, const struct run *run, int coordinate, const struct chosen_rows *rows,
                             double *y)
 {
     const enum plot_kind kind = d->request->kind;
     if (d->request->columns)
         return chosen_at_rows(run, &d->column[coordinate], rows, d->arena, y, d->error);
-    if (plot_rows[kind].observable)
-        return values_at_rows(run, observable(d), rows, d->arena, y, d->error);
+    if (plot_rows[kind].observable) {
+        if (!values_at_rows(run, observable(d), rows, d->arena, y, d->error))
+            return false;
+        for (size_t i = 0; i < rows->n && shows_size(d); i++)
+            y[i] = fabs(y[i]);
+        return true;
+    }
     state_at_rows(run, (int)(vertical_variable(d->model, kind) - d->model->variable) + coordinate, rows, y);
     for (size_t i = 0; i < rows->n && d->omega0 != 1; i++)
         y[i] /= d->omega0;
@@ -244,6 +255,8 @@ const char *drawing_y_label(const struct drawing *d, int panel)
     const enum plot_kind kind = d->request->kind;
     if (is_kinetic(d))
         return "E kin";
+    if (shows_size(d))
+        return "|error|";
     if (plot_rows[kind].label && (!d->model || kind != PLOT_POSITION))
         return plot_rows[kind].label;
     struct buffer text = {0};

@@ -106,11 +106,23 @@ static void put_outside(struct buffer *out, const struct figure *figure, const s
         buffer_format(out, "%d curve%s outside", count, count == 1 ? "" : "s");
 }
 
+static bool is_thinned(const struct figure *figure)
+{
+    for (int i = 0; i < figure->curves; i++)
+        if (curve_drawn(figure, i) && figure->curve[i].thinned)
+            return true;
+    return false;
+}
+
 static void put_hidden(struct buffer *out, const struct figure *figure, const struct figure_layout *layout)
 {
     if (!layout->hidden)
         return;
-    buffer_format(out, "%s%zu value%s ", out->len ? ", " : "", layout->hidden, layout->hidden == 1 ? "" : "s");
+    buffer_put(out, out->len ? TEXT(", ") : TEXT(""));
+    if (is_thinned(figure)) /* their count would be one of points, not of samples */
+        buffer_put(out, TEXT("values "));
+    else
+        buffer_format(out, "%zu value%s ", layout->hidden, layout->hidden == 1 ? "" : "s");
     if (figure->y.log && figure->y.least > 0) {
         buffer_put(out, TEXT("below "));
         put_value(out, &figure->y, figure->y.least, 3);

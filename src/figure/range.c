@@ -55,6 +55,12 @@ static void extend(struct extent *extent, const struct figure *figure, const str
     }
 }
 
+/* Outside of the window of a fixed horizontal axis: not hidden by the vertical one. */
+static bool is_beside(const struct figure *figure, const struct curve *curve, bool vertical, size_t i)
+{
+    return vertical && fixed_range(&figure->x) && !(curve->x[i] >= figure->x.from && curve->x[i] <= figure->x.to);
+}
+
 static size_t count_hidden(const struct figure *figure, bool vertical)
 {
     const double least = least_of(vertical ? &figure->y : &figure->x);
@@ -63,7 +69,7 @@ static size_t count_hidden(const struct figure *figure, bool vertical)
         const struct curve *curve = &figure->curve[c];
         const double *value = vertical ? curve->y : curve->x;
         for (size_t i = 0; i < curve->n && curve_drawn(figure, c); i++)
-            hidden += value[i] < least;
+            hidden += value[i] < least && !is_beside(figure, curve, vertical, i);
     }
     return hidden;
 }

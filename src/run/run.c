@@ -70,6 +70,11 @@ static bool push_epoch(struct run *run, const struct system *system, const doubl
     return true;
 }
 
+const struct system *run_system_to(const struct run *run, size_t row)
+{
+    return &run_epoch(run, trace_step(run->trace, row))->system;
+}
+
 const struct epoch *run_epoch(const struct run *run, int64_t step)
 {
     const struct run_private *p = run->private_state;
