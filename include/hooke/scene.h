@@ -283,11 +283,12 @@ enum term_flag {
     TERM_TIME = 4,         /* depends on time */
     TERM_CONSERVATIVE = 8, /* has a potential; otherwise it has a power */
     TERM_KINK = 16,        /* in a scene of one coordinate: not smooth where its velocity is 0 */
+    TERM_DRY = 32,         /* dry friction: the last term, that of one coordinate, c[0] [m/s^2], c[1] [N] */
 };
 
 /*
  * The scene as one oscillator, where it is one:
- *   q'' = -stiffness q - damping q' - quadratic |q'| q' - gravity + drive cos(omega t + phase)
+ *   q'' = -stiffness q - damping q' - quadratic |q'| q' - friction sign(q') - gravity + drive cos(omega t + phase)
  * Closed-form steps and exact solutions use it where it is `whole`: nothing else acts. Exact drag flows need no more
  * than `drag_whole`; with several coordinates it is that of each: v_i' = -damping v_i.
  */
@@ -295,6 +296,7 @@ struct oscillator {
     double stiffness;    /* [1/s^2] k/m, any sign */
     double damping;      /* [1/s] gamma */
     double quadratic;    /* [1/m] C rho area / m */
+    double friction;     /* [m/s^2] F/m, at rest what it takes; frozen on a branch it is part of gravity */
     double gravity;      /* [m/s^2] */
     double drive;        /* [m/s^2] F0/m */
     double omega, phase; /* [rad/s] [rad] */
@@ -337,9 +339,11 @@ struct system {
     bool velocity;     /* some force depends on velocity */
     bool conservative; /* every term has a potential: energy is constant */
     bool energy;       /* kinetic and potential; false: kinetic is all there is, of typed forces without a potential */
-    int switches;      /* of typed equations, with branches that can be frozen (switch.c) */
+    int switches;      /* of typed equations, then that of dry friction: with branches that can be frozen */
+    bool dry;          /* the last of them is that of dry friction, at v = 0 */
+    bool pieces;       /* steps of fixed size, too, end at switches: where there is dry friction, unless frozen */
     const struct sliding *sliding; /* of a frozen system; NULL: along none of them */
-    bool kinks;        /* n = 2, and some force is not smooth at v = 0 */
+    bool kinks;        /* n = 2, and some force is not smooth at v = 0, where it is not frozen */
     bool across;       /* methods step across such kinks, as they are printed */
     double mass;       /* [kg] or what takes its place: kinetic energy = mass v^2 / 2 */
     struct oscillator oscillator;
@@ -497,10 +501,11 @@ const struct program *term_program(const struct bound_term *term, int *values);
 
 /*
  * Switches of typed equations: where abs(), sign(), if(), <, min(), max(), step(), floor(), mod() go from one branch to
- * another. A frozen system stays on its branches and is smooth; its guards are above 0 as long as they are the right
+ * another; and of dry friction, where the velocity is 0. A frozen system stays on its branches and is smooth; its guards are above 0 as long as they are the right
  * ones. branch, guard: [system->switches].
  */
-#define LIMIT_SWITCHES 12
+#define LIMIT_TYPED_SWITCHES 12
+#define LIMIT_SWITCHES (LIMIT_TYPED_SWITCHES + 1)
 void system_branches(const struct system *system, double t, const double *y, double *branch);
 void system_freeze(const struct system *system, const double *branch, struct system *frozen);
 void system_guards(const struct system *frozen, double t, const double *y, double *guard);

@@ -217,6 +217,30 @@ static enum step_status adapt(const struct method *method, struct step *step, st
     }
 }
 
+/* One step of a library's own control on frozen branches: one across the end of a branch is taken again, up to there. */
+static enum step_status adapt_library(const struct method *method, struct step *step, struct controller *controller,
+                                      double t_end)
+{
+    const double t = step->t;
+    double before[LIMIT_VARIABLES];
+    int ended = -1;
+    memcpy(before, step->y, (size_t)step->system->n * sizeof *before);
+    enum step_status status = method->adapt(method, step, controller, t_end);
+    if (status == STEP_OK)
+        status = switch_step(method, step, t, before, NULL, &ended);
+    if (status != STEP_OK) {
+        memcpy(step->y, before, (size_t)step->system->n * sizeof *before);
+        step->t = t;
+        step->warm = false;
+        return status;
+    }
+    if (ended >= 0)
+        step->t = t + step->h;
+    step->cost.turns += ended >= 0;
+    switch_next(step, &controller->switches, ended);
+    return STEP_OK;
+}
+
 /* On frozen branches. */
 static enum step_status adapt_between_switches(const struct method *method, struct step *step,
                                                struct controller *controller, double t_end)
@@ -227,10 +251,12 @@ static enum step_status adapt_between_switches(const struct method *method, stru
     struct sliding sliding;
     const double by = PROBE * fmin(fabs(controller->h), fabs(t_end - step->t));
     if (!switch_begin(step, &controller->switches, copysign(by, t_end - step->t), &sliding, &frozen))
-        return adapt(method, step, controller, t_end, NULL);
+        return method->adapt ? method->adapt(method, step, controller, t_end)
+                             : adapt(method, step, controller, t_end, NULL);
     step->system = &frozen;
     step->kernel = NULL;
-    const enum step_status status = adapt(method, step, controller, t_end, &controller->switches);
+    const enum step_status status = method->adapt ? adapt_library(method, step, controller, t_end)
+                                                  : adapt(method, step, controller, t_end, &controller->switches);
     step->system = whole;
     step->kernel = kernel;
     if (controller->switches.begins)
@@ -245,7 +271,7 @@ enum step_status method_adapt(const struct method *method, struct step *step, st
     assert(method->flags & METHOD_ADAPTIVE);
     if (span == 0)
         return STEP_OK;
-    if (method->adapt)
+    if (method->adapt && !step->system->pieces)
         return method->adapt(method, step, controller, t_end);
     if (controller->h == 0)
         controller->h = first_step(step, controller->tol > least ? controller->tol : least, method->order, span);

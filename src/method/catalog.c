@@ -90,7 +90,7 @@ void method_end(const struct method *method, struct step *step)
     step->library = NULL;
 }
 
-bool method_applies(const struct method *method, const struct system *system, enum drag *drag, struct error *error)
+static bool applies(const struct method *method, const struct system *system, enum drag *drag, struct error *error)
 {
     const char *name = method->row.name;
     if (method->flags & METHOD_SECOND_ORDER && system->order != 2) {
@@ -125,6 +125,17 @@ bool method_applies(const struct method *method, const struct system *system, en
         return false;
     *drag = wanted;
     return true;
+}
+
+bool method_applies(const struct method *method, const struct system *system, enum drag *drag, struct error *error)
+{
+    if (!system->pieces)
+        return applies(method, system, drag, error);
+    struct system frozen; /* which is what it steps */
+    double branch[LIMIT_SWITCHES];
+    system_branches(system, system->t0, system->start, branch);
+    system_freeze(system, branch, &frozen);
+    return applies(method, &frozen, drag, error);
 }
 
 enum step_status method_step(const struct method *method, struct step *step)

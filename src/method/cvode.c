@@ -188,6 +188,7 @@ enum step_status cvode_adapt(const struct method *method, struct step *step, str
     double t = step->t;
     if (!c)
         return STEP_NO_SOLUTION;
+    c->system = step->system; /* which may be frozen anew */
     c->tol = fmax(controller->tol, 10 * DBL_EPSILON);
     enum step_status status = STEP_OK;
     if ((!step->warm || forward != c->forward) && !begin_anew(c, step, forward))

@@ -45,12 +45,14 @@ FAST vector WITH(magnitude)(vector x)
 #define double __auto_type
 #define fabs(x) _Generic((x), vector: WITH(magnitude), default: scalar_magnitude)(x)
 #define cos(x) (cosine)
+#define dry_acceleration(f, v, a) (a) /* where a body may stick no lanes go */
 #define TERM_BODIES
 #include FORCE_TERMS
 #undef TERM_BODIES
 #undef double
 #undef fabs
 #undef cos
+#undef dry_acceleration
 #pragma GCC diagnostic pop
 
 /* The library's sine of each: several at once wait for each other less than one after the other. */

@@ -93,6 +93,7 @@ static enum step_status start(const struct method *method, struct step *step, do
     struct before before;
     one.error = error;
     one.work = work;
+    one.again = false; /* it has evaluated nothing yet */
     if (method->multistep->values) /* differences of states know nothing of compensated sums */
         one.low = NULL;
     keep(&one, &before);

@@ -20,6 +20,8 @@
 #define BLOCKS 4       /* blocks of them takes but */
 #define SHORTER 0.1    /* of the time of the one before, or this small a part of t */
 #define SHORTEST 1e-12
+#define SLOW 0.05 /* of the natural speed: a turning point is near */
+#define EVEN 0.1  /* of its length, what a step without a turning point may be off the mean of its speeds */
 
 /* ---- where branches begin ---- */
 
@@ -169,7 +171,9 @@ struct look {
 /* A cubic through the ends of a step says little about one of high order: a shorter step does. */
 static bool inside_by_step(const struct look *look, double theta, double *y)
 {
-    if (look->method->dense || look->method->order <= 4 || theta <= 0)
+    const struct method *method = look->method;
+    const bool cubic = method->order > 0 && method->order <= 4; /* 0: exact */
+    if (method->dense || cubic || method->flags & METHOD_MULTISTEP || theta <= 0)
         return false;
     struct step part = *look->step;
     memcpy(y, look->before, (size_t)part.system->n * sizeof *y);
@@ -177,9 +181,11 @@ static bool inside_by_step(const struct look *look, double theta, double *y)
     part.t = look->t;
     part.h = theta * look->h;
     part.error = part.low = NULL;
+    part.warm = false;
     part.again = true;
-    const bool fine = method_step(look->method, &part) == STEP_OK;
+    const bool fine = method_step(method, &part) == STEP_OK;
     look->step->cost = part.cost;
+    look->step->warm = false; /* the memory is that of the part */
     return fine;
 }
 
@@ -294,6 +300,14 @@ static enum step_status again(const struct look *look, struct step *step, const 
     return status;
 }
 
+/* Where dry friction is all there is: is the velocity far from 0 all along? */
+static bool moves_on(const struct system *system, double h, const double *before, const double *y)
+{
+    const double v0 = before[1], v1 = y[1], least = fmin(fabs(v0), fabs(v1)), mean = h * (v0 + v1) / 2;
+    return system->dry && system->switches == 1 && !system->sliding && v0 * v1 > 0 &&
+           least > fmax(SLOW * system->scale[1], fabs(v1 - v0)) && fabs(y[0] - before[0] - mean) <= EVEN * fabs(mean);
+}
+
 enum step_status switch_step(const struct method *method, struct step *step, double t, const double *before,
                              const double *low, int *ended)
 {
@@ -301,6 +315,8 @@ enum step_status switch_step(const struct method *method, struct step *step, dou
     const int count = step->system->switches;
     double guard[LOOKS + 1][LIMIT_SWITCHES], theta = 2;
     *ended = -1;
+    if (moves_on(step->system, step->h, before, step->y))
+        return STEP_OK;
     system_guards(step->system, t, before, guard[0]);
     for (int k = 1; k <= LOOKS; k++)
         guards_at(&look, (double)k / LOOKS, guard[k]);

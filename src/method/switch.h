@@ -19,6 +19,9 @@ bool switch_begin(struct step *step, struct switches_state *state, double by, st
 enum step_status switch_step(const struct method *method, struct step *step, double t, const double *before,
                              const double *low, int *ended);
 
+/* One step of step->h of a system with pieces (switch_fixed.c). */
+enum step_status switched_step(const struct method *method, struct step *step);
+
 /* After that step was accepted. */
 void switch_next(struct step *step, struct switches_state *state, int ended);
 

@@ -3,7 +3,7 @@
  * Turning points: a force like |v| v is only C^1 at v = 0, and a step across loses its order. It is taken again, up to
  * the turning point only, which is found by steps of the method.
  */
-#include "step.h"
+#include "switch.h"
 
 /* Shares of a step: a kink so close to its end is as good as there, because it acts as the square. */
 #define NEAR 1e-8          /* below rounding */
@@ -13,7 +13,7 @@
 
 bool method_turns(const struct method *method, const struct system *system)
 {
-    return system->kinks && !system->across && method->order > 2 && !method->splitting && !method->growth &&
+    return system->kinks && !system->across && !system->pieces && method->order > 2 && !method->splitting && !method->growth &&
            !(method->flags & (METHOD_MULTISTEP | METHOD_YARDSTICK));
 }
 
@@ -78,6 +78,8 @@ enum step_status turn_step(const struct method *method, struct step *step, doubl
 
 enum step_status method_turning_step(const struct method *method, struct step *step)
 {
+    if (step->system->pieces)
+        return switched_step(method, step);
     if (!method_turns(method, step->system))
         return method_step(method, step);
     const size_t size = (size_t)step->system->n * sizeof *step->y;
@@ -145,6 +147,32 @@ static int64_t march_straight(const struct method *method, march_function *kerne
     return good.count;
 }
 
+/* The same with dry friction in one direction. */
+static int64_t march_on_branch(const struct method *method, march_function *kernel, const struct march *march)
+{
+    struct step *step = march->step;
+    const struct system *whole = step->system;
+    struct system frozen;
+    double branch[LIMIT_SWITCHES];
+    system_branches(whole, step->t, step->y, branch);
+    system_freeze(whole, branch, &frozen);
+    step->system = &frozen;
+    const int64_t taken = march_straight(method, kernel, march);
+    step->system = whole;
+    return taken;
+}
+
+/* A body that sticks, with nothing around it that changes: all rows are the same. True: it does. */
+static bool march_at_rest(const struct march *march, const double *before, int64_t done)
+{
+    const struct step *step = march->step;
+    if (!step->system->pieces || !step->system->autonomous || memcmp(before, step->y, N * sizeof *before) != 0)
+        return false;
+    for (; done < march->count; done++)
+        memcpy(march->row + done * N, step->y, N * sizeof *step->y);
+    return true;
+}
+
 /* How many steps to try at once, going by the last two velocities in the rows before `row`: 0 near a turning point. */
 static int64_t steps_to_try(const double *row, int64_t last)
 {
@@ -157,30 +185,34 @@ int64_t method_turning_march(const struct method *method, march_function *kernel
                              enum step_status *status)
 {
     struct step *step = march->step;
-    if (!method_turns(method, step->system))
+    const struct system *whole = step->system;
+    if (!method_turns(method, whole) && !whole->pieces)
         return method_march(method, kernel, march, status);
-    const bool fast = kernel && method_work_size(method, N) <= WORK_MOST;
+    const bool fast = kernel && method_work_size(method, N) <= WORK_MOST && whole->switches == whole->dry;
     int64_t done = 0, try = 0;
     *status = STEP_OK;
     while (done < march->count) {
         struct march part = *march;
         part.first += done;
         part.row += done * N;
-        try = fast && done >= 2 ? steps_to_try(part.row, try) : 0;
+        try = fast && done >= 2 && step->y[1] != 0 ? steps_to_try(part.row, try) : 0;
         if (try > 0) {
-            part.count = try < march->count - done ?
-            try : march
-                ->count - done;
-            const int64_t straight = march_straight(method, kernel, &part);
+            part.count = try < march->count - done ? try : march->count - done;
+            const int64_t straight = whole->pieces ? march_on_branch(method, kernel, &part)
+                                                   : march_straight(method, kernel, &part);
             done += straight;
             if (straight > 0)
                 continue;
         }
+        double before[N];
+        memcpy(before, step->y, sizeof before);
         step->t = march->origin + (double)(march->first + done) * step->h;
         *status = method_turning_step(method, step);
         if (*status != STEP_OK)
             return done;
         memcpy(march->row + done++ * N, step->y, N * sizeof *step->y);
+        if (march_at_rest(march, before, done))
+            return march->count;
     }
     return done;
 }

@@ -100,6 +100,15 @@ static void describe_scene(const struct scene *scene, const struct system *syste
         buffer_format(text, " (coefficient zero: not evaluated)\n");
 }
 
+/* Is there drag that a step has to treat? Dry friction is a constant force on each piece of one. */
+static bool drags(const struct system *system)
+{
+    for (int i = 0; i < system->terms; i++)
+        if (system->term[i].row->flags & TERM_VELOCITY && !(system->dry && system->term[i].row->flags & TERM_DRY))
+            return true;
+    return false;
+}
+
 static void describe_method(const struct system *system, const struct method *method,
                             const struct run_settings *settings, const struct plan *plan, struct buffer *text)
 {
@@ -123,15 +132,21 @@ static void describe_method(const struct system *system, const struct method *me
     enum drag drag = settings->drag;
     struct error ignored;
     key(text, "drag");
-    if (!system->velocity)
-        buffer_format(text, "none: no force depends on velocity\n");
+    if (!drags(system))
+        buffer_format(text, system->dry ? "none but dry friction\n" : "none: no force depends on velocity\n");
     else if (!method_applies(method, system, &drag, &ignored) || drag == DRAG_DEFAULT)
         buffer_format(text, "part of the force\n");
     else
         buffer_format(text, "%s%s\n", catalog_row(&drag_catalog, (size_t)drag - 1)->name,
                       settings->drag == DRAG_DEFAULT ? " (the method's default)" : "");
     const bool turns = method_turns(method, system);
-    if (system->kinks && method->order > 2)
+    if (system->dry)
+        buffer_format(text, "%-10ssteps end where the body turns, sticks and breaks away ('set turning off' goes across)\n",
+                      "");
+    else if (system->oscillator.friction != 0)
+        buffer_format(text, "%-10sturning points: crossed (turning off), the order is lost there: dry friction jumps\n",
+                      "");
+    else if (system->kinks && method->order > 2)
         buffer_format(text, "%-10s%s because quadratic drag is only C^1 there\n", "",
                       turns            ? "turning points: located by extra steps ('set turning off' goes across),"
                       : system->across ? "turning points: crossed (turning off), the order is lost there,"

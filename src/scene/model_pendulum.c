@@ -10,6 +10,7 @@
     P(F0, "N", FORCE, 0, ANY, "driving force F0 cos(omega t + phase) along the path of the bob")                       \
     P(omega, "rad/s", ANGULAR_FREQUENCY, 2, AT_LEAST(0), "angular frequency of the driving force")                     \
     P(phase, "rad", ANGLE, 0, ANY, "phase of the driving force at t = 0")                                              \
+    P(friction, "N", FORCE, 0, AT_LEAST(0), "dry friction along the path of the bob, against the motion")              \
     P(theta0, "rad", ANGLE, 1, ANY, "angle from the vertical at t0")                                                   \
     P(rate0, "rad/s", ANGULAR_FREQUENCY, 0, ANY, "angular velocity at t0")                                             \
     P(t0, "s", TIME, 0, ANY, "time at the start")
@@ -67,6 +68,22 @@ TERM_POWER(drive)
     return c[3] * cos(c[1] * t + c[2]) * y[1];
 }
 
+TERM_BIND(friction)
+{
+    c[0] = param[P_friction] / (param[P_m] * param[P_length]);
+    c[1] = param[P_friction] * param[P_length];
+    oscillator->friction += c[0];
+    return c[0] != 0;
+}
+TERM_ADD(friction)
+{
+    a[0] = dry_acceleration(c[0], y[1], a[0]);
+}
+TERM_POWER(friction)
+{
+    return -(c[1] * fabs(y[1]));
+}
+
 static const struct term_row terms[] = {
     {.row = {"weight", "rad/s^2", "weight, pulling back by (g/length) sin theta", "Huygens 1673", NULL},
      .flags = TERM_CONSERVATIVE,
@@ -85,6 +102,11 @@ static const struct term_row terms[] = {
      .bind = drive_bind,
      .add = drive_add,
      .power = drive_power},
+    {.row = {"friction", "rad/s^2", "dry friction F = -friction sign(theta') along the path", "Coulomb 1785", NULL},
+     .flags = TERM_VELOCITY | TERM_KINK | TERM_DRY,
+     .bind = friction_bind,
+     .add = friction_add,
+     .power = friction_power},
 };
 static const struct catalog term_table = CATALOG("force term", terms);
 

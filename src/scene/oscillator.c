@@ -23,6 +23,8 @@ void oscillator_scale(struct system *system, double cubic, double mu, double wid
     if (rate == 0)
         rate = fmax(fmax(fabs(o->damping), sqrt(fabs(o->quadratic)) * fmax(sqrt(fabs(o->quadratic)) * v0, sqrt(g))),
                     f > 0 ? o->omega : 0);
+    if (rate == 0 && v0 > 0)
+        rate = o->friction / v0;
     if (rate == 0)
         rate = 1;
     double length = fmax(fmax(y0, v0 / rate), g / rate / rate), speed = length * rate;

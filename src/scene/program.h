@@ -154,11 +154,11 @@ bool equations_reserve(struct equations *e, int more); /* room for more outputs 
 enum switch_kind { SWITCH_SIGN, SWITCH_WHOLE };
 
 struct switches {
-    int name;   /* the first of LIMIT_SWITCHES names for branches */
+    int name;   /* the first of LIMIT_TYPED_SWITCHES names for branches */
     int moving; /* the first names are t and the state: so many */
     int count;
-    int argument[LIMIT_SWITCHES]; /* nodes, themselves frozen; each depends on the branches before only */
-    enum switch_kind kind[LIMIT_SWITCHES];
+    int argument[LIMIT_TYPED_SWITCHES]; /* nodes, themselves frozen; each depends on the branches before only */
+    enum switch_kind kind[LIMIT_TYPED_SWITCHES];
     bool full; /* there are more */
 };
 

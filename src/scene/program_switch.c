@@ -43,7 +43,7 @@ static int branch(struct freezing *f, int u, enum switch_kind kind)
         if (kind == SWITCH_SIGN && opposite(f, found->argument[i], u))
             return apply(f, NODE_SUB, graph_number(&f->e->graph, 1), name, 0);
     }
-    if (found->count == LIMIT_SWITCHES) {
+    if (found->count == LIMIT_TYPED_SWITCHES) {
         found->full = true;
         return 0;
     }
@@ -135,7 +135,7 @@ bool equations_freeze(struct equations *e, int first, int count, struct switches
     const int nodes = e->graph.count;
     struct freezing f = {e, found, calloc((size_t)nodes, sizeof *f.map), calloc((size_t)nodes, sizeof *f.moving)};
     bool *reached = calloc((size_t)nodes, sizeof *reached);
-    const bool room = f.map && f.moving && reached && equations_reserve(e, count + LIMIT_SWITCHES);
+    const bool room = f.map && f.moving && reached && equations_reserve(e, count + LIMIT_TYPED_SWITCHES);
     found->count = 0;
     found->full = false;
     for (int i = 0; room && i < count; i++)

@@ -193,7 +193,7 @@ static void bind_rows(const double *param, struct system *system)
     }
 }
 
-static void sum_up(struct system *system)
+void system_sum_up(struct system *system)
 {
     unsigned all = ~0u, any = 0;
     for (int i = 0; i < system->terms; i++) {
@@ -209,6 +209,24 @@ static void sum_up(struct system *system)
         system->oscillator.drag_whole = false;
 }
 
+/* Dry friction is the last of all terms, and its switch that of all switches. */
+static void bind_dry(struct system *system)
+{
+    for (int i = 0; i < system->terms; i++) {
+        const struct bound_term dry = system->term[i];
+        if (!(dry.row->flags & TERM_DRY))
+            continue;
+        for (int k = i; k < system->terms - 1; k++)
+            system->term[k] = system->term[k + 1];
+        system->term[system->terms - 1] = dry;
+        system->dry = system->pieces = !system->across;
+        system->switches += system->dry;
+        if (system->across)
+            system->oscillator.drag_whole = false;
+        return;
+    }
+}
+
 /* A system without terms. Not all of its ten kilobytes: a sweep binds millions. */
 static void begin(const struct model *model, struct system *system)
 {
@@ -216,6 +234,8 @@ static void begin(const struct model *model, struct system *system)
     system->n = model->n;
     system->order = model->order;
     system->terms = system->switches = 0;
+    system->dry = system->pieces = false;
+    system->sliding = NULL;
     system->energy = false;
     system->typed.row = NULL;
     system->mass = system->t0 = 0;
@@ -235,14 +255,15 @@ bool scene_bind_motion(const struct scene *scene, struct system *system, struct 
         return false;
     begin(model, system);
     bind_rows(param, system);
-    sum_up(system);
+    system_sum_up(system);
     system->across = scene->across;
     if (typed_base(model)) /* sizes are those without what was typed, unless that is an oscillator, too */
         model->begin(param, system);
     if (model->typed && !typed_bind(model->typed, param, system, error))
         return false;
-    sum_up(system);
+    system_sum_up(system);
     system->switches = model->typed ? typed_switches(system) : 0;
+    bind_dry(system);
     if (model->typed && (!typed_base(model) || system->oscillator.whole))
         model->begin(param, system);
     for (int i = 0; i < system->terms; i++)
@@ -256,7 +277,7 @@ bool scene_bind(const struct scene *scene, struct system *system, struct error *
     if (!scene_bind_motion(scene, system, error))
         return false;
     if (scene->model->typed && typed_find_potential(system))
-        sum_up(system);
+        system_sum_up(system);
     system->energy = system->order == 2 && (!scene->model->typed || typed_has_energy(system));
     return true;
 }

@@ -112,12 +112,27 @@ void typed_part_destroy(struct typed_part *part);
 
 bool typed_freeze(const struct typed *typed, uint64_t zeros, struct typed_part *part, struct error *error);
 enum switch_kind typed_switch_kind(const struct system *system, int i);
-/* Of all switches; of a frozen system, not one that slides. */
+/* Of those that were typed; of a frozen system, not one that slides. */
 void typed_arguments(const struct system *system, double t, const double *y, double *argument);
+void typed_unfrozen_arguments(const struct system *system, double t, const double *y, double *argument);
+double typed_branch(const struct system *frozen, int i);
+/* Puts the terms on these branches; the rest of *frozen is a copy of *system already. */
+void typed_branches_take(const struct system *system, const double *branch, int count, struct system *frozen);
 /* Guards of the switches along which it slides, into those of all; the branch that switch i goes to, NAN: not one. */
 void sliding_guards(const struct sliding *s, double t, const double *y, double *guard);
 double sliding_leaves(const struct sliding *s, int i, double t, const double *y);
 int typed_switches(const struct system *system); /* that are located: 0 for an oscillator, which has turning points */
+
+/* ---- switches of all kinds (switches.c) ---- */
+
+double switch_branch(enum switch_kind kind, double argument);
+enum switch_kind switch_kind_of(const struct system *system, int i);
+/* Of all; of a frozen system, not one that slides. */
+void switch_arguments(const struct system *system, double t, const double *y, double *argument);
+/* Is it dry friction that sticks, and nothing else? Then nothing moves. */
+bool sliding_rests(const struct sliding *sliding);
+void sliding_freeze_rest(struct system *frozen);
+void system_sum_up(struct system *system); /* what its terms say together (system.c) */
 
 /* ---- binding (typed_bind.c) ---- */
 

@@ -28,8 +28,8 @@ static void rates(const struct sliding *s, double t, const double *y, const doub
         a[i] = y[i] - s->near * f[i];
         b[i] = y[i] + s->near * f[i];
     }
-    typed_arguments(&s->side[0], t - s->near, a, before);
-    typed_arguments(&s->side[0], t + s->near, b, after);
+    switch_arguments(&s->side[0], t - s->near, a, before);
+    switch_arguments(&s->side[0], t + s->near, b, after);
     for (int k = 0; k < s->count; k++)
         rate[k] = (after[s->at[k]] - before[s->at[k]]) / (2 * s->near);
 }
@@ -151,7 +151,7 @@ bool system_slide(const struct system *system, const double *branch, const bool 
             return false;
         const int k = sliding->count++;
         sliding->at[k] = i;
-        sliding->level[k] = typed_switch_kind(system, i) == SWITCH_WHOLE ? below[i] + 1 : 0;
+        sliding->level[k] = switch_kind_of(system, i) == SWITCH_WHOLE ? below[i] + 1 : 0;
         below[i]++;
         system_freeze(system, below, &sliding->side[1 + k]);
         below[i]--;
@@ -160,6 +160,10 @@ bool system_slide(const struct system *system, const double *branch, const bool 
     if (sliding->count == 0)
         return true;
     frozen->sliding = sliding;
+    if (sliding_rests(sliding)) {
+        sliding_freeze_rest(frozen);
+        return true;
+    }
     frozen->terms = 0;
     frozen->typed.row = &sliding_row;
     memcpy(frozen->typed.c, &sliding, sizeof sliding);
@@ -171,7 +175,12 @@ bool sliding_return(const struct sliding *s, double t, double *y)
     struct around around;
     double argument[LIMIT_SWITCHES], miss[LIMIT_SLIDING], by[LIMIT_SLIDING] = {0};
     bool off = false;
-    typed_arguments(&s->side[0], t, y, argument);
+    if (sliding_rests(s)) {
+        off = y[1] != 0;
+        y[1] = 0;
+        return off;
+    }
+    switch_arguments(&s->side[0], t, y, argument);
     for (int k = 0; k < s->count; k++) {
         miss[k] = s->level[k] - argument[s->at[k]];
         off = off || miss[k] != 0;
@@ -203,6 +212,6 @@ double sliding_leaves(const struct sliding *s, int i, double t, const double *y)
     shares(s, t, y, &around, share);
     for (int k = 0; k < s->count; k++)
         if (s->at[k] == i)
-            return s->level[k] - (typed_switch_kind(&s->side[0], i) == SWITCH_WHOLE) + (share[k] > 0.5);
+            return s->level[k] - (switch_kind_of(&s->side[0], i) == SWITCH_WHOLE) + (share[k] > 0.5);
     return NAN;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Typed scenes on frozen branches: the equations without their switches, and the guards that say when a branch ends. A
+ * Typed scenes on frozen branches: the equations without their switches, and the arguments whose signs say when a branch ends. A
  * frozen term's values from 1 on are the mass, the parameters that are read, room for what is observed, the branches,
  * and what its programs keep.
  */
@@ -116,12 +116,12 @@ static bool any_switches(const struct typed *typed)
 
 bool typed_freeze(const struct typed *typed, uint64_t zeros, struct typed_part *part, struct error *error)
 {
-    const int first = typed->model.n + 2, names = 1 + typed->model.n + first_branch(typed) + LIMIT_SWITCHES;
+    const int first = typed->model.n + 2, names = 1 + typed->model.n + first_branch(typed) + LIMIT_TYPED_SWITCHES;
     if (!any_switches(typed))
         return true;
     bool *bound = calloc((size_t)names, sizeof *bound);
     double *value = calloc((size_t)names, sizeof *value);
-    struct making m = {typed, NULL, bound, value, first_branch(typed) + LIMIT_SWITCHES, error};
+    struct making m = {typed, NULL, bound, value, first_branch(typed) + LIMIT_TYPED_SWITCHES, error};
     bool fine = bound && value;
     if (!fine)
         error_memory(error);
@@ -164,39 +164,31 @@ static void frozen_values(const struct typed_part *part, const double *bound, do
     memcpy(c + 1, bound + 1, (size_t)(1 + term->typed->reads) * sizeof *c);
 }
 
-static double branch_of(enum switch_kind kind, double argument)
-{
-    return kind == SWITCH_WHOLE ? floor(argument) : argument > 0;
-}
-
 int typed_switches(const struct system *system)
 {
     const struct typed_part *part = part_of(system);
     return system->oscillator.whole ? 0 : part->switches.count;
 }
 
-void system_branches(const struct system *system, double t, const double *y, double *branch)
+void typed_unfrozen_arguments(const struct system *system, double t, const double *y, double *argument)
 {
     const struct typed_part *part = part_of(system);
-    double c[TERM_VALUES], argument[LIMIT_SWITCHES];
+    const int count = part->switches.count;
+    double c[TERM_VALUES];
     frozen_values(part, system->typed.c, c);
-    for (int i = 0; i < system->switches; i++) {
+    for (int i = 0; i < count; i++) {
         typed_evaluate(part->argument, c, t, y, argument);
-        branch[i] = c[1 + first_branch(part->frozen.typed) + i] = branch_of(part->switches.kind[i], argument[i]);
+        c[1 + first_branch(part->frozen.typed) + i] = switch_branch(part->switches.kind[i], argument[i]);
     }
 }
 
-void system_freeze(const struct system *system, const double *branch, struct system *frozen)
+void typed_branches_take(const struct system *system, const double *branch, int count, struct system *frozen)
 {
     const struct typed_part *part = part_of(system);
-    const size_t terms = offsetof(struct system, term), rest = offsetof(struct system, linear);
-    memcpy(frozen, system, terms);
-    memcpy((char *)frozen + rest, (const char *)system + rest, sizeof *system - rest);
-    frozen->sliding = NULL;
-    frozen->linear = frozen->kinks = frozen->oscillator.whole = frozen->oscillator.drag_whole = false;
+    frozen->linear = frozen->oscillator.whole = frozen->oscillator.drag_whole = false;
     frozen->typed.row = &part->frozen.row;
     frozen_values(part, system->typed.c, frozen->typed.c);
-    take_branches(part, branch, system->switches, frozen->typed.c);
+    take_branches(part, branch, count, frozen->typed.c);
     frozen->terms = 0;
     for (int i = 0; i < system->terms; i++) /* of the scene underneath */
         if (system->term[i].row->bind)
@@ -217,53 +209,7 @@ void typed_arguments(const struct system *system, double t, const double *y, dou
     typed_evaluate(part_of(system)->argument, system->typed.c, t, y, argument);
 }
 
-static double branch_on(const struct system *frozen, int i)
+double typed_branch(const struct system *frozen, int i)
 {
     return frozen->typed.c[1 + first_branch(part_of(frozen)->frozen.typed) + i];
-}
-
-void system_guards(const struct system *frozen, double t, const double *y, double *guard)
-{
-    const struct system *side = frozen->sliding ? &frozen->sliding->side[0] : frozen;
-    typed_arguments(side, t, y, guard);
-    for (int i = 0; i < frozen->switches; i++) {
-        const double branch = branch_on(side, i);
-        guard[i] = typed_switch_kind(side, i) == SWITCH_SIGN ? (branch > 0 ? guard[i] : -guard[i])
-                                                             : (guard[i] - branch) * (branch + 1 - guard[i]);
-    }
-    if (frozen->sliding)
-        sliding_guards(frozen->sliding, t, y, guard);
-}
-
-double system_next_branch(const struct system *frozen, int i, double t, const double *y)
-{
-    const double leaves = frozen->sliding ? sliding_leaves(frozen->sliding, i, t, y) : NAN;
-    if (!isnan(leaves))
-        return leaves;
-    const struct system *side = frozen->sliding ? &frozen->sliding->side[0] : frozen;
-    const double branch = branch_on(side, i);
-    double argument[LIMIT_SWITCHES];
-    typed_arguments(side, t, y, argument);
-    return typed_switch_kind(side, i) == SWITCH_SIGN ? branch == 0 : branch + (argument[i] > branch + 0.5 ? 1 : -1);
-}
-
-double system_lower_branch(const struct system *frozen, int i, double t, const double *y)
-{
-    const struct system *side = frozen->sliding ? &frozen->sliding->side[0] : frozen;
-    double argument[LIMIT_SWITCHES];
-    typed_arguments(side, t, y, argument);
-    return typed_switch_kind(side, i) == SWITCH_SIGN ? 0 : round(argument[i]) - 1;
-}
-
-bool system_switch_sees(const struct system *system, int i, double t, const double *y, int variable)
-{
-    struct system frozen;
-    double branch[LIMIT_SWITCHES], at[LIMIT_VARIABLES], a[LIMIT_SWITCHES], b[LIMIT_SWITCHES];
-    system_branches(system, t, y, branch);
-    system_freeze(system, branch, &frozen);
-    memcpy(at, y, (size_t)system->n * sizeof *y);
-    typed_arguments(&frozen, t, at, a);
-    at[variable] += 1e-3 * fmax(system->scale[variable], fabs(y[variable]));
-    typed_arguments(&frozen, t, at, b);
-    return a[i] != b[i];
 }

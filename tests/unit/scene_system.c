@@ -63,7 +63,8 @@ static void test_parts_add_up(void **state)
 {
     (void)state;
     struct system all =
-        BOUND({"gamma", 0.3}, {"C", 20}, {"g", 9.81}, {"F0", 2}, {"phase", 0.5}, {"k3", 40}, {"mu", 0.2});
+        BOUND({"gamma", 0.3}, {"C", 20}, {"g", 9.81}, {"F0", 2}, {"phase", 0.5}, {"k3", 40}, {"mu", 0.2},
+              {"friction", 0.1});
     assert_int_equal(all.terms, term_catalog.count);
     uint64_t seed = 5;
     for (int i = 0; i < 100; i++) {

@@ -62,7 +62,7 @@ static bool check_jacobian(const struct sample *s)
 static bool check_flags(const struct sample *s)
 {
     double t = s->t, y = s->y[0], v = s->y[1], here = acceleration(s, t, y, v);
-    bool velocity = acceleration(s, t, y, v + 1) != here, time = acceleration(s, t + 1, y, v) != here;
+    bool velocity = acceleration(s, t, y, v + 1) != here || acceleration(s, t, y, -v) != here, time = acceleration(s, t + 1, y, v) != here;
     /* Linear or constant: a(x) - a(0) is odd and doubles with x. */
     double zero = acceleration(s, t, 0, 0), once = here - zero, twice = acceleration(s, t, 2 * y, 2 * v) - zero;
     double back = acceleration(s, t, -y, -v) - zero;
@@ -82,9 +82,10 @@ static bool check_oscillator(const struct sample *s)
         return false;
     if (!o.whole) { /* then at least the drag is all there, or it says that it is not */
         double still = acceleration(s, s->t, y, 0), drag = acceleration(s, s->t, y, v) - still;
-        return !o.drag_whole || close_to(drag, -o.damping * v - o.quadratic * fabs(v) * v, fabs(still) + fabs(drag));
+        return !o.drag_whole || close_to(drag, -o.damping * v - o.quadratic * fabs(v) * v - copysign(o.friction, v),
+                                         fabs(still) + fabs(drag));
     }
-    double a = -o.stiffness * y - o.damping * v - o.quadratic * fabs(v) * v - o.gravity +
+    double a = -o.stiffness * y - o.damping * v - o.quadratic * fabs(v) * v - copysign(o.friction, v) - o.gravity +
                o.drive * cos(o.omega * s->t + o.phase);
     double wanted = acceleration(s, s->t, y, v);
     return fabs(a - wanted) <= 1e-14 * fabs(wanted);
