@@ -118,6 +118,14 @@ struct singularity {
     bool finite; /* the solution stays finite, its slope does not */
 };
 
+/* A step of fixed size that has little to do with the solution from where it began. */
+struct unsound_step {
+    double times;    /* its error, of what is there; 0: none was seen */
+    double t, value; /* where it ended [s], the variable there */
+    double solution; /* and what it should be */
+    int variable;    /* the one that is off most */
+};
+
 struct run {
     int number; /* 1, 2, … as users see it */
     char name[LIMIT_NAME + 1];
@@ -135,7 +143,8 @@ struct run {
     double seconds; /* wall time spent advancing */
     enum stop stop;
     struct singularity singular; /* with STOP_SINGULAR */
-    bool warned_growth, warned_sliding, warned_piling;
+    struct unsound_step unsound; /* the worst one seen by run_diagnose() */
+    bool warned_growth, warned_sliding, warned_piling, warned_unsound;
     struct controller controller;
 
     struct run_private *private_state; /* work memory */

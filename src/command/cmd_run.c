@@ -186,6 +186,7 @@ static bool arrive(struct session *session, const struct journey *journey, const
     reply_run(session, run, reply);
     reply_event(journey->held, passage->count > 0 ? passage->stopped[0] : NULL, reply);
     reply_growth(run, reply);
+    reply_unsound(run, reply);
     reply_vanished(run, reply);
     reply_sliding(run, reply);
     if (run->stop == STOP_CANCELLED) {

@@ -305,6 +305,8 @@ void put_tol_floor(struct buffer *text, double tol);
 void reply_run(const struct session *session, const struct run *run, struct reply *reply);
 /* Warns of growth that the method made, not the scene: once a run, before it reaches the bounds of a double. */
 void reply_growth(struct run *run, struct reply *reply);
+/* Warns once if a step was nonsense. */
+void reply_unsound(struct run *run, struct reply *reply);
 void reply_sliding(struct run *run, struct reply *reply); /* along switches, or these pile up; once */
 void reply_vanished(const struct run *run, struct reply *reply); /* every value is below the smallest number */
 /* Warns of a state whose squares underflow. */

@@ -122,6 +122,18 @@ void reply_growth(struct run *run, struct reply *reply)
     run->warned_growth = true;
 }
 
+void reply_unsound(struct run *run, struct reply *reply)
+{
+    const struct unsound_step *unsound = &run->unsound;
+    if (run->warned_unsound || !(unsound->times > 0) || stop_is_failure(run->stop))
+        return;
+    reply_warning(reply, "dt is too long for %s: at t = %.4g s a step gives %s = %.3g, the solution is %.3g%s",
+                  run->method->row.name, unsound->t, system_variable(&run->system, unsound->variable).name,
+                  unsound->value, unsound->solution,
+                  run->method->flags & METHOD_ADAPTIVE ? "; with tol = 1e-6 it chooses its own steps" : "");
+    run->warned_unsound = true;
+}
+
 void reply_tiny(const struct run *run, struct reply *reply)
 {
     double size = 0;

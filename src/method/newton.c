@@ -105,6 +105,30 @@ static enum step_status approach(const struct newton *equations, struct step *st
     return STEP_NO_SOLUTION;
 }
 
+/* Newton's iteration as long as each increment is at most CONTRACTS of the one before: the solution beside z. */
+static bool contract(const struct newton *equations, struct step *step, int n, double t, double h, const double *y,
+                     double *z, const double *weight, struct room *room)
+{
+    const struct implicit_tableau *tableau = equations->tableau;
+    const int stages = tableau->stages;
+    double last = HUGE_VAL;
+    for (int iteration = 0; iteration < ITERATIONS; iteration++) {
+        if (!newton_renew(equations, step, n, t, h, y, z, room) || !newton_positive(tableau, n, room))
+            return false;
+        equations->rest(equations, step, n, t, h, y, z, room->slope, room->rest);
+        newton_increment(tableau, step, n, room, room->rest);
+        const double size = newton_size(stages, n, weight, room->rest);
+        if (!isfinite(size) || (size > CONTRACTS * last && size > STANDSTILL))
+            return false;
+        for (int i = 0; i < stages * n; i++)
+            z[i] += room->rest[i];
+        if (size <= DBL_EPSILON / 2 || (size >= last && size <= STANDSTILL))
+            return true;
+        last = size;
+    }
+    return last <= STANDSTILL;
+}
+
 bool newton_follow(const struct newton *equations, struct step *step, int n, double t, double h, const double *y,
                    double *z, const double *weight, double *work)
 {
@@ -114,10 +138,8 @@ bool newton_follow(const struct newton *equations, struct step *step, int n, dou
     double done = 0, part = FIRST_PART; /* of h */
     for (int i = 0; i < PARTS_MOST && done < 1 && part >= PART_LEAST; i++) {
         const double to = fmin(1, done + part);
-        bool near = false;
         memcpy(next, at, (size_t)count * sizeof *next);
-        if (newton_renew(equations, step, n, t, to * h, y, next, &room) &&
-            newton_iterate(equations, step, n, t, to * h, y, next, weight, &room, &near) == STEP_OK && near) {
+        if (contract(equations, step, n, t, to * h, y, next, weight, &room)) {
             memcpy(at, next, (size_t)count * sizeof *at);
             done = to;
             part *= 2;

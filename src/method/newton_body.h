@@ -166,6 +166,12 @@ INLINE bool newton_renew(const struct newton *equations, struct step *step, int 
     return newton_factor(equations, step, n, t + tableau->c[middle] * h, h, sum, room);
 }
 
+/* Is the determinant, as far as it is real, positive as in short steps? */
+INLINE bool newton_positive(const struct implicit_tableau *tableau, int n, const struct room *room)
+{
+    return tableau->real == 0 || !lu_negative(n, room->real);
+}
+
 /* Half of the last increment is taken back. */
 INLINE void newton_halve(int count, double *z, double *move)
 {
@@ -186,7 +192,7 @@ INLINE enum step_status newton_iterate(const struct newton *equations, struct st
     const struct implicit_tableau *tableau = equations->tableau;
     const int stages = tableau->stages;
     double last = HUGE_VAL, off = HUGE_VAL;
-    *near = true;
+    *near = newton_positive(tableau, n, room);
     for (int iteration = 0, halvings = 0; iteration < ITERATIONS;) {
         equations->rest(equations, step, n, t, h, y, z, room->slope, room->rest);
         double rest = newton_size(stages, n, weight, room->rest);
@@ -207,7 +213,7 @@ INLINE enum step_status newton_iterate(const struct newton *equations, struct st
         if (size > CONTRACTS * last && size > STANDSTILL)
             *near = false;
         if (step->system->linear || size <= DBL_EPSILON / 2 || (size >= last && size <= STANDSTILL)) {
-            *near = *near && !(tableau->real != 0 && lu_negative(n, room->real));
+            *near = *near && newton_positive(tableau, n, room);
             return STEP_OK;
         }
         if (size > SLOW * last && !newton_renew(equations, step, n, t, h, y, z, room))

@@ -208,7 +208,9 @@ struct run_private {
     size_t epochs, epoch_room;
     int64_t batch;          /* steps between looks at the clock */
     int64_t look;           /* run_creeps() has nothing to do before this step */
-    size_t looked, across;  /* rows that run_diagnose() has seen; the next that it would look into */
+    size_t looked, across;  /* rows that run_diagnose() has seen; the next that it would look into, */
+    size_t unchecked;       /* and whose step it would check, */
+    size_t checks;          /* after so many */
     march_function *kernel; /* NULL: none for this method and system */
     struct propagator *propagator; /* NULL: not (yet) there, or not of use */
     double *scratch;        /* [CHUNK_ROWS][n] states that do not go into the trace as they are; NULL: not yet needed */
@@ -328,6 +330,12 @@ bool run_in_bounds(const struct run *run, const double *y); /* all finite, and n
 /* singular.c: adaptive steps that no longer get on, because the solution ends: then stop is STOP_SINGULAR. Looks at
  * twice the step of its last look, so that it costs a share of the run. */
 bool run_creeps(struct run *run);
+
+/* sound.c: from y [n] at t to `end` by an accurate method for stiff equations, into `to` [n] or NULL. False: it did not
+ * get there, or would take too long. */
+bool run_solve(const struct system *system, double t, const double *y, double end, double *to);
+/* Compares the step from recorded row i to the next with the solution from there: run->unsound. */
+void run_check_step(struct run *run, size_t i);
 
 /* The epoch that led to the state at `step`: where one ends, the state still belongs to it. */
 const struct epoch *run_epoch(const struct run *run, int64_t step);

@@ -31,6 +31,9 @@
 #define ROWS_LOOKED 4096   /* of an explicit method, whose step costs no more than a look */
 #define CHANGE_LEAST 0.1   /* of y in a step: less is passed over */
 #define STEEPER 8          /* times: the slope after a step that grows without bound */
+#define OFF 0.1            /* of y: what a step and the mean of its slopes, or these, may differ by */
+#define STEPS_BEYOND 16    /* where a step looks strange: a method may pass too early, or soon */
+#define BEYOND 1.01        /* times the time to a singularity: who gets there in another way has shown that it is none */
 
 struct approach {
     double t[LAST], speed[LAST];
@@ -194,8 +197,13 @@ static struct singularity singular_before(const struct run *run, double t, doubl
     const double from = trace_time(run->trace, first);
     struct singularity found = look_for(&run->system, from, trace_state(run->trace, first), end, most);
     const size_t near = row_before(run, first, t);
-    if (isnan(found.t) && near > first)
+    if (isnan(found.t) && near > first) {
         found = look_for(&run->system, trace_time(run->trace, near), trace_state(run->trace, near), end, most);
+        /* Is it the solution, or only what the method had made of it? */
+        if (!isnan(found.t) && run_solve(&run->system, from, trace_state(run->trace, first),
+                                         from + BEYOND * (found.t - from), NULL))
+            found.t = NAN;
+    }
     return found;
 }
 
@@ -226,10 +234,13 @@ bool run_creeps(struct run *run)
  * it changed against its slope at both ends, or far less than these want, or its sign and that of its slope; where it
  * did not yet, it has grown, and its slope far more.
  */
-static bool looks_across(double h, double y, double slope, double end, double end_slope)
+static bool looks_across(double h, double y, double slope, double middle_slope, double end, double end_slope)
 {
     const double change = end - y, size = fmax(fabs(y), fabs(end)), wanted = slope * end_slope > 0 ? h * slope : 0;
     const double least = fmin(fabs(h * slope), fabs(h * end_slope));
+    if (!(fabs(change - h * (slope + end_slope) / 2) <= OFF * size) ||
+        !(fabs(h * (middle_slope - (slope + end_slope) / 2)) <= OFF * size)) /* which a trapezoid does not see */
+        return true;
     if (change * wanted < 0 && fabs(change) > CHANGE_LEAST * size)
         return true;
     if (wanted != 0 && least > size && fabs(change) < CHANGE_LEAST * least)
@@ -245,13 +256,16 @@ static bool row_across(const struct run *run, size_t i)
     const struct trace *trace = run->trace;
     const double *y = trace_state(trace, i), *end = trace_state(trace, i + 1);
     const double t = trace_time(trace, i), t_end = trace_time(trace, i + 1);
-    double slope[LIMIT_VARIABLES], end_slope[LIMIT_VARIABLES];
+    double slope[LIMIT_VARIABLES], end_slope[LIMIT_VARIABLES], middle[LIMIT_VARIABLES], middle_slope[LIMIT_VARIABLES];
     if (trace_step(trace, i + 1) != trace_step(trace, i) + 1 || t_end == t)
         return false;
     system_derivative(&run->system, t, y, slope);
     system_derivative(&run->system, t_end, end, end_slope);
+    for (int k = 0; k < run->system.n; k++) /* Hermite's polynomial */
+        middle[k] = (y[k] + end[k]) / 2 + (t_end - t) * (slope[k] - end_slope[k]) / 8;
+    system_derivative(&run->system, t + (t_end - t) / 2, middle, middle_slope);
     for (int k = 0; k < run->system.n; k++)
-        if (looks_across(t_end - t, y[k], slope[k], end[k], end_slope[k]))
+        if (looks_across(t_end - t, y[k], slope[k], middle_slope[k], end[k], end_slope[k]))
             return true;
     return false;
 }
@@ -262,16 +276,22 @@ static bool went_across(struct run *run)
     struct run_private *p = run->private_state;
     const size_t rows = trace_count(run->trace), first = own_start(run);
     if (p->looked >= rows) /* it went back */
-        p->looked = p->across = 0;
+        p->looked = p->across = p->unchecked = p->checks = 0;
     size_t i = p->looked > first ? p->looked : first;
-    const size_t by = run->method->flags & METHOD_IMPLICIT ? 1 : 1 + (rows - i) / ROWS_LOOKED;
+    const size_t by = run->method->flags & METHOD_IMPLICIT || run->method->rosenbrock ? 1 : 1 + (rows - i) / ROWS_LOOKED;
     p->looked = rows - 1;
     for (; i + 1 < rows; i += by) {
-        if (i < p->across || !row_across(run, i))
+        if ((i < p->across && i < p->unchecked) || !row_across(run, i))
+            continue;
+        if (i >= p->unchecked)
+            run_check_step(run, i);
+        if (i < p->across)
             continue;
         p->across = 2 * i + 1; /* the next look goes as far as all before together */
         const double t = trace_time(run->trace, i + 1);
-        if (end_singular(run, singular_before(run, trace_time(run->trace, i), t, STEPS_FIRST + 2 * (int64_t)i)))
+        const double beyond = t + STEPS_BEYOND * (t - trace_time(run->trace, i));
+        const double end = fabs(run->t - t) < fabs(beyond - t) ? run->t : beyond;
+        if (end_singular(run, singular_before(run, trace_time(run->trace, i), end, STEPS_FIRST + 2 * (int64_t)i)))
             return true;
     }
     return false;

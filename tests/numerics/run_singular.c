@@ -13,6 +13,7 @@
 #include <stdlib.h>
 
 #define PI 3.14159265358979323846
+#define CREEPING 131072 /* steps, a power of two: methods of low order are looked into at those */
 
 static const struct method *method(const char *name)
 {
@@ -99,7 +100,7 @@ static void test_closed_forms(void **state)
             if (run->stop == STOP_SINGULAR && at > 0 && fabs(run->singular.t / at - 1) > 1e-7)
                 fail_msg("%s, %s: at %.12g, not %.12g", scenes[i].lines, by, run->singular.t, at);
             assert_false(run->singular.finite);
-            if (run->steps > 200000)
+            if (run->steps > CREEPING)
                 fail_msg("%s, %s: %lld steps", scenes[i].lines, by, (long long)run->steps); /* it creeps */
             run_destroy(run);
         }
@@ -176,6 +177,84 @@ static void test_built_in(void **state)
     run_destroy(run);
 }
 
+/* Methods of fixed steps that get past the end of a solution, and go on. */
+static void test_steps_across(void **state)
+{
+    (void)state;
+    const struct {
+        const char *lines;
+        double at;
+    } scenes[] = {
+        {"var x = 1;x' = x^2", 1},
+        {"var x = 1;x' = -1/x", 0.5},
+        {"var x = 1;x' = -1/x^2", 1 / 3.},
+        {"var x = 1;var v = 0;x' = v;v' = -1/x^2", PI / sqrt(8)},
+    };
+    static const char *const methods[] = {"ros3p", "rodas4", "rodas5p", "rk4", "ab4", "backward-euler", "trapezoid"};
+    static const double steps[] = {1.3e-4, 1e-3, 7e-3, 1e-2, 3e-2};
+    struct error error;
+    struct typed_models *models = typed_create(&error);
+    for (size_t i = 0; i < COUNT_OF(scenes) * COUNT_OF(methods) * COUNT_OF(steps); i++) {
+        const size_t s = i % COUNT_OF(scenes), m = i / COUNT_OF(scenes) % COUNT_OF(methods);
+        const double dt = steps[i / COUNT_OF(scenes) / COUNT_OF(methods)];
+        struct scene scene;
+        typed_scene(models, &scene, scenes[s].lines);
+        struct run *run = ended(&scene, methods[m], dt, 0, 2);
+        if (run->stop != STOP_SINGULAR || fabs(run->singular.t - scenes[s].at) > 2 * dt)
+            fail_msg("%s by %s, dt = %g: %s at %g, singular at %g", scenes[s].lines, methods[m], dt,
+                     stop_name(run->stop), run->t, run->singular.t);
+        run_destroy(run);
+    }
+    typed_destroy(models);
+}
+
+/* Steps of fixed size that leave nothing of the values are seen, others are not taken for such. */
+static void test_unsound_steps(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *lines, *preset, *by;
+        double dt, span;
+        bool unsound;
+    } cases[] = {
+        {NULL, "robertson", "ros3p", 5e-3, 1, true},
+        {NULL, "robertson", "ros3p", 0.1, 1, true},
+        {NULL, "robertson", "ros3p", 1, 1, true},
+        {NULL, "robertson", "rodas4", 1e-2, 1, true},
+        {NULL, "robertson", "trapezoid", 0.1, 1, true}, /* it rings across 0 */
+        {NULL, "stiff-vanderpol", "ros3p", 0.1, 1000, true},
+        {NULL, "robertson", "ros3p", 1e-4, 1, false},
+        {NULL, "robertson", "rodas5p", 1e-3, 1, false},
+        {NULL, "robertson", "backward-euler", 1e-2, 1, false},
+        {NULL, "robertson", "backward-euler", 1, 10, false},
+        {NULL, "robertson", "radau5", 0.1, 1, false},
+        {NULL, "kepler", "euler", 0.05, 10, false},
+        {NULL, "pendulum", "euler", 0.1, 10, false},
+        {NULL, "vanderpol", "backward-euler", 0.1, 40, false},
+        {NULL, "duffing", "symplectic-euler", 0.01, 20, false},
+        {"var x = 0;x'' = 1 - x^3", NULL, "symplectic-euler", 0.01, 20, false}, /* begins at 0 */
+        {"var x = 0;var v = 0;var a = 0;x' = v;v' = a;a' = 1 + 0*x^2", NULL, "backward-euler", 0.1, 5, false},
+        {"var x = 1;x' = -1e4*(x^3 - cos(t))", NULL, "backward-euler", 1e-2, 20, false},
+    };
+    struct error error;
+    struct typed_models *models = typed_create(&error);
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        struct scene scene;
+        if (cases[i].lines)
+            typed_scene(models, &scene, cases[i].lines);
+        else
+            scene_init(&scene,
+                       (const struct preset *)(const void *)catalog_find(&preset_catalog, text_of(cases[i].preset)));
+        struct run *run = ended(&scene, cases[i].by, cases[i].dt, 0, cases[i].span);
+        if (run->stop != STOP_END || (run->unsound.times > 0) != cases[i].unsound)
+            fail_msg("%s by %s, dt = %g: %s, %g in place of %g at %g s",
+                     cases[i].lines ? cases[i].lines : cases[i].preset, cases[i].by, cases[i].dt, stop_name(run->stop),
+                     run->unsound.value, run->unsound.solution, run->unsound.t);
+        run_destroy(run);
+    }
+    typed_destroy(models);
+}
+
 /* A method that is unstable, a scene that grows on and on, a step that is too large: none of them is a blow-up. */
 static void test_others(void **state)
 {
@@ -194,6 +273,8 @@ static void test_others(void **state)
         {NULL, "vanderpol", "rk4", 1, 0, 100, STOP_DIVERGED},
         {NULL, "stiff-vanderpol", "rk4", 0.01, 0, 10, STOP_DIVERGED},
         {NULL, "robertson", "dopri5", 0.01, 0, 10, STOP_DIVERGED},
+        {NULL, "robertson", "ros3p", 0.01, 0, 1, STOP_END}, /* what becomes of its first step would end */
+        {NULL, "robertson", "ros3p", 0.1, 0, 1, STOP_END},
         {NULL, "kepler", "euler", 0.5, 0, 10, STOP_END},
         {NULL, "stiff-vanderpol", "radau5", 1e-4, 1e-6, 4000, STOP_END},
         {NULL, "stiff-vanderpol", "rodas5p", 1e-4, 1e-4, 4000, STOP_END},
@@ -278,6 +359,8 @@ int main(void)
         cmocka_unit_test(test_late),
         cmocka_unit_test(test_built_in),
         cmocka_unit_test(test_others),
+        cmocka_unit_test(test_steps_across),
+        cmocka_unit_test(test_unsound_steps),
         cmocka_unit_test(test_accuracy_before_a_pole),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
