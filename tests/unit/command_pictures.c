@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
  * Picture files of random sessions, read as a person reads them: from the numbers beside the ticks and the unit in the
- * title of an axis. Every line of a curve lies on the samples of its run or recording, every sample lies on the line.
+ * title of an axis. Every line of a curve lies on the samples of its run, every mark on one of its recording, every
+ * sample lies on the line or under a mark: against time and in the phase plane, forwards and backwards, on linear and
+ * on logarithmic axes.
  *
  * cairo writes text as outlines of glyphs: a figure with known text says which outline is which character.
  */
@@ -14,10 +16,12 @@
 
 #include "axes_testing.h"
 #include "command_testing.h"
+#include "../../src/command/figure_drawing.h"
 
 #define GLYPHS 400
 #define POINTS 60000
 #define NEAR 0.5 /* [pt] a point of a path to the samples: ends of coarse lines are rounded to 1/8 */
+#define MARKED 3 /* [pt] a sample to a mark: of dense data there is one for each square of 2 or 3 pt */
 #define INK 1.2  /* [pt] a sample to the path: what passes where ink is already is left out, in grains of up to 1 pt */
 
 /* ---- text ---- */
@@ -107,6 +111,7 @@ static bool learn_alphabet(struct alphabet *alphabet)
 struct path {
     double x[POINTS], y[POINTS];
     bool joined[POINTS]; /* to the point before */
+    bool marks;          /* circles, or lines without length */
     int n;
     int curve; /* by its color */
 };
@@ -135,22 +140,43 @@ static int curve_of_color(const char *at, const char *end)
     return -1;
 }
 
+/* The middle of a circle that begins at its right end, after the first of its two curves; the rest of it is passed. */
+static char *read_circle(char *at, struct path *path)
+{
+    double number[6];
+    for (int i = 0; i < 6; i++)
+        number[i] = strtod(at, &at);
+    path->x[path->n - 1] = (path->x[path->n - 1] + number[4]) / 2;
+    path->marks = true;
+    return at + strcspn(at, "M\"");
+}
+
 static bool read_path(const char *d, struct path *path)
 {
-    path->n = 0;
     bool joined = false;
+    int circles = 0;
+    path->n = 0;
+    path->marks = true;
     for (char *at = (char *)(uintptr_t)d; *at != '"' && path->n < POINTS;) {
+        if (*at == 'C') {
+            if (path->n == 0)
+                return false;
+            at = read_circle(at + 1, path);
+            circles++;
+            continue;
+        }
         if (*at == 'M' || *at == 'L' || *at == ' ' || *at == 'Z') {
             joined = *at == 'M' ? false : *at == 'L' ? true : joined;
             at++;
             continue;
         }
-        if (*at == 'C')
-            return false;
-        path->x[path->n] = strtod(at, &at);
-        path->y[path->n] = strtod(at, &at);
+        const int n = path->n;
+        path->x[n] = strtod(at, &at);
+        path->y[n] = strtod(at, &at);
         path->joined[path->n++] = joined;
+        path->marks &= !joined || (path->x[n] == path->x[n - 1] && path->y[n] == path->y[n - 1]);
     }
+    path->n -= circles > 0 && path->n == circles + 1; /* the pen goes back to where the last one began */
     return path->n > 0;
 }
 
@@ -247,8 +273,9 @@ static void read_sheet(const char *svg, struct alphabet *alphabet, struct sheet 
 /* ---- samples ---- */
 
 struct samples {
-    double *x, *y;
+    double *x, *y, *t;
     size_t n;
+    double from, to; /* [s] all of this is to be seen */
 };
 
 static double *column_of(const struct run *run, const char *name)
@@ -290,22 +317,23 @@ static bool agrees(const struct panel *panel, const struct path *path, const str
         const double at[2] = {path->x[p], path->y[p]};
         double least = HUGE_VAL;
         for (size_t i = 0; i < n && in_panel(panel, at) && least > NEAR; i++)
-            least = fmin(least, segment_distance(at[0], at[1], spot[i > 0 ? i - 1 : 0], spot[i]));
+            least = fmin(least, segment_distance(at[0], at[1], spot[i > 0 && !path->marks ? i - 1 : i], spot[i]));
         if (least > NEAR && in_panel(panel, at)) {
             fine = false;
             snprintf(problem, 200, "line at %.2f, %.2f pt, %.2f pt from any sample", at[0], at[1], least);
         }
     }
+    const double within = path->marks ? MARKED : INK;
     for (size_t i = 0; i < n && fine; i += 1 + n / 300) {
         double least = HUGE_VAL;
-        if (!in_panel(panel, spot[i]))
+        if (!in_panel(panel, spot[i]) || series->t[i] < series->from || series->t[i] > series->to)
             continue;
-        for (int p = 0; p < path->n && least > INK; p++) {
+        for (int p = 0; p < path->n && least > within; p++) {
             const double to[2] = {path->x[p], path->y[p]};
             const double from[2] = {path->x[p - (p > 0)], path->y[p - (p > 0)]};
             least = fmin(least, segment_distance(spot[i][0], spot[i][1], path->joined[p] ? from : to, to));
         }
-        if (least > INK) {
+        if (least > within) {
             fine = false;
             snprintf(problem, 200, "nothing at %g, %g: the axes put it at %.2f, %.2f pt, %.2f pt from the line",
                      series->x[i], series->y[i], spot[i][0], spot[i][1], least);
@@ -323,105 +351,189 @@ static void say(struct bench *bench, char told[1000], const char *line)
     type_ok(bench, line);
 }
 
-static void make_runs(struct bench *bench, struct dice *dice, int runs, char told[1000])
+/* What a session is made of. */
+struct made {
+    int runs;      /* 0: only a recording is drawn */
+    bool recorded; /* a recording is named in the plots */
+    bool spring;   /* its exact solution is known: errors can be drawn */
+    char told[1000];
+};
+
+static void make_session(struct bench *bench, struct dice *dice, struct made *made)
 {
     static const char *const methods[] = {"euler", "symplectic-euler", "verlet", "rk4", "backward-euler"};
     static const char *const scenes[] = {"spring", "damped", "driven", "drag", "duffing"};
+    const int scene = dice_below(dice, (int)COUNT_OF(scenes));
     char line[200];
-    snprintf(line, sizeof line, "scene %s", scenes[dice_below(dice, (int)COUNT_OF(scenes))]);
-    say(bench, told, line);
-    for (int i = 0; i < runs; i++) {
+    *made = (struct made){.runs = dice_below(dice, 4), .spring = scene == 0};
+    made->recorded = made->runs == 0 || dice_below(dice, 3) == 0;
+    snprintf(line, sizeof line, "scene %s", scenes[scene]);
+    say(bench, made->told, line);
+    for (int i = 0; i < made->runs; i++) {
+        const bool back = scene < 3 && dice_below(dice, 4) == 0; /* backwards drag of the square has a pole */
         snprintf(line, sizeof line, "method %s dt=%.3g ms; y0 = %.3g m; run %.3g s",
                  methods[dice_below(dice, (int)COUNT_OF(methods))], dice_between(dice, 2, 20),
-                 exp(dice_between(dice, log(1e-3), log(3))), exp(dice_between(dice, log(1), log(40))));
-        say(bench, told, line);
+                 exp(dice_between(dice, log(1e-3), log(3))),
+                 exp(dice_between(dice, log(1), log(40))) * (back ? -0.2 : 1));
+        say(bench, made->told, line);
+    }
+    if (made->recorded) {
+        write_swing(dice, "swing.txt");
+        say(bench, made->told, "load swing.txt");
     }
 }
 
-static void plot_line(struct dice *dice, const char *kind, int runs, char line[200])
+enum kind { POSITION, VELOCITY, ENERGY, ERROR, PHASE, KINDS };
+
+static const char *const kind_names[] = {"position", "velocity", "energy", "error", "phase"};
+
+static bool is_drawn(const struct made *made, enum kind kind)
 {
-    int n = snprintf(line, 200, "plot %s run", kind);
-    for (int i = 1; i <= runs; i++)
+    return made->runs > 0 ? kind != ERROR || made->spring : kind == POSITION;
+}
+
+static void plot_line(struct dice *dice, const struct made *made, enum kind kind, char line[200])
+{
+    int n = snprintf(line, 200, "plot %s%s", kind_names[kind], made->runs ? " run" : "");
+    for (int i = 1; i <= made->runs; i++)
         n += snprintf(line + n, 200 - (size_t)n, " %d", i);
-    if (dice_below(dice, 4) == 0)
-        n += snprintf(line + n, 200 - (size_t)n, " x=%.3g:%.3g", dice_between(dice, 0, 1), dice_between(dice, 1.1, 5));
-    if (dice_below(dice, 5) == 0)
+    if (made->recorded && kind == POSITION)
+        n += snprintf(line + n, 200 - (size_t)n, " data swing");
+    if (dice_below(dice, 4) == 0 && kind != PHASE && !made->recorded)
+        n += snprintf(line + n, 200 - (size_t)n, " x=%.3g:%.3g", dice_between(dice, -1, 0), dice_between(dice, 0.5, 5));
+    if (dice_below(dice, 5) == 0 && kind != PHASE)
         n += snprintf(line + n, 200 - (size_t)n, " y=%.3g:%.3g", -dice_between(dice, 0.001, 1), dice_between(dice, 0.001, 1));
-    if (strcmp(kind, "energy") == 0 && dice_below(dice, 4) == 0 && !strstr(line, "y="))
+    if ((kind == ENERGY || kind == ERROR) && dice_below(dice, 3) == 0 && !strstr(line, "y="))
         n += snprintf(line + n, 200 - (size_t)n, " --log");
     if (dice_below(dice, 6) == 0)
         n += snprintf(line + n, 200 - (size_t)n, " --full");
     snprintf(line + n, 200 - (size_t)n, " > figure.svg --force");
 }
 
+/* ---- what a curve has to hold ---- */
+
+static struct samples recording_samples(const struct recording *recording)
+{
+    struct samples out = {.from = -HUGE_VAL, .to = HUGE_VAL};
+    struct arena arena = {0};
+    struct series series;
+    struct error error;
+    assert_true(recording_series(recording, &arena, 1, &series, &error));
+    out.n = series.n;
+    out.x = malloc(series.n * sizeof *out.x);
+    out.y = malloc(series.n * sizeof *out.y);
+    assert_true(out.x && out.y);
+    memcpy(out.x, series.t, series.n * sizeof *out.x);
+    memcpy(out.y, series.y, series.n * sizeof *out.y);
+    out.t = out.x;
+    arena_reset(&arena);
+    return out;
+}
+
+/* Of the phase plot the last two periods of each run, wherever it ended; of everything else all. */
+static struct samples run_samples(const struct bench *bench, enum kind kind, int place, const char *line)
+{
+    static const char *const columns[] = {"y", "v", "energy", "error", "v"};
+    const struct run *run = bench->session->run[place]->run, *first = bench->session->run[0]->run;
+    struct samples out = {.t = column_of(run, "t"), .y = column_of(run, columns[kind]),
+                          .n = trace_count(run->trace), .from = -HUGE_VAL, .to = HUGE_VAL};
+    out.x = kind == PHASE ? column_of(run, "y") : out.t;
+    for (size_t i = 0; i < out.n && kind == ERROR && strstr(line, "--log"); i++)
+        out.y[i] = fabs(out.y[i]);
+    if (kind == PHASE) {
+        const double stiffness = first->system.oscillator.stiffness;
+        for (size_t i = 0; i < out.n && stiffness > 0; i++)
+            out.y[i] /= sqrt(stiffness);
+        const double end = out.t[out.n - 1], trail = 2 * run_rhythm(first) * (1 - 1e-9);
+        const bool all = strstr(line, "--full") || isnan(trail);
+        out.from = all ? -HUGE_VAL : end < out.t[0] ? end : end - trail;
+        out.to = all ? HUGE_VAL : end < out.t[0] ? end + trail : end;
+    }
+    return out;
+}
+
 /* Curves read off the picture. */
-static int check_picture(struct bench *bench, struct alphabet *alphabet, const char *kind, int runs, const char *told)
+static int check_picture(struct bench *bench, struct alphabet *alphabet, enum kind kind, const struct made *made,
+                         const char *line)
 {
     static struct sheet sheet;
-    const char *name = strcmp(kind, "position") == 0 ? "y" : strcmp(kind, "velocity") == 0 ? "v" : kind;
     FILE *file = fopen("figure.svg", "rb");
     char *svg = NULL, problem[200];
     size_t size = 0;
     int read = 0;
+    bool seen[PATHS] = {false}, readable = true;
     assert_non_null(file);
     assert_true(getdelim(&svg, &size, '\0', file) > 0);
     assert_int_equal(fclose(file), 0);
     read_sheet(svg, alphabet, &sheet);
     if (sheet.panels < 1)
-        fail_msg("%sthere is no frame", told);
+        fail_msg("%sthere is no frame", made->told);
     for (int p = 0; p < sheet.panels; p++) {
         const struct panel *panel = &sheet.panel[p];
         if (panel->x.n < 2 || panel->y.n < 2)
-            continue; /* too few labels to read by */
+            readable = false; /* too few labels to read by */
+        if (!readable)
+            continue;
         if (!read_axis_is_even(&panel->x, 0.01) || !read_axis_is_even(&panel->y, 0.01))
-            fail_msg("%sthe numbers of an axis do not stand at even distances", told);
+            fail_msg("%sthe numbers of an axis do not stand at even distances", made->told);
         for (int i = panel->first; i < panel->first + panel->paths; i++) {
             const struct path *path = &sheet.path[i];
-            if (path->n < 3 || path->y[0] < panel->top - 4 || path->curve >= runs)
+            if (path->y[0] < panel->top - 4 || path->curve > made->runs)
                 continue; /* of the legend */
-            const struct run *run = bench->session->run[path->curve]->run;
-            const struct samples series = {column_of(run, "t"), column_of(run, name), trace_count(run->trace)};
+            const bool recorded = path->curve == made->runs;
+            if (recorded != path->marks)
+                continue; /* shapes along a line */
+            const struct samples series = recorded ? recording_samples(bench->session->recording[0]->recording)
+                                                   : run_samples(bench, kind, path->curve, line);
             if (!agrees(panel, path, &series, problem))
-                fail_msg("%srun %d: %s", told, path->curve + 1, problem);
+                fail_msg("%s%s %d: %s", made->told, recorded ? "recording" : "run", path->curve + 1, problem);
+            if (series.t != series.x)
+                free(series.t);
             free(series.x);
             free(series.y);
+            seen[path->curve] = true;
             read++;
         }
     }
+    for (int c = 0; c < made->runs && readable && !strstr(line, "x=") && !strstr(line, "y="); c++)
+        if (!seen[c] && trace_count(bench->session->run[c]->run->trace) > 2)
+            fail_msg("%srun %d is not drawn", made->told, c + 1);
     free(svg);
     return read;
 }
 
 static void every_sample_is_where_the_axes_put_it(void **state)
 {
-    static const char *const kinds[] = {"position", "velocity", "energy"};
     static struct alphabet alphabet;
     (void)state;
     if (!learn_alphabet(&alphabet))
         skip(); /* built, or running, without cairo */
     const char *more = getenv("LONG");
-    const unsigned sessions = more && *more ? 200 : 30;
-    int drawn = 0, read = 0;
+    const unsigned sessions = more && *more ? 200 : 40;
+    int drawn[KINDS] = {0}, read[KINDS] = {0};
     for (unsigned seed = 1; seed <= sessions; seed++) {
         struct dice dice = {seed};
         struct bench bench;
-        char told[1000] = "";
+        struct made made;
         bench_open(&bench, false);
-        const int runs = 1 + dice_below(&dice, 3);
-        make_runs(&bench, &dice, runs, told);
-        const size_t before = strlen(told);
-        for (size_t k = 0; k < COUNT_OF(kinds); k++) {
+        make_session(&bench, &dice, &made);
+        const size_t before = strlen(made.told);
+        for (enum kind kind = POSITION; kind < KINDS; kind++) {
             char line[200];
-            told[before] = '\0';
-            plot_line(&dice, kinds[k], runs, line);
-            say(&bench, told, line);
-            read += check_picture(&bench, &alphabet, kinds[k], runs, told);
-            drawn += runs;
+            if (!is_drawn(&made, kind))
+                continue;
+            made.told[before] = '\0';
+            plot_line(&dice, &made, kind, line);
+            say(&bench, made.told, line);
+            read[kind] += check_picture(&bench, &alphabet, kind, &made, line);
+            drawn[kind] += made.runs + (made.recorded && kind == POSITION);
         }
         bench_close(&bench);
     }
-    printf("# %d curves, %d of them read off the file\n", drawn, read);
-    assert_true(read > drawn / 2);
+    for (enum kind kind = POSITION; kind < KINDS; kind++) {
+        printf("# %s: %d curves, %d of them read off the file\n", kind_names[kind], drawn[kind], read[kind]);
+        assert_true(read[kind] > drawn[kind] / 2);
+    }
 }
 
 int main(void)

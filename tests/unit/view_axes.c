@@ -45,7 +45,7 @@ static void add_run(struct trial *s)
     struct dice *dice = &s->dice;
     SAY(s, "method %s", methods[dice_below(dice, COUNT_OF(methods))]);
     SAY(s, "dt = %g ms", dice_between(dice, 2, 20));
-    SAY(s, "run %.3g s", exp(dice_between(dice, log(0.5), log(60))));
+    SAY(s, "run %.3g s", exp(dice_between(dice, log(0.5), log(60))) * (dice_below(dice, 5) ? 1 : -0.3));
 }
 
 static void make_session(struct trial *s, unsigned seed)
@@ -168,9 +168,10 @@ static int printed_by(const struct panes *p, int place)
 static double value_at(const struct run *run, enum pane pane, double t)
 {
     size_t low = 0, high = trace_count(run->trace);
+    const double way = trace_time(run->trace, high - 1) < trace_time(run->trace, 0) ? -1 : 1;
     while (low < high) {
         const size_t middle = low + (high - low) / 2;
-        if (trace_time(run->trace, middle) < t)
+        if (way * trace_time(run->trace, middle) < way * t)
             low = middle + 1;
         else
             high = middle;
@@ -204,7 +205,8 @@ static void check_samples(const struct trial *s, struct panes *p, int place)
         return;
     for (int c = 0; c < figure->curves; c++) {
         const struct curve *curve = &figure->curve[c];
-        for (size_t i = 0; i < curve->n; i += 1 + curve->n / 17) {
+        const double widest = curve->n ? (curve->x[curve->n - 1] - curve->x[0]) / 8 : 0; /* a gap is wider, a step not */
+        for (size_t i = 0; i < curve->n; i++) {
             const double t = curve->x[i], y = curve->y[i];
             bool own = false, known = false;
             for (int r = 0; r < s->session->runs; r++) {
@@ -213,6 +215,8 @@ static void check_samples(const struct trial *s, struct panes *p, int place)
                 known |= !isnan(its);
                 own |= fabs(its - y) <= 1e-9 * fabs(y) || run->system.n > 2; /* other coordinates */
             }
+            if (!curve->points && i + 1 < curve->n && curve->x[i + 1] - t > widest && s->session->current_run < 0)
+                fail_msg("a line from t = %g to %g, where nothing was recorded\n%s", t, curve->x[i + 1], s->told);
             own |= pane == PANE_POSITION && is_recorded(session_recording(s->session), &p->screen.arena, t, y);
             if (known && !own)
                 fail_msg("%s: nothing has %g at t = %g in\n%s", catalog_row(&pane_catalog, (size_t)pane)->name, y, t,
