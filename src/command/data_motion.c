@@ -89,7 +89,7 @@ static bool find_spring(const struct session *session, const struct recording *r
     struct buffer text = {0};
     buffer_put(&text, TEXT("m = "));
     buffer_measured(&text, motion->mass, QUANTITY_MASS, 5);
-    buffer_put(&text, own ? TEXT(" of the recording, k = ") : TEXT(" of the scene, k = "));
+    buffer_put(&text, own ? TEXT(" of the recording, k = ") : fit ? TEXT(" of the scene, k = ") : TEXT(", k = "));
     buffer_measured(&text, motion->k, QUANTITY_STIFFNESS, 5);
     buffer_put(&text, fit ? TEXT(" of the fit") : TEXT(" of the scene"));
     snprintf(motion->how_k, sizeof motion->how_k, "%s", buffer_view(&text));

@@ -213,7 +213,7 @@ void drawing_window(struct drawing *d)
         d->window[0] = goes_back(d) ? from : to - trail;
         d->window[1] = d->window[0] + trail;
     } else if (request->follow && plot_is_timed(request->kind) && request->kind != PLOT_ENVELOPE && !asked &&
-               (request->span > 0 || d->total > most)) {
+               (request->span > 0 || (request->runs > 0 && d->total > most))) { /* nothing is added to a recording */
         follow_window(d, from, to, now, most);
     }
     d->shown = d->window[1] - d->window[0];

@@ -132,6 +132,20 @@ static void put_hidden(struct buffer *out, const struct figure *figure, const st
     buffer_put(out, TEXT(" not shown"));
 }
 
+/* The last ones, until the rest fits: no sentence ends in the middle. */
+static void drop_clauses(struct buffer *out, int room)
+{
+    while (text_width(buffer_text(out)) > room) {
+        size_t end = out->len;
+        while (end > 0 && !((out->data[end - 1] == ',' || out->data[end - 1] == ';') && out->data[end] == ' '))
+            end--;
+        if (end == 0)
+            return;
+        out->len = end - 1;
+        out->data[out->len] = '\0';
+    }
+}
+
 void figure_note(const struct figure *figure, const struct figure_layout *layout, int room, struct buffer *out)
 {
     static const struct {
@@ -154,6 +168,7 @@ void figure_note(const struct figure *figure, const struct figure_layout *layout
         if (!leaving.len || text_width(buffer_text(out)) <= room)
             break;
     }
+    drop_clauses(out, room);
     buffer_free(&leaving);
     buffer_free(&other);
 }

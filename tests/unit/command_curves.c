@@ -245,9 +245,59 @@ static void a_small_drift_is_not_drawn_from_top_to_bottom(void **state)
     bench_close(&bench);
 }
 
+/* Whether a curve holds a point at t that is at y to within a part of its size; of those there are the nearest. */
+static void assert_passes(const struct curve *curve, double t, double y, double within)
+{
+    size_t nearest = 0;
+    for (size_t i = 1; i < curve->n; i++)
+        if (fabs(curve->x[i] - t) < fabs(curve->x[nearest] - t))
+            nearest = i;
+    if (fabs(curve->x[nearest] - t) > 0.02 || fabs(curve->y[nearest] - y) > within)
+        fail_msg("nearest to %g s: %g at %g s, not %g", t, curve->y[nearest], curve->x[nearest], y);
+}
+
+/* A ball that bounces moves along parabolas, and a spring that was changed on the way along the sines of both. */
+static void adaptive_runs_are_smooth_between_jumps(void **state)
+{
+    (void)state;
+    struct bench bench;
+    struct arena arena = {0};
+    bench_open(&bench, false);
+    type_ok(&bench, "scene new; var y = 1 m; param r = 0.8; y'' = -9.81; "
+                    "event bounce when y falling do \"y' = -r*y'; continue\"; method dop853; run 1.1 s");
+    struct figure figure = figure_of(&bench, PLOT_POSITION, CHARSET_BRAILLE, 80, NULL, &arena);
+    const double fall = sqrt(2 / 9.81), speed = 0.8 * 9.81 * fall;
+    for (double t = 0; t < 1.1; t += 0.05) { /* 0.02 s at 5 m/s */
+        const double later = t - fall, y = later < 0 ? 1 - 4.905 * t * t : speed * later - 4.905 * later * later;
+        assert_passes(&figure.curve[0], t, y, 0.1);
+    }
+    assert_passes(&figure.curve[0], fall + speed / 9.81, 0.64, 0.005); /* the top, where no step ends */
+    bench_close(&bench);
+    bench_open(&bench, false);
+    type_ok(&bench, "m = 1 kg; k = 1 N/m; y0 = 1 m; method dop853; run 1 s; change k 0; continue 1 s");
+    figure = figure_of(&bench, PLOT_POSITION, CHARSET_BRAILLE, 80, NULL, &arena);
+    for (double t = 0; t < 2; t += 0.1)
+        assert_passes(&figure.curve[0], t, t < 1 ? cos(t) : cos(1) - sin(1) * (t - 1), 0.02);
+    arena_reset(&arena);
+    bench_close(&bench);
+}
+
+static void logarithmic_errors_are_sizes(void **state)
+{
+    (void)state;
+    struct bench bench;
+    bench_open(&bench, false);
+    type_ok(&bench, "method rk4; run 10 s; plot error --log");
+    assert_non_null(strstr(said(&bench.out), "|error| ["));
+    assert_null(strstr(said(&bench.out), "493 values"));
+    bench_close(&bench);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(adaptive_runs_are_smooth_between_jumps),
+        cmocka_unit_test(logarithmic_errors_are_sizes),
         cmocka_unit_test(curves_of_different_size_are_whole),
         cmocka_unit_test(what_leaves_is_said),
         cmocka_unit_test(both_are_whole_in_pictures),

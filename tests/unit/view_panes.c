@@ -94,6 +94,44 @@ static void an_axis_reaches_to_the_planned_end(void **state)
     session_destroy(session);
 }
 
+/* Of a run that goes backwards the earliest times are new; the mark of the present is on it. */
+static void the_newest_part_may_be_the_earliest(void **state)
+{
+    (void)state;
+    struct session *session = begin(false, swing);
+    tell(session, "run -60 s");
+    assert_shows(session, 80, 24, "last 8 of 60 s");
+    assert_shows(session, 80, 24, " -60 ");
+    double shown[2];
+    assert_true(screen_time_shown(session, 80, 24, shown));
+    assert_true(shown[0] == -60 && shown[1] > -53 && shown[1] < -51);
+    session_destroy(session);
+}
+
+/* Nothing is added to a recording: it is there from beginning to end, unless a window is asked for. */
+static void a_recording_alone_is_whole(void **state)
+{
+    (void)state;
+    struct session *session = begin(false, NULL);
+    char name[] = "/tmp/hooke-panes-XXXXXX", line[80];
+    const int file = mkstemp(name);
+    FILE *out = file < 0 ? NULL : fdopen(file, "w");
+    assert_non_null(out);
+    fprintf(out, "Time (s)\tDistance (cm)\n");
+    for (int i = 0; i < 4000; i++)
+        fprintf(out, "%.2f\t%.3f\n", 0.02 * i, 20 + 5 * cos(0.16 * i));
+    assert_int_equal(fclose(out), 0);
+    snprintf(line, sizeof line, "load %s", name);
+    tell(session, line);
+    assert_int_equal(unlink(name), 0);
+    double shown[2];
+    assert_true(screen_time_shown(session, 80, 24, shown));
+    assert_true(shown[0] == 0 && shown[1] >= 79.98);
+    tell(session, "window 5 s");
+    assert_shows(session, 80, 24, "last 5 of 79.98 s");
+    session_destroy(session);
+}
+
 static void the_window_is_the_newest_part(void **state)
 {
     (void)state;
@@ -364,6 +402,8 @@ int main(void)
         cmocka_unit_test(a_sweep_changes_few_cells),
         cmocka_unit_test(pages_turn_rarely),
         cmocka_unit_test(an_axis_reaches_to_the_planned_end),
+        cmocka_unit_test(the_newest_part_may_be_the_earliest),
+        cmocka_unit_test(a_recording_alone_is_whole),
         cmocka_unit_test(the_window_is_the_newest_part),
         cmocka_unit_test(the_vertical_range_of_the_focus_can_be_fixed),
         cmocka_unit_test(cursors_stand_in_frame_and_table),
