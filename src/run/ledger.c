@@ -63,25 +63,41 @@ static inline double largest(const double *x, double least)
     return most > least ? most : least;
 }
 
-/* Extremes: numbers that are none are passed over. The largest energy is the unit where there was none at first. */
-CLONES static void note_extremes(struct tally *tally, double initial, const struct work_done *done, int from, int to)
+/* By comparisons, which pass over numbers that are none: fmax() is a call. */
+static inline void note_lacks(struct tally *tally, double initial, const struct work_done *done, int from, int to)
+{
+    double most = tally->most;
+    for (int k = from; k < to; k++) {
+        const double lack = fabs(done->energy[k] - initial - done->all_work[k]);
+        most = lack > most ? lack : most;
+    }
+    tally->most = most;
+}
+
+CLONES static void note_many_lacks(struct tally *tally, double initial, const struct work_done *done, int from, int to)
 {
     int k = from;
     double first[FOUR];
-    if (to - from >= FOUR) {
-        four most = {0};
-        for (; k + FOUR <= to; k += FOUR) {
-            const four missing = *(const four *)(const void *)(done->energy + k) - initial -
-                                  *(const four *)(const void *)(done->all_work + k);
-            const four lack = (four)((four_bits)missing & INT64_MAX);
-            most = LARGER(lack, most);
-        }
-        memcpy(first, &most, sizeof first);
-        tally->most = largest(first, tally->most);
+    four most = {0};
+    for (; k + FOUR <= to; k += FOUR) {
+        const four missing = *(const four *)(const void *)(done->energy + k) - initial -
+                             *(const four *)(const void *)(done->all_work + k);
+        const four lack = (four)((four_bits)missing & INT64_MAX);
+        most = LARGER(lack, most);
     }
-    for (; k < to; k++)
-        tally->most = fmax(tally->most, fabs(done->energy[k] - initial - done->all_work[k]));
-    for (k = from; k < to && initial == 0; k++) { /* by a comparison: fmax() is a call */
+    memcpy(first, &most, sizeof first);
+    tally->most = largest(first, tally->most);
+    note_lacks(tally, initial, done, k, to);
+}
+
+/* The largest energy is the unit where there was none at first. */
+static void note_extremes(struct tally *tally, double initial, const struct work_done *done, int from, int to)
+{
+    if (to - from >= 4 * FOUR)
+        note_many_lacks(tally, initial, done, from, to);
+    else
+        note_lacks(tally, initial, done, from, to);
+    for (int k = from; k < to && initial == 0; k++) {
         const double size = fabs(done->energy[k]);
         tally->scale = size > tally->scale ? size : tally->scale;
     }
@@ -258,15 +274,14 @@ static const double *times_of(const struct run *run, const double *row)
     return run->plan.adaptive ? row + run->system.n : NULL;
 }
 
-/* Where the trace has each step: on to its last row, saving the balance now and then. */
-static void catch_up(const struct run *run, struct balance *balance, bool marking)
+/* From a trace that had each step, thinned but still with all rows: marks for those that stay. */
+static void mark_staying(const struct run *run, struct balance *balance, size_t rows)
 {
-    struct trace *trace = run->trace;
     struct work_done done;
-    while (balance->step + 1 < (int64_t)trace->count) {
+    while (balance->step + 1 < (int64_t)rows) {
         size_t count;
-        const double *row = trace_rows(trace, (size_t)balance->step + 1, &count);
-        take_block(run, balance, row, times_of(run, row), trace->width, (int64_t)count, &done, marking);
+        const double *row = trace_rows(run->trace, (size_t)balance->step + 1, rows, &count);
+        take_block(run, balance, row, times_of(run, row), run->trace->width, (int64_t)count, &done, true);
     }
 }
 
@@ -294,7 +309,7 @@ static void settle(const struct run *run)
     struct work_done done;
     while (balance->step + 1 < (int64_t)trace->count) {
         size_t count;
-        const double *row = trace_rows(trace, (size_t)balance->step + 1, &count);
+        const double *row = trace_rows(trace, (size_t)balance->step + 1, trace->count, &count);
         const int64_t to_save = (int64_t)CHUNK_ROWS - (balance->step & (int64_t)(CHUNK_ROWS - 1));
         take_block(run, balance, row, times_of(run, row), trace->width, least((int64_t)count, to_save), &done, false);
         if ((balance->step & (int64_t)(CHUNK_ROWS - 1)) == 0 && p->saves == (size_t)(balance->step >> CHUNK_SHIFT) - 1)
@@ -308,13 +323,18 @@ bool ledger_ready(struct run *run, int64_t rows)
     if (!trace->decimates || trace_marked(trace) || run->system.order != 2 || run->settings.unbalanced ||
         trace->count + (size_t)rows <= trace->cap)
         return true;
-    if (!trace_mark_rows(trace, run->plan.ledger))
+    const size_t all = trace->count;
+    if (trace->bucket > 1 || !trace_thin(trace)) /* buckets without marks: there was no memory for them */
         return false;
     struct balance *balance = &run->private_state->balance;
-    balance_begin(run, balance);
-    trace_set_mark(trace, 0, &balance->tally);
-    catch_up(run, balance, true);
-    return true;
+    const bool marked = trace_mark_rows(trace, run->plan.ledger);
+    if (marked) {
+        balance_begin(run, balance);
+        trace_set_mark(trace, 0, &balance->tally);
+        mark_staying(run, balance, all);
+    }
+    trace_thinned(trace);
+    return marked;
 }
 
 void ledger_warm(struct run *run)

@@ -128,8 +128,14 @@ bool trace_marked(const struct trace *trace);
 struct tally trace_mark(const struct trace *trace, size_t i); /* scale < 0: not yet known */
 void trace_set_mark(struct trace *trace, size_t i, const struct tally *tally);
 size_t trace_row_from(const struct trace *trace, int64_t step); /* the first recorded row of this step or a later one */
-/* Recorded row i and how many follow it in memory, each trace->width on. */
-const double *trace_rows(const struct trace *trace, size_t i, size_t *count);
+/* Recorded row i of those before `end`, and how many follow it in memory, each trace->width on. */
+const double *trace_rows(const struct trace *trace, size_t i, size_t end, size_t *count);
+/*
+ * A trace with each step is decimated in two parts: its steps and its number of rows are those that stay, while
+ * trace_rows() still finds each step's row; then rows move to their places. False: no memory.
+ */
+bool trace_thin(struct trace *trace);
+void trace_thinned(struct trace *trace);
 
 /* ---- runs ---- */
 

@@ -242,27 +242,110 @@ static bool keep(struct trace *trace, int64_t step, double t, const double *y, c
     return true;
 }
 
+/* The rows that stay of those of one bucket, in order. Returns how many; *end: the first row of the next bucket. */
+static int stay(const struct trace *trace, size_t first, size_t count, int64_t bucket, size_t *end, size_t *row)
+{
+    const int64_t next = (row_step(trace, first) | (bucket - 1)) + 1;
+    size_t low = first, high = first, i = first + 1;
+    double least = row_at(trace, first)[0], most = least;
+    for (; i < count && row_step(trace, i) < next; i++) {
+        const double y = row_at(trace, i)[0];
+        if (y < least) {
+            least = y;
+            low = i;
+        } else if (y > most) {
+            most = y;
+            high = i;
+        }
+    }
+    int rows = 1;
+    row[0] = first;
+    for (int k = 0; k < 2; k++) {
+        const size_t extreme = (k == 0) == (low < high) ? low : high;
+        if (extreme != first)
+            row[rows++] = extreme;
+    }
+    *end = i;
+    return rows;
+}
+
+/* Finds the rows of the last bucket again. */
+static void find_tail(struct trace *trace, int64_t begin)
+{
+    trace->tail_end = begin + trace->bucket;
+    trace->tail = trace->count - 1;
+    while (trace->tail > 0 && row_step(trace, trace->tail - 1) >= begin)
+        trace->tail--;
+    trace->low = trace->high = trace->tail;
+    for (size_t k = trace->tail + 1; k < trace->count; k++) {
+        if (row_at(trace, k)[0] < row_at(trace, trace->low)[0])
+            trace->low = k;
+        if (row_at(trace, k)[0] > row_at(trace, trace->high)[0])
+            trace->high = k;
+    }
+}
+
+/*
+ * A trace with each step gets buckets. First only the steps of the rows that stay are noted, for whoever wants to see
+ * the others once more; trace_thinned() then moves the rows. A bucket of two keeps both, unless they are alike.
+ */
+bool trace_thin(struct trace *trace)
+{
+    const size_t count = trace->count;
+    size_t staying, row[3], end;
+    int64_t bucket = 2;
+    if (!grow_index(trace))
+        return false;
+    do {
+        bucket *= 2;
+        staying = 0;
+        for (size_t first = 0; first < count; first = end) {
+            const int rows = stay(trace, first, count, bucket, &end, row);
+            for (int k = 0; k < rows; k++, staying++)
+                trace->index[staying >> CHUNK_SHIFT][staying & (CHUNK_ROWS - 1)] = (int64_t)row[k];
+        }
+    } while (staying > trace->cap / 2);
+    trace->bucket = bucket;
+    trace->count = staying;
+    return true;
+}
+
+void trace_thinned(struct trace *trace)
+{
+    for (size_t i = 0; i < trace->count; i++)
+        copy_state(row_at(trace, i), row_at(trace, (size_t)row_step(trace, i)), (int)trace->width);
+    find_tail(trace, row_step(trace, trace->count - 1) & ~(trace->bucket - 1));
+}
+
+static void move_row(struct trace *trace, size_t to, size_t from)
+{
+    copy_state(row_at(trace, to), row_at(trace, from), (int)trace->width);
+    trace->index[to >> CHUNK_SHIFT][to & (CHUNK_ROWS - 1)] = row_step(trace, from);
+    if (trace_marked(trace))
+        memcpy(mark_at(trace, to), mark_at(trace, from), trace->mark_width * sizeof(double));
+}
+
+/* Buckets become twice as long: rows move to the front, never over one that is still to be read. */
 static bool coarsen(struct trace *trace)
 {
-    if (trace->bucket == 1) { /* from now on rows carry their steps, so far row i is step i */
-        if (!grow_index(trace))
+    if (trace->bucket == 1) {
+        if (!trace_thin(trace))
             return false;
-        for (size_t i = 0; i < trace->count; i++)
-            trace->index[i >> CHUNK_SHIFT][i & (CHUNK_ROWS - 1)] = (int64_t)i;
+        trace_thinned(trace);
+        return true;
     }
     do {
-        double row[LIMIT_VARIABLES + 1];
-        struct tally mark;
-        size_t count = trace->count;
-        trace->bucket *= trace->bucket == 1 ? 4 : 2; /* a bucket of two keeps both, unless they are alike */
+        const size_t count = trace->count;
+        size_t row[3], end;
+        trace->bucket *= 2;
         trace->count = 0;
-        trace->tail_end = 0;
-        for (size_t i = 0; i < count; i++) { /* writes never overtake reads, and the chunks are there */
-            copy_state(row, row_at(trace, i), (int)trace->width);
-            mark = trace_mark(trace, i);
-            keep(trace, row_step(trace, i), row[trace->width - 1], row, &mark);
+        for (size_t first = 0; first < count; first = end) {
+            const int rows = stay(trace, first, count, trace->bucket, &end, row);
+            for (int k = 0; k < rows; k++)
+                move_row(trace, trace->count++, row[k]);
         }
     } while (trace->count > trace->cap / 2);
+    find_tail(trace, row_step(trace, trace->count - 1) & ~(trace->bucket - 1));
     return true;
 }
 
@@ -378,10 +461,10 @@ size_t trace_row_from(const struct trace *trace, int64_t step)
     return low;
 }
 
-const double *trace_rows(const struct trace *trace, size_t i, size_t *count)
+const double *trace_rows(const struct trace *trace, size_t i, size_t end, size_t *count)
 {
     const size_t in_chunk = CHUNK_ROWS - (i & (CHUNK_ROWS - 1));
-    *count = trace->count - i < in_chunk ? trace->count - i : in_chunk;
+    *count = end - i < in_chunk ? end - i : in_chunk;
     return row_at(trace, i);
 }
 
@@ -396,20 +479,8 @@ void trace_truncate(struct trace *trace, size_t i)
     }
     while (trace->grids > 1 && trace_grid(trace)->first > trace->now_step)
         trace->grids--;
-    if (trace->bucket > 1) { /* find the rows of the last bucket again */
-        int64_t begin = trace->now_step & ~(trace->bucket - 1);
-        trace->tail_end = begin + trace->bucket;
-        trace->tail = trace->count - 1;
-        while (trace->tail > 0 && row_step(trace, trace->tail - 1) >= begin)
-            trace->tail--;
-        trace->low = trace->high = trace->tail;
-        for (size_t k = trace->tail + 1; k < trace->count; k++) {
-            if (row_at(trace, k)[0] < row_at(trace, trace->low)[0])
-                trace->low = k;
-            if (row_at(trace, k)[0] > row_at(trace, trace->high)[0])
-                trace->high = k;
-        }
-    }
+    if (trace->bucket > 1)
+        find_tail(trace, trace->now_step & ~(trace->bucket - 1));
 }
 
 /* ---- times ---- */

@@ -71,7 +71,7 @@ static void work_on_the_way(struct walk *walk, size_t i, double *work, double *d
     const struct run *run = walk->run;
     if (i == walk->to) {
         size_t count;
-        const double *row = trace_rows(run->trace, i, &count);
+        const double *row = trace_rows(run->trace, i, run->trace->count, &count);
         const double *time = run->plan.adaptive ? row + run->system.n : NULL;
         walk->from = i;
         walk->to += (size_t)balance_block(run, &walk->balance, row, time, run->trace->width, (int64_t)count,
