@@ -9,10 +9,10 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Character widths come from the locale, numbers never do. */
+/* Character widths come from the locale; numbers, messages and the order of names never do. */
 static void choose_locale(void)
 {
-    if (!setlocale(LC_ALL, "")) {
+    if (!setlocale(LC_CTYPE, "")) {
         const char *wish = getenv("LC_ALL");
         wish = wish && *wish ? wish : getenv("LC_CTYPE");
         wish = wish && *wish ? wish : getenv("LANG");
@@ -20,7 +20,6 @@ static void choose_locale(void)
             setlocale(LC_CTYPE, "C.UTF-8");
         }
     }
-    setlocale(LC_NUMERIC, "C");
 }
 
 /* A setting given as an option: --charset, --color, --format. */
