@@ -167,17 +167,35 @@ bool subject_open(struct session *session, const struct given *run, const struct
     return error_hint(error, "type: run, or: load FILE");
 }
 
-/* Sum of squared distances of a series from the run; *count: samples it spans. */
-static double squared_distance(const struct run *run, const struct series *data, int derivative, size_t *count)
+/* The span of a run, its earlier end first. */
+static void run_span(const struct run *run, double span[2])
 {
-    double sum = 0;
-    *count = 0;
+    const double first = trace_time(run->trace, 0), last = trace_time(run->trace, trace_count(run->trace) - 1);
+    span[0] = fmin(first, last);
+    span[1] = fmax(first, last);
+}
+
+/* Samples of a series, which has no gaps, that a run spans. */
+static size_t spanned(const struct run *run, const struct series *data)
+{
+    double span[2];
+    size_t count = 0;
+    run_span(run, span);
+    for (size_t i = 0; i < data->n; i++)
+        count += data->t[i] >= span[0] && data->t[i] <= span[1];
+    return count;
+}
+
+/* Sum of squared distances from the run of the samples that it spans. */
+static double squared_distance(const struct run *run, const struct series *data, int derivative)
+{
+    double sum = 0, span[2];
+    run_span(run, span);
     for (size_t i = 0; i < data->n; i++) {
-        const double apart = run_motion(run, data->t[i], derivative) - data->y[i];
-        if (!isfinite(apart))
+        if (!(data->t[i] >= span[0] && data->t[i] <= span[1]))
             continue;
-        sum += apart * apart;
-        ++*count;
+        const double apart = run_motion(run, data->t[i], derivative) - data->y[i];
+        sum += isfinite(apart) ? apart * apart : 0;
     }
     return sum;
 }
@@ -220,7 +238,6 @@ struct data_distance run_data_distance(const struct run *run, struct recording *
     struct series all, good;
     struct error ignored;
     struct data_distance result = {.rms = NAN};
-    size_t count, used;
     if (!can_compare(run, recording))
         return result;
     const int derivative = recorded_derivative(recording, run);
@@ -229,10 +246,10 @@ struct data_distance run_data_distance(const struct run *run, struct recording *
         clean.cleaned = true;
         if (recording_series(recording, &arena, 2, &all, &ignored) &&
             recording_series(&clean, &arena, 2, &good, &ignored)) {
-            squared_distance(run, &all, derivative, &count);
-            const double sum = squared_distance(run, &good, derivative, &used);
+            const size_t used = spanned(run, &good);
             if (used >= 2)
-                result = (struct data_distance){sqrt(sum / (double)used), count - used, derivative};
+                result = (struct data_distance){sqrt(squared_distance(run, &good, derivative) / (double)used),
+                                                spanned(run, &all) - used, derivative};
         }
     }
     arena_reset(&arena);

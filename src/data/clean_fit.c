@@ -5,6 +5,7 @@
  */
 #include "clean.h"
 
+#include <gsl/gsl_statistics_double.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -92,7 +93,7 @@ static double residual_scale(const struct stretch *s, const double parameter[TER
         s->residual[i] = s->y[i] - value_of(parameter, s->term[i]);
         s->size[i] = fabs(s->residual[i]);
     }
-    return MAD_TO_SIGMA * sorted_quantile(s->size, s->n, 0.5);
+    return MAD_TO_SIGMA * gsl_stats_select(s->size, 1, s->n, (s->n - 1) / 2);
 }
 
 static bool robust_fit(const struct stretch *s, double least, double parameter[TERMS], double *scale)

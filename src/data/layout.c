@@ -67,7 +67,10 @@ static bool find_rows(const struct table_text *text, size_t from, struct reading
     for (size_t i = from, counted = 0; i < text->heads && counted < SCORED; i++) {
         if (table_skipped(text->head[i].text))
             continue;
-        struct shape shape = shape_of(text->head[i].text, reading);
+        /* One field, as lines without the separator have, is no row where two are wanted: most readings end here. */
+        const bool single = least > 1 && reading.separator != ' ' &&
+                            !memchr(text->head[i].text.at, reading.separator, text->head[i].text.len);
+        struct shape shape = single ? (struct shape){.fields = 1} : shape_of(text->head[i].text, reading);
         bool row = is_row(shape, least, words) && (same == 0 || shape.fields == found->fields);
         if (same < run && !row) { /* a row of another width may be the first of the table */
             same = 0;
@@ -229,7 +232,7 @@ static bool find_best(const struct table_text *text, size_t from, const struct l
     } passes[] = {{2, RUN, false}, {2, RUN, true}, {1, RUN, false}, {2, 2, false}, {2, 1, false}};
     for (size_t pass = 0; pass < COUNT_OF(passes); pass++) {
         struct found best = {0};
-        for (size_t i = 0; i < COUNT_OF(readings); i++) {
+        for (size_t i = 0; i < COUNT_OF(readings) && best.score < SCORED; i++) { /* more than all is not read */
             struct found found;
             struct table_layout trial;
             if ((readings[i].separator == '\n') != (passes[pass].least == 1) || !allowed(readings[i], options) ||
