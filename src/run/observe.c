@@ -2,6 +2,7 @@
 /* Observables: functions of a row of a run. A new one is a row of the table. */
 #include "private.h"
 
+#include <float.h>
 #include <math.h>
 
 static const double *velocity(const struct sample *sample)
@@ -31,11 +32,24 @@ static struct phase_point phase_point(const struct system *system, const double 
     return (struct phase_point){y[0] + o->gravity / o->stiffness, y[system->n / 2] / sqrt(o->stiffness)};
 }
 
-/* Grows with time: q = A cos(phase), p = -A sin(phase). */
+/* Grows with time: q = A cos(phase), p = -A sin(phase). From -pi to pi. */
+static double phase_after(struct phase_point a, struct phase_point b)
+{
+    const double along = a.q * b.q + a.p * b.p, across = a.q * b.p - a.p * b.q;
+    if (fabs(along) + fabs(across) > DBL_MIN / DBL_EPSILON)
+        return atan2(across, along);
+    return remainder(atan2(-a.p, a.q) - atan2(-b.p, b.q), 2 * M_PI); /* their products are too small */
+}
+
 static double phase_between(const struct system *system, const double *y, const double *from)
 {
-    struct phase_point a = phase_point(system, y), b = phase_point(system, from);
-    return remainder(atan2(-a.p, a.q) - atan2(-b.p, b.q), 2 * M_PI);
+    return phase_after(phase_point(system, y), phase_point(system, from));
+}
+
+/* The angle, whose turns are not known, that is nearest to the one before. */
+static double with_turns(double angle, double before)
+{
+    return fabs(angle - before) <= M_PI ? angle : before + remainder(angle - before, 2 * M_PI);
 }
 
 static double amplitude_of(const struct system *system, const double *y)
@@ -295,13 +309,17 @@ void run_errors(const struct run *run, struct run_errors *errors)
     while (walk_next(&walk)) {
         for (int i = 0; i < judged; i++) {
             distance[i] = fabs(sample->y[i] - sample->exact[i]);
-            most[i] = fmax(most[i], distance[i]);
-            amplitude[i] = fmax(amplitude[i], fabs(sample->exact[i]));
+            const double size = fabs(sample->exact[i]); /* comparisons pass over NAN, as fmax() does */
+            most[i] = distance[i] > most[i] ? distance[i] : most[i];
+            amplitude[i] = size > amplitude[i] ? size : amplitude[i];
         }
-        if (oscillates && amplitude_of(sample->system, sample->y) == 0 && amplitude_of(sample->system, sample->exact) > 0)
+        if (!oscillates)
+            continue;
+        const struct phase_point here = phase_point(sample->system, sample->y),
+                                 wanted = phase_point(sample->system, sample->exact);
+        if (here.q == 0 && here.p == 0 && (wanted.q != 0 || wanted.p != 0))
             phase = NAN; /* what has vanished has none, then and later */
-        if (oscillates) /* it changes little from row to row, which counts the turns */
-            phase += remainder(phase_between(sample->system, sample->y, sample->exact) - phase, 2 * M_PI);
+        phase = with_turns(phase_after(here, wanted), phase); /* it changes little from row to row */
     }
 
     /* What rounding does to the exact solution at the end. */
