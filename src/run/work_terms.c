@@ -34,7 +34,10 @@ enum {
 };
 
 #define HAS(name) (1u << PLACE_##name)
-#define OSCILLATOR_TERMS ((1u << OSCILLATOR_PLACES) - 1)
+/* What block_work() knows. Dry friction is not among it: a body at rest is held by what pulls at it. */
+#define OSCILLATOR_TERMS                                                                                               \
+    (HAS(spring) | HAS(damping) | HAS(drag) | HAS(gravity) | HAS(drive) | HAS(cubic) | HAS(vanderpol))
+#define PENDULUM_TERMS (HAS(weight) | HAS(damping) | HAS(drive))
 #define POWERED (HAS(damping) | HAS(drag) | HAS(drive) | HAS(vanderpol))
 
 /* Coefficients of the terms that are there; those of the others are 0. */
@@ -43,7 +46,7 @@ struct line {
     double mass;
 };
 
-/* Row i of the pendulum's terms is the term here that has its form. */
+/* Row i of the pendulum's terms is the term here that has its form; those behind have none. */
 static const int pendulum_place[] = {PLACE_weight, PLACE_damping, PLACE_drive};
 
 /* Where a term of the system stands here; PLACES: nowhere. */
@@ -66,7 +69,7 @@ static unsigned terms_of(const struct system *system, struct line *line)
         return 0;
     for (int i = 0; i < system->terms; i++) {
         const ptrdiff_t place = place_of(system, system->term[i].row);
-        if (place == PLACES)
+        if (place == PLACES || !((OSCILLATOR_TERMS | PENDULUM_TERMS) & 1u << place))
             return 0;
         terms |= 1u << place;
         memcpy(line->c[place], system->term[i].c, sizeof line->c[place]);
@@ -258,7 +261,7 @@ ALWAYS_INLINE void block_work(unsigned terms, const struct line *line, const str
     K(vanderpol, HAS(spring) | HAS(vanderpol))                                                                         \
     K(all, OSCILLATOR_TERMS)                                                                                           \
     K(swinging, HAS(weight))                                                                                           \
-    K(pendulum, HAS(weight) | HAS(damping) | HAS(drive))
+    K(pendulum, PENDULUM_TERMS)
 
 KINDS(KIND)
 
