@@ -165,6 +165,7 @@ struct fit_curve {
 struct curve_options {
     const double *low, *high; /* [parameters] bounds, NULL: none; -INFINITY and INFINITY: none on that side */
     bool robust;    /* soft-L1, then bisquare (4.685 robust sigma): what is far off has no weight, and is counted */
+    bool rough;     /* a start for another fit is wanted: neither the last digits nor what is determined */
     int iterations; /* at most; 0: 500 */
     int bootstrap;  /* parametric bootstrap samples for the intervals, 0: none */
     uint64_t seed;  /* of the bootstrap */
@@ -356,5 +357,35 @@ double fit_value(const struct fit *fit, double t);
 void fit_values(const struct fit *fit, const double *t, size_t n, double *value);
 /* k = m (omega^2 + gamma^2/4) with the mass's and the fit's uncertainties. */
 struct measured fit_stiffness(const struct fit *fit, struct measured mass);
+
+/* ---- modes: several damped sines at once ---- */
+
+#define MODES_MOST 5
+
+struct normal_mode {
+    struct measured frequency; /* [Hz] the damped one: omega/(2 pi) */
+    struct measured gamma;     /* [1/s] its amplitude falls as exp(-gamma t/2) */
+    struct measured amplitude; /* as y */
+    struct measured phase;     /* [rad] at the first sample */
+};
+
+struct modes_fit {
+    struct fit fit; /* offset, its drift, rms, warnings and the like; NAN where there is one of each mode */
+    int modes;
+    struct normal_mode mode[MODES_MOST]; /* the slowest first */
+    /* Of two modes, else NAN: */
+    struct measured splitting; /* [Hz] */
+    struct measured coupling;  /* kc/k of two equal oscillators coupled by kc: omega0^2 = k/m and (k + 2 kc)/m */
+    struct measured stiffness; /* [1/s^2] kc/m */
+    double *residual;          /* [n] y - model, from the arena */
+};
+
+/*
+ * y = c + d t + the sum of so many damped sines, by least squares; no guesses. Uncertainties as those of fit_catalog's
+ * rows: widened for what the residuals share with each parameter. ERROR_NUMERICAL: fewer frequencies stand out of the
+ * noise. True: look at fit.converged; a warning tells where two lie too near to each other.
+ */
+bool series_modes(const struct series *series, int modes, struct arena *arena, const struct cancel *cancel,
+                  struct modes_fit *fit, struct error *error);
 
 #endif

@@ -388,6 +388,7 @@ struct session {
     size_t fit_samples;
     struct scene fit_scene; /* as fitted; model NULL: it was no fit of the scene */
     bool fit_free[PARAM_MAX]; /* what was fitted there */
+    int fit_modes;            /* so many damped sines at once; 0: it was no fit of modes */
     struct measurement *measurement;
     int measurements;
     struct kept_fit *kept_fit;

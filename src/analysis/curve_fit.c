@@ -175,7 +175,7 @@ static enum outcome minimise(struct problem *p, double *x, int most, int *iterat
     double start[CURVE_PARAMETERS], slope;
     size_t bytes = (size_t)p->curve->parameters * sizeof *x;
     memcpy(start, x, bytes);
-    for (int accelerate = 0; accelerate < 2 && !best.converged; accelerate++) {
+    for (int accelerate = 0; accelerate < (p->rough ? 1 : 2) && !best.converged; accelerate++) {
         double u[CURVE_PARAMETERS];
         for (int j = 0; j < p->curve->parameters; j++)
             u[j] = outside(p, j, start[j]);
@@ -184,14 +184,14 @@ static enum outcome minimise(struct problem *p, double *x, int most, int *iterat
             return outcome;
         for (int j = 0; j < p->curve->parameters; j++)
             u[j] = inside(p, j, u[j], &slope);
-        if (!judge(p, u, true, fit))
+        if (!judge(p, u, !p->rough, fit))
             return OUTCOME_MEMORY;
         if (accelerate == 0 || fit->converged || !(fit->rss >= best.rss)) {
             best = *fit;
             memcpy(x, u, bytes);
         }
     }
-    return polish(p, x, fit) ? OUTCOME_DONE : OUTCOME_MEMORY;
+    return p->rough || polish(p, x, fit) ? OUTCOME_DONE : OUTCOME_MEMORY;
 }
 
 /* Weights of the residuals in robust standard deviations. Returns the largest change. */
@@ -278,7 +278,8 @@ bool curve_fit(const struct fit_curve *curve, const struct series *series, const
 {
     static const struct curve_options none;
     const struct curve_options *o = options ? options : &none;
-    struct problem p = {.curve = curve, .low = o->low, .high = o->high, .robust = o->robust, .cancel = o->cancel};
+    struct problem p = {.curve = curve, .low = o->low, .high = o->high, .robust = o->robust, .rough = o->rough,
+                        .cancel = o->cancel};
     double x[CURVE_PARAMETERS];
     int count = curve->parameters, most = o->iterations > 0 ? o->iterations : ITERATIONS, iterations = 0;
     *fit = (struct curve_fit){.parameters = count};

@@ -108,7 +108,11 @@ static bool fit_harmonic(const char *model, enum harmonic_free unknowns, bool dr
                   "it oscillates, every %.4g s on average, but one %s sine does not follow it: %zu of %zu samples "
                   "would be left out",
                   m.overview.period, unknowns == FREE_GAMMA ? "damped" : "plain", fit->rejected, series->n);
-        return error_hint(error, "fit a shorter window; 'measure period' follows what changes");
+        struct mode_pair pair;
+        return two_lines(&m.samples, &pair)
+                   ? error_hint(error, "two frequencies, T = %.5g and %.5g s: fit modes 2", pair.period[0],
+                                pair.period[1])
+                   : error_hint(error, "fit a shorter window; 'measure period' follows what changes");
     }
     if (!fit->converged || !isfinite(fit->amplitude.value) || !(fit->amplitude.uncertainty < fit->amplitude.value)) {
         fit->converged = false;

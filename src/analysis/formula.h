@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Formulas as curves, whole and with their linear parameters projected out. */
+/* Formulas as curves. */
 #ifndef HOOKE_ANALYSIS_FORMULA_H
 #define HOOKE_ANALYSIS_FORMULA_H
 
@@ -8,25 +8,5 @@
 /* A formula (the context) as struct fit_curve wants it. */
 bool formula_evaluate(void *context, const double *parameter, const double *t, size_t n, double *value,
                       double *derivative);
-
-struct projection {
-    const struct formula *formula;
-    const struct series *series;
-    int linear[CURVE_PARAMETERS], linears, other[CURVE_PARAMETERS], others;
-    const char *name[CURVE_PARAMETERS]; /* of the others */
-    double *value, *column;             /* [n] */
-    double *derivative, *basis;         /* [n][parameters], [n][linears] */
-};
-
-bool projection_init(struct projection *v, const struct formula *formula, const struct series *series,
-                     struct arena *arena); /* false: no memory */
-/*
- * Sets the linear parameters in x [parameters] to the best for the others there. value [n] and derivative [n][others]
- * of the formula with them, or NULL. False: no finite values there, or linear parameters that are not determined.
- */
-bool project(struct projection *v, double *x, double *value, double *derivative, double *rss);
-/* The same (the context) as struct fit_curve wants it: a curve of the other parameters alone. */
-bool projection_evaluate(void *context, const double *parameter, const double *t, size_t n, double *value,
-                         double *derivative);
 
 #endif

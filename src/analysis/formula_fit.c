@@ -4,6 +4,7 @@
  * scales of the series; the best trials are refined.
  */
 #include "formula.h"
+#include "projection.h"
 
 #include <gsl/gsl_errno.h>
 #include <string.h>
@@ -13,6 +14,7 @@ enum { THIN = 400, TRIALS = 3000, REFINED = 12, SCALES_MOST = 40 };
 struct search {
     struct formula formula; /* with its columns thinned like the series */
     struct series thin;
+    struct fit_curve curve;
     struct projection projection;            /* of these */
     int unknown[CURVE_PARAMETERS], unknowns; /* neither linear nor given */
     double scale[SCALES_MOST];
@@ -50,7 +52,8 @@ static bool thin_out(struct search *s, const struct series *series, struct arena
         column[k] = (struct formula_column){s->formula.column[k].name, values + k * n};
     s->formula.column = column;
     s->thin = (struct series){.t = t, .y = y, .n = n, .quantity = series->quantity};
-    return projection_init(&s->projection, &s->formula, &s->thin, arena);
+    s->curve = (struct fit_curve){s->formula.parameters, s->formula.name, &s->formula, formula_evaluate};
+    return projection_init(&s->projection, &s->curve, s->formula.linear, &s->thin, arena);
 }
 
 /* Sizes that parameters of curves through these samples tend to have. */
@@ -169,7 +172,9 @@ static bool refine_projected(struct refining *r, const double *x)
     struct curve_fit reduced;
     struct error local = {0};
     struct curve_options plain = {.iterations = r->options->iterations, .cancel = r->options->cancel};
-    if (!projection_init(&projection, r->formula, r->series, r->arena))
+    struct formula formula = *r->formula;
+    const struct fit_curve whole = {formula.parameters, formula.name, &formula, formula_evaluate};
+    if (!projection_init(&projection, &whole, formula.linear, r->series, r->arena))
         return error_memory(r->error);
     if (projection.linears == 0 || projection.others == 0)
         return true;

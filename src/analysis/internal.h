@@ -143,6 +143,20 @@ double peak_frequency(const struct samples *samples, struct arena *arena, bool *
 /* The highest peaks of the whole and of the mean over its parts (a frequency that drifts) [rad/s]; returns how many. */
 int spectrum_candidates(const struct samples *samples, struct arena *arena, double *omega, int most, bool *memory);
 
+/* ---- peak.c ---- */
+
+/* Variance of one sample in white noise that has as much power as the residuals have about omega, where a line is. */
+double variance_beside(const struct samples *x, const double *residual, double omega);
+
+/* ---- modes.c ---- */
+
+struct mode_pair {
+    double period[2], beat; /* [s] */
+};
+
+/* Whether it is two damped sines, and one alone is far from it. */
+bool two_lines(const struct samples *samples, struct mode_pair *pair);
+
 /* ---- amplitude.c ---- */
 
 /* Local harmonic fit to the samples [from, to) with the motion's omega and gamma. False: too few samples there. */

@@ -14,7 +14,7 @@ struct problem {
     double *derivative;               /* [n][parameters] */
     double size;                      /* length of y: rounding */
     double scale;                     /* robust standard deviation the weights were set with */
-    bool robust;
+    bool robust, rough;
     /* what judge() leaves: the full Gauss-Newton step from there, and its length relative to value or uncertainty */
     double step[CURVE_PARAMETERS], length;
     double largest[CURVE_PARAMETERS]; /* of each column of the derivatives, by size */

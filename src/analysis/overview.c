@@ -294,6 +294,12 @@ bool motion_require(struct motion *m, const struct series *series, struct arena 
     if (!memory) {
         return error_memory(error);
     }
+    struct mode_pair pair;
+    if (!m->overview.oscillates && two_lines(&m->samples, &pair)) {
+        error_set(error, ERROR_COMMAND, "two frequencies: T = %.5g and %.5g s, which one sine does not follow",
+                  pair.period[0], pair.period[1]);
+        return error_hint(error, "type: fit modes 2");
+    }
     if (!m->overview.oscillates) {
         error_set(error, ERROR_COMMAND, "the signal does not oscillate: %s", m->overview.reason);
         return error_hint(error, "choose another window or column; at least two periods are needed");

@@ -19,8 +19,7 @@
 #define SIGMAS 8    /* a line stands so far above its surroundings: by chance none of 10^4 bins does */
 #define WHITE 6     /* the first one so far above white noise, its own foot counted as such: it may be broad */
 
-/* Variance of one sample in white noise that has as much power as the residuals have about omega. */
-static double variance_beside(const struct samples *x, const double *residual, double omega)
+double variance_beside(const struct samples *x, const double *residual, double omega)
 {
     const double bin = TWO_PI / (x->t[x->n - 1] - x->t[0]);
     double power = 0, used = 0, bins = 0;

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Variable projection: the parameters in which a formula is linear are solved for exactly, so that only the others are
+ * Variable projection: the parameters in which a curve is linear are solved for exactly, so that only the others are
  * searched (Golub & Pereyra 2003; derivatives in Kaufman's form, BIT 15, 1975).
  */
-#include "formula.h"
+#include "projection.h"
 
 #include <gsl/gsl_blas.h>
 #include <gsl/gsl_linalg.h>
@@ -11,21 +11,21 @@
 
 #define PIVOT_LEAST 1e-12 /* sine of the angle between a column and those before it */
 
-bool projection_init(struct projection *v, const struct formula *formula, const struct series *series,
-                     struct arena *arena)
+bool projection_init(struct projection *v, const struct fit_curve *curve, const bool *linear,
+                     const struct series *series, struct arena *arena)
 {
     size_t n = series->n;
-    *v = (struct projection){.formula = formula, .series = series};
-    for (int j = 0; j < formula->parameters; j++) {
-        if (formula->linear[j])
+    *v = (struct projection){.curve = curve, .series = series};
+    for (int j = 0; j < curve->parameters; j++) {
+        if (linear[j])
             v->linear[v->linears++] = j;
         else
             v->other[v->others++] = j;
     }
     for (int k = 0; k < v->others; k++)
-        v->name[k] = formula->name[v->other[k]];
+        v->name[k] = curve->name[v->other[k]];
     v->value = arena_array(arena, n, sizeof(double));
-    v->derivative = arena_array(arena, n * (size_t)formula->parameters, sizeof(double));
+    v->derivative = arena_array(arena, n * (size_t)curve->parameters, sizeof(double));
     v->basis = arena_array(arena, n * (size_t)(v->linears + 1), sizeof(double));
     v->column = arena_array(arena, n, sizeof(double));
     return v->value && v->derivative && v->basis && v->column;
@@ -43,13 +43,13 @@ static void orthogonalise(const gsl_matrix *qr, const gsl_vector *tau, gsl_vecto
 static double column_into(const struct projection *v, int j, gsl_vector *column)
 {
     for (size_t i = 0; i < v->series->n; i++)
-        gsl_vector_set(column, i, v->derivative[i * (size_t)v->formula->parameters + (size_t)j]);
+        gsl_vector_set(column, i, v->derivative[i * (size_t)v->curve->parameters + (size_t)j]);
     return gsl_blas_dnrm2(column);
 }
 
 bool project(struct projection *v, double *x, double *value, double *derivative, double *rss)
 {
-    struct formula formula = *v->formula;
+    const struct fit_curve *curve = v->curve;
     size_t n = v->series->n, m = (size_t)v->linears;
     const double *t = v->series->t, *y = v->series->y;
     double tau_of[CURVE_PARAMETERS], norm[CURVE_PARAMETERS];
@@ -57,7 +57,7 @@ bool project(struct projection *v, double *x, double *value, double *derivative,
     gsl_matrix_view qr = gsl_matrix_view_array(v->basis, n, m ? m : 1);
     for (size_t k = 0; k < m; k++)
         x[v->linear[k]] = 0;
-    if (n <= m || !formula_evaluate(&formula, x, t, n, v->value, v->derivative))
+    if (n <= m || !curve->evaluate(curve->context, x, t, n, v->value, v->derivative))
         return false;
     for (size_t k = 0; k < m; k++) {
         gsl_vector_view column = gsl_matrix_column(&qr.matrix, k);
@@ -89,7 +89,7 @@ bool project(struct projection *v, double *x, double *value, double *derivative,
         value[i] = y[i] - v->column[i];
     if (!derivative)
         return isfinite(length);
-    if (!formula_evaluate(&formula, x, t, n, v->value, v->derivative))
+    if (!curve->evaluate(curve->context, x, t, n, v->value, v->derivative))
         return false;
     for (int k = 0; k < v->others; k++) {
         column_into(v, v->other[k], &r.vector);

@@ -87,6 +87,33 @@ static void warn_halves(struct fit *fit)
     }
 }
 
+/* Two lines clear of the noise beat; what else modulates the amplitude is mostly a swing sideways. poor: residuals over
+ * signal. */
+static void warn_sway(const struct motion *m, double sway, double poor, struct fit *fit)
+{
+    struct mode_pair pair;
+    if (!(sway > SWAY_LEAST) && !(poor > POOR_LEAST)) {
+        return;
+    }
+    if (two_lines(&m->samples, &pair)) {
+        fit_warn(fit, "two frequencies: T = %.5g and %.5g s, which beat every %.4g s: try 'fit modes 2'",
+                 pair.period[0], pair.period[1], pair.beat);
+    } else if (sway > SWAY_LEAST) {
+        fit_warn(fit, "the amplitude is modulated by about %.0f %% (rms): does it sway sideways?", 100 * sway);
+    }
+}
+
+/* Residuals over signal, both rms. */
+static double poorness(const struct motion *m)
+{
+    double signal = 0;
+    for (size_t i = 0; i < m->samples.n; i++) {
+        double model = m->samples.use[i] ? m->samples.y[i] - m->residual[i] - m->harmonic.c : 0;
+        signal += model * model;
+    }
+    return sqrt(m->harmonic.rss / signal);
+}
+
 void fit_diagnose(const struct motion *m, double sway, struct fit *fit)
 {
     const struct harmonic *h = &m->harmonic;
@@ -115,15 +142,8 @@ void fit_diagnose(const struct motion *m, double sway, struct fit *fit)
                  "the offset drifts, by %.2g %% of the amplitude over the window: a line of its own was fitted to it",
                  100 * fabs(h->d) * span / fit->amplitude.value);
     }
-    if (sway > SWAY_LEAST) {
-        fit_warn(fit, "the amplitude is modulated by about %.0f %% (rms): does it sway sideways?", 100 * sway);
-    }
-    double signal = 0;
-    for (size_t i = 0; i < m->samples.n; i++) {
-        double model = m->samples.use[i] ? m->samples.y[i] - m->residual[i] - h->c : 0;
-        signal += model * model;
-    }
-    double poor = sqrt(h->rss / signal);
+    const double poor = poorness(m);
+    warn_sway(m, sway, poor, fit);
     if (poor > POOR_LEAST) {
         fit_warn(fit, "the model is poor: its residuals are %.0f %% of the signal (rms)", 100 * poor);
     }

@@ -177,6 +177,10 @@ static bool adopt_curve(struct session *session, const struct arguments *given, 
 {
     struct scene scene = session->setup.scene;
     const struct scene *fitted = &session->fit_scene;
+    if (session->fit_modes > 0) {
+        error_set(error, ERROR_COMMAND, "several modes at once are no motion of one spring and mass");
+        return error_hint(error, "type the equations of what is coupled, then: fit scene free=..");
+    }
     if (!fitted->model) {
         error_set(error, ERROR_COMMAND, "a formula has nothing that the scene could take");
         return error_hint(error, "type: fit, or: fit scene");

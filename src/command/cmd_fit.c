@@ -11,7 +11,7 @@
 static bool known_mass(const struct scene *scene, struct measured *mass)
 {
     const int m = scene_param(scene, "m");
-    if (!scene->given[m])
+    if (m < 0 || !scene->given[m])
         return false;
     *mass = (struct measured){scene->value[m], scene->uncertainty[m]};
     return true;
@@ -45,11 +45,14 @@ static void keep_fit(struct session *session, const struct subject *subject, con
             session_set_result(session, results[i].name, results[i].value, results[i].quantity);
 }
 
+enum fit_kind { KIND_DAMPED, KIND_SINE, KIND_DRAG, KIND_SCENE, KIND_MODES };
+
 static const struct row kinds[] = {
-    {"damped", "", "y = c + A exp(-gamma t/2) cos(omega t + phase): the default", "", NULL},
-    {"sine", "", "the same without damping", "", NULL},
-    {"drag", "", "linear, quadratic, dry friction and their sums, integrated, and which of them it is", "", NULL},
-    {"scene", "", "the scene's own equation of motion, integrated", "", NULL},
+    [KIND_DAMPED] = {"damped", "", "y = c + A exp(-gamma t/2) cos(omega t + phase): the default", "", NULL},
+    [KIND_SINE] = {"sine", "", "the same without damping", "", NULL},
+    [KIND_DRAG] = {"drag", "", "linear, quadratic, dry friction and their sums, integrated, and which of them it is", "", NULL},
+    [KIND_SCENE] = {"scene", "", "the scene's own equation of motion, integrated", "", NULL},
+    [KIND_MODES] = {"modes", "", "several damped sines at once: normal modes, beats, coupling", "", NULL},
 };
 
 const struct catalog fit_kind_catalog = CATALOG("fit", kinds);
@@ -60,19 +63,30 @@ static bool not_converged(const char *why, struct error *error)
     return error_hint(error, "choose a window where the motion is regular: fit window=FROM:TO");
 }
 
-static bool fit_motion(const struct asked_fit *asked, const char *name, struct error *error)
+/* Arguments that belong to other kinds of fit. */
+static bool refuse_others(const struct asked_fit *asked, enum fit_kind kind, struct error *error)
 {
     static const char *const others[] = {"free", "NAME", "bootstrap", "robust"};
-    struct session *session = asked->session;
-    const struct subject *subject = asked->subject;
-    struct arena *arena = asked->given->arena;
-    struct fit fit = {0};
-    for (size_t i = 0; i < COUNT_OF(others); i++)
+    const char *name = kinds[kind].name;
+    for (size_t i = 0; i < COUNT_OF(others) && kind != KIND_SCENE; i++)
         if (is_given(asked->given, others[i])) {
             error->where = given_for(asked->given, others[i])->where;
             error_set(error, ERROR_COMMAND, "'fit %s' needs no starts and frees what it needs", name);
             return error_hint(error, "that belongs to 'fit scene' and 'fit EXPR'");
         }
+    if (kind != KIND_MODES && is_given(asked->given, "COUNT")) {
+        error_at(error, given_for(asked->given, "COUNT")->where, "'fit %s' takes no number", name);
+        return error_hint(error, "for several frequencies: fit modes 2");
+    }
+    return true;
+}
+
+static bool fit_motion(const struct asked_fit *asked, const char *name, struct error *error)
+{
+    struct session *session = asked->session;
+    const struct subject *subject = asked->subject;
+    struct arena *arena = asked->given->arena;
+    struct fit fit = {0};
     const struct fit_model *model = (const struct fit_model *)(const void *)catalog_find(&fit_catalog, text_of(name));
     if (!model->fit(&subject->series, arena, session->front.cancel, &fit, error))
         return false;
@@ -109,8 +123,14 @@ HANDLER(fit)
     const struct asked_fit asked = {session, given, &subject, reply};
     if (formula)
         return fit_a_formula(&asked, model->item->text, error);
-    const char *name = model->count ? model->item->row->name : kinds[0].name;
-    return strcmp(name, "scene") == 0 ? fit_the_scene(&asked, error) : fit_motion(&asked, name, error);
+    const enum fit_kind kind =
+        model->count ? (enum fit_kind)catalog_place(&fit_kind_catalog, model->item->row) : KIND_DAMPED;
+    if (!refuse_others(&asked, kind, error))
+        return false;
+    struct measured mass;
+    if (kind == KIND_MODES)
+        return fit_the_modes(&asked, known_mass(&session->setup.scene, &mass) ? &mass : NULL, error);
+    return kind == KIND_SCENE ? fit_the_scene(&asked, error) : fit_motion(&asked, kinds[kind].name, error);
 }
 
 HANDLER(adopt)
@@ -127,6 +147,8 @@ COMMAND(fit, .row = {"fit", "", "fit an oscillation, the scene or a formula to a
             "y'' + gamma y' + omega0^2 y = 0. No guesses are needed. Both halves and the law of the envelope are "
             "always compared.\n"
             "drag: the equation of motion with linear drag, quadratic drag, dry friction and their sums: which it is.\n"
+            "modes N: N damped sines at once (2 unless told): frequencies, splitting, and the coupling of two equal "
+            "oscillators.\n"
             "scene: the scene's equation, integrated. Free are the start, and k, gamma and the drag that is there "
             "unless you have\n"
             "given them without an uncertainty, or what free= says; NAME=VALUE changes a value for this fit, offset=0 "
@@ -136,9 +158,11 @@ COMMAND(fit, .row = {"fit", "", "fit an oscillation, the scene or a formula to a
             "are fit_NAME afterwards. --robust gives samples far off no weight; --bootstrap N makes the intervals "
             "from N synthetic fits.",
         .examples = "load bare.txt; m = 200 g; fit damped; adopt; fit scene free=k,gamma,y0,v0; adopt; run\n"
-                    "load bare.txt; fit a*exp(-b*t)*cos(w*t+p)+c b=0.01 w=8.7",
+                    "load bare.txt; fit a*exp(-b*t)*cos(w*t+p)+c b=0.01 w=8.7\n"
+                    "load coupled.txt; fit modes 2",
         .see = "adopt measure load",
-        ARGUMENTS(PLACE("MODEL", TYPE_MODEL, .choices = &fit_kind_catalog), WORD("to", TYPE_RECORDING, .group = 1),
+        ARGUMENTS(PLACE("MODEL", TYPE_MODEL, .choices = &fit_kind_catalog),
+                  PLACE("COUNT", TYPE_INTEGER), WORD("to", TYPE_RECORDING, .group = 1),
                   WORD("run", TYPE_RUN, .group = 1), KEY("window", TYPE_RANGE, .quantity = QUANTITY_TIME),
                   KEY("free", TYPE_PARAM, .flags = ARG_MANY), KEY("NAME", TYPE_START, .flags = ARG_MANY | ARG_NEGATIVE),
                   OPTION("robust", TYPE_NONE), OPTION("bootstrap", TYPE_INTEGER)))

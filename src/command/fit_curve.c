@@ -16,6 +16,7 @@ void session_drop_curve(struct session *session)
     session->fit_curve[0] = session->fit_curve[1] = NULL;
     session->fit_samples = 0;
     session->fit_scene.model = NULL;
+    session->fit_modes = 0;
 }
 
 static double curve_value(const struct session *session, double t)
@@ -45,11 +46,9 @@ void session_fit_values(const struct session *session, const double *t, size_t n
         value[i] = curve_value(session, t[i]);
 }
 
-/* The curve at the samples, and fit_NAME. */
-static bool keep_curve(const struct asked_fit *asked, const struct told_fit *told, const char *model,
-                       struct measured offset, struct error *error)
+bool session_keep_curve(const struct asked_fit *asked, const double *residual, const struct fit *fit,
+                        struct error *error)
 {
-    static const struct measured none = {NAN, NAN};
     struct session *session = asked->session;
     const struct subject *subject = asked->subject;
     const struct series *series = &subject->series;
@@ -61,24 +60,37 @@ static bool keep_curve(const struct asked_fit *asked, const struct told_fit *tol
     }
     for (size_t i = 0; i < series->n; i++) {
         t[i] = series->t[i];
-        y[i] = series->y[i] - told->curve->residual[i];
+        y[i] = series->y[i] - residual[i];
     }
     session_drop_curve(session);
     session->fit_curve[0] = t;
     session->fit_curve[1] = y;
     session->fit_samples = series->n;
-    session->fit = (struct fit){.model = model,
-                                .period = none,
-                                .omega = none,
-                                .gamma = none,
-                                .amplitude = none,
-                                .phase = none,
-                                .offset = offset,
-                                .converged = true,
-                                .window = {t[0], t[series->n - 1]}};
+    session->fit = *fit;
     session->has_fit = true;
     session->fit_zero = subject->recording ? subject->recording->zero : 0;
     memcpy(session->fit_of, subject->name, sizeof session->fit_of);
+    return true;
+}
+
+/* The curve at the samples, and fit_NAME. */
+static bool keep_curve(const struct asked_fit *asked, const struct told_fit *told, const char *model,
+                       struct measured offset, struct error *error)
+{
+    static const struct measured none = {NAN, NAN};
+    struct session *session = asked->session;
+    const struct series *series = &asked->subject->series;
+    const struct fit fit = {.model = model,
+                            .period = none,
+                            .omega = none,
+                            .gamma = none,
+                            .amplitude = none,
+                            .phase = none,
+                            .offset = offset,
+                            .converged = true,
+                            .window = {series->t[0], series->t[series->n - 1]}};
+    if (!session_keep_curve(asked, told->curve->residual, &fit, error))
+        return false;
     for (int j = 0; j < told->curve->parameters; j++) {
         char name[LIMIT_NAME + 1];
         snprintf(name, sizeof name, "fit_%.*s", LIMIT_NAME - 4, told->name[j]);

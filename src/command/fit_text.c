@@ -65,8 +65,8 @@ static void put_head(const struct told_fit *told, struct buffer *text)
     const struct series *series = &told->subject->series;
     const size_t used = told->motion ? told->motion->used : told->curve->used;
     const size_t rejected = told->motion ? told->motion->rejected : told->curve->rejected;
-    buffer_format(text, "fit %s to %s, %.6g..%.6g s: %zu samples used, %zu rejected", told->model, told->subject->name,
-                  series->t[0], series->t[series->n - 1], used, rejected);
+    buffer_format(text, "fit %s to %s, %.6g..%.6g s: %zu samples used, %zu rejected", told->model,
+                  told->subject->name, series->t[0], series->t[series->n - 1], used, rejected);
 }
 
 /* ---- an oscillation ---- */
@@ -324,7 +324,7 @@ static void reply_record(const struct told_fit *told, struct reply *reply)
     reply_known(reply, "amplitude", fit->amplitude, series->quantity);
     reply_known(reply, "phase", fit->phase, QUANTITY_ANGLE);
     reply_known(reply, "offset", fit->offset, series->quantity);
-    reply_known(reply, "k", told->curve ? parameter(told, "k") : told->k, QUANTITY_STIFFNESS);
+    reply_known(reply, "k", told->curve ? parameter(told, "k") : told->modes ? none : told->k, QUANTITY_STIFFNESS);
     reply_real(reply, "rms", told->motion ? fit->rms : told->curve->sigma);
     reply_int(reply, "used", (int64_t)(told->motion ? fit->used : told->curve->used));
     reply_int(reply, "rejected", (int64_t)(told->motion ? fit->rejected : told->curve->rejected));
@@ -350,6 +350,8 @@ static void reply_record(const struct told_fit *told, struct reply *reply)
         reply_parameters(told, reply);
     }
     reply_laws(told, reply);
+    if (told->modes)
+        reply_modes(told, reply);
     reply_bool(reply, "converged", told->motion ? fit->converged : told->curve->converged);
     reply_array(reply, "warnings");
     for (int i = 0; i < told->warnings; i++)
@@ -362,7 +364,10 @@ void reply_fit(const struct told_fit *told, struct arena *arena, struct reply *r
 {
     struct buffer text = {0};
     put_head(told, &text);
-    (told->motion ? put_motion : put_curve)(told, arena, &text);
+    if (told->modes)
+        put_modes(told, &text);
+    else
+        (told->motion ? put_motion : put_curve)(told, arena, &text);
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
     reply_record(told, reply);

@@ -13,6 +13,7 @@ struct told_fit {
     /* One of these: a row of fit_catalog, or a curve with named parameters (of the scene, of a formula). */
     const struct fit *motion;
     const struct curve_fit *curve;
+    const struct modes_fit *modes; /* besides `motion`, which then is its summary; NULL: not several modes */
     const char *const *name;
     const enum quantity *quantity; /* [curve->parameters] QUANTITY_OTHER: the unit follows from the formula */
     const char *held;              /* what was not fitted: "m = 0.2 kg, k = 15 N/m"; NULL: nothing to say */
@@ -28,6 +29,11 @@ void fit_tell_residuals(struct told_fit *told);
 /* Lines, record and warnings. */
 void reply_fit(const struct told_fit *told, struct arena *arena, struct reply *reply);
 
+/* ---- fit_modes.c ---- */
+
+void put_modes(const struct told_fit *told, struct buffer *text);
+void reply_modes(const struct told_fit *told, struct reply *reply); /* into the open record */
+
 /* ---- fit_curve.c: fits of the scene and of formulas ----
  *
  * What was asked for comes in `asked`; they tell, keep the result in the session where they converged, and set the
@@ -42,6 +48,11 @@ struct asked_fit {
 
 bool fit_the_scene(const struct asked_fit *asked, struct error *error);
 bool fit_a_formula(const struct asked_fit *asked, struct text formula, struct error *error);
+/* mass: of one oscillator, NULL: not known. */
+bool fit_the_modes(const struct asked_fit *asked, const struct measured *mass, struct error *error);
+/* Keeps y - residual at the samples as the curve of the last fit, with what `fit` says of it. */
+bool session_keep_curve(const struct asked_fit *asked, const double *residual, const struct fit *fit,
+                        struct error *error);
 /* A fit of something else replaces its curve. */
 void session_drop_curve(struct session *session);
 
