@@ -341,7 +341,7 @@ static int count_modes(const struct samples *x, int count, const struct cancel *
     int sure = 0;
     for (int wanted = count; wanted <= most && sure < count; wanted++) {
         double samples;
-        const int found = modes_search(x, wanted, cancel, start, &samples);
+        const int found = modes_search(x, wanted, false, cancel, start, &samples);
         if (found < 0)
             return found;
         for (sure = 0; sure < found && sure < count && modes_evidence(start, sure + 1, found, samples) > DECIDES;)
@@ -385,7 +385,7 @@ bool two_lines(const struct samples *x, struct mode_pair *pair)
     struct mode_start start[3];
     double samples;
     const double width = 1 / (x->t[x->n - 1] - x->t[0]);
-    if (modes_search(x, 2, NULL, start, &samples) < 2 || !(modes_evidence(start, 1, 2, samples) > DECIDES) ||
+    if (modes_search(x, 2, true, NULL, start, &samples) < 2 || !(modes_evidence(start, 1, 2, samples) > DECIDES) ||
         !(modes_evidence(start, 2, 2, samples) > DECIDES) || !(start[2].rss < TWO_RATHER * start[1].rss))
         return false;
     const double *mode = start[2].value + MODES_FIRST;

@@ -28,10 +28,10 @@ struct mode_start {
 /*
  * Looks for as many modes as `modes`, one after the other, in `x` or in averages of its neighbours where there are
  * many samples: start[k] [modes + 1] is the best that was found with k of them, start[0] the straight line; *samples:
- * how many were looked at. Returns how many could be found, -1: no memory, or cancelled.
+ * how many were looked at. quick: only whether there are several, where these are most of what moves. Returns how many could be found, -1: no memory, or cancelled.
  */
-int modes_search(const struct samples *x, int modes, const struct cancel *cancel, struct mode_start *start,
-                 double *samples);
+int modes_search(const struct samples *x, int modes, bool quick, const struct cancel *cancel,
+                 struct mode_start *start, double *samples);
 /*
  * By how much BIC prefers k modes to k - 1. Residuals that hang together count as fewer: those with all that were
  * found, since a mode that is still missing makes them hang together, too.

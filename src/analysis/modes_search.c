@@ -10,7 +10,9 @@
 #include <math.h>
 #include <string.h>
 
-enum { THIN = 2048, LINES = 4, TRIED = 3, ITERATIONS = 25 };
+enum { THIN = 2048, THIN_QUICK = 400, LINES = 4, TRIED = 3, ITERATIONS = 25, ITERATIONS_QUICK = 10 };
+
+#define QUICK_LEFT 0.8 /* of the sum of squares: what one mode leaves at most, where a quick look goes on */
 
 #define A_PERIOD 8 /* samples that averaging leaves of the fastest line, at least */
 
@@ -56,6 +58,8 @@ void mode_curve_init(struct mode_curve *c, int modes, double origin)
         c->linear[j] = j < MODES_FIRST || (j - MODES_FIRST) % MODE_PARAMETERS >= MODE_A;
 }
 
+#define ROUNDING 1e-20 /* of a sum of squares: less says nothing */
+
 /* ---- fewer samples ---- */
 
 /* [Hz] of the fastest line that stands out, 0: none. */
@@ -75,10 +79,10 @@ static double fastest(const struct samples *x, struct arena *arena)
 }
 
 /* Means of so many neighbours that are used; false: no memory. */
-static bool thin_out(const struct samples *x, struct arena *arena, struct series *thin)
+static bool thin_out(const struct samples *x, size_t wanted, struct arena *arena, struct series *thin)
 {
     const double span = x->t[x->n - 1] - x->t[0], dt = span / (double)(x->n - 1);
-    size_t each = x->n / THIN;
+    size_t each = x->n / wanted;
     const double most = each > 1 ? 1 / (A_PERIOD * fastest(x, arena) * dt) : 1;
     each = each < 1 || !(most >= 2) ? 1 : (double)each < most ? each : (size_t)most;
     double *t = arena_array(arena, x->n / each + 1, sizeof *t), *y = arena_array(arena, x->n / each + 1, sizeof *y);
@@ -116,6 +120,7 @@ struct search {
     double span;
     struct arena *arena;
     const struct cancel *cancel;
+    bool quick;
     int modes; /* of a trial */
     struct mode_curve curve;
     struct projection projection;
@@ -190,11 +195,13 @@ static void try_splits(struct search *s, const struct rates *known)
 /* The best of the trials, each followed to its minimum. False: none has one, or it was cancelled. */
 static bool refine(struct search *s, struct mode_start *start, double *residual)
 {
-    const struct curve_options options = {.rough = true, .iterations = ITERATIONS, .cancel = s->cancel};
+    const struct curve_options options = {.rough = true,
+                                          .iterations = s->quick ? ITERATIONS_QUICK : ITERATIONS,
+                                          .cancel = s->cancel};
     const struct projection *v = &s->projection;
     const struct fit_curve curve = {v->others, v->name, &s->projection, projection_evaluate};
     bool found = false;
-    for (int i = 0; i < s->count; i++) {
+    for (int i = 0; i < s->count && i < (s->quick ? 1 : TRIED); i++) {
         double x[CURVE_PARAMETERS], all[CURVE_PARAMETERS], rss;
         struct curve_fit fit;
         struct error ignored = {0};
@@ -254,20 +261,21 @@ static bool straight_line(struct search *s, struct mode_start *start, double *re
     return true;
 }
 
-int modes_search(const struct samples *x, int modes, const struct cancel *cancel, struct mode_start *start,
-                 double *samples)
+int modes_search(const struct samples *x, int modes, bool quick, const struct cancel *cancel,
+                 struct mode_start *start, double *samples)
 {
     struct arena arena = {0};
-    struct search s = {.arena = &arena, .cancel = cancel, .span = x->t[x->n - 1] - x->t[0]};
+    struct search s = {.arena = &arena, .quick = quick, .cancel = cancel, .span = x->t[x->n - 1] - x->t[0]};
     int found = -1;
     double *residual = NULL;
-    if (thin_out(x, &arena, &s.series) && s.series.n > MODES_FIRST)
+    if (thin_out(x, quick ? THIN_QUICK : THIN, &arena, &s.series) && s.series.n > MODES_FIRST)
         residual = arena_array(&arena, s.series.n, sizeof *residual);
     if (residual && straight_line(&s, start, residual))
         found = 0;
     *samples = (double)s.series.n;
     while (found >= 0 && found < modes &&
            s.series.n > (size_t)(MODES_FIRST + (found + 1) * MODE_PARAMETERS) &&
+           (!quick || found != 1 || start[1].rss < QUICK_LEFT * start[0].rss) &&
            add_mode(&s, &start[found], &start[found + 1], residual))
         found++;
     arena_reset(&arena);
@@ -277,5 +285,6 @@ int modes_search(const struct samples *x, int modes, const struct cancel *cancel
 double modes_evidence(const struct mode_start *start, int k, int found, double samples)
 {
     const double n = samples / autocorrelation_factor(start[found].autocorrelation);
-    return n * log(start[k - 1].rss / start[k].rss) - MODE_PARAMETERS * log(n);
+    const double rounding = ROUNDING * start[0].rss;
+    return n * log(fmax(start[k - 1].rss, rounding) / fmax(start[k].rss, rounding)) - MODE_PARAMETERS * log(n);
 }
