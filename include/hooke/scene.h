@@ -346,6 +346,7 @@ struct system {
     bool kinks;        /* n = 2, and some force is not smooth at v = 0, where it is not frozen */
     bool across;       /* methods step across such kinks, as they are printed */
     double mass;       /* [kg] or what takes its place: kinetic energy = mass v^2 / 2 */
+    double ratio[LIMIT_VARIABLES / 2]; /* of the mass of each coordinate to it, where typed ones differ; 0: 1 */
     struct oscillator oscillator;
     double start[LIMIT_VARIABLES]; /* state at t0 */
     double t0;                     /* [s] */

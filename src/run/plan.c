@@ -115,7 +115,7 @@ bool plan_make(const struct system *system, const struct method *method, const s
                           .steps = NAN,
                           .bytes = NAN,
                           .seconds = NAN,
-                          .growth = adaptive ? NAN : predicted_growth(system, method, drag, dt),
+                          .growth = adaptive ? NAN : predicted_growth(system, method, drag, fmin(dt, fabs(span))),
                           .limit = NAN};
     plan->propagates = settings->kernel == KERNEL_PROPAGATOR && !adaptive && !settings->compensated && system->n == 2 &&
                        system->linear && system->autonomous && !method->growth &&

@@ -68,8 +68,11 @@ void system_jacobian(const struct system *system, double t, const double *y, dou
 double system_kinetic(const struct system *system, const double *y)
 {
     double sum = 0;
-    for (int i = term_rows(system); i < system->n; i++)
-        sum += 0.5 * system->mass * y[i] * y[i];
+    const int rows = term_rows(system);
+    for (int i = rows; i < system->n; i++) {
+        const double part = 0.5 * system->mass * y[i] * y[i];
+        sum += system->order == 2 && system->ratio[i - rows] > 0 ? system->ratio[i - rows] * part : part;
+    }
     return sum;
 }
 
@@ -239,6 +242,7 @@ static void begin(const struct model *model, struct system *system)
     system->energy = false;
     system->typed.row = NULL;
     system->mass = system->t0 = 0;
+    memset(system->ratio, 0, sizeof system->ratio);
     memset(system->start, 0, (size_t)model->n * sizeof *system->start);
     memset(system->scale, 0, (size_t)model->n * sizeof *system->scale);
     system->oscillator = (struct oscillator){

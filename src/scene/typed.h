@@ -104,6 +104,13 @@ struct typed_part {
 /* By a program of the part that c is from. */
 void typed_evaluate(const struct program *program, const double *c, double t, const double *y, double *out);
 const struct typed_term *typed_term_of(const double *c);
+/* Is there room for ratios of masses behind the values of a bound term? The last is that of the first coordinate. */
+static inline bool typed_ratios_fit(const struct typed_term *term)
+{
+    return term->part && 1 + term->part->given <= TERM_VALUES - typed_rows(term->typed);
+}
+/* The mass of coordinate i: that of the scene, unless typed_find_potential() found that they differ. */
+double typed_mass_of(const double *c, int i);
 
 struct typed_part *typed_part_create(const struct typed *typed, uint64_t zeros, struct error *error);
 void typed_part_destroy(struct typed_part *part);

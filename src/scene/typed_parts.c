@@ -68,6 +68,13 @@ static double potential(const double *c, const double *y)
     return out[0];
 }
 
+double typed_mass_of(const double *c, int i)
+{
+    const struct typed_term *term = typed_term_of(c);
+    const double ratio = typed_ratios_fit(term) ? c[TERM_VALUES - 1 - i] : 0;
+    return ratio > 0 ? ratio * c[1] : c[1];
+}
+
 static double power(const double *c, double t, const double *y)
 {
     const struct typed_term *term = typed_term_of(c);
@@ -75,8 +82,8 @@ static double power(const double *c, double t, const double *y)
     double out[LIMIT_VARIABLES], sum = 0;
     typed_evaluate(term->add, c, t, y, out);
     for (int i = 0; i < rows; i++)
-        sum += out[i] * y[rows + i];
-    return c[1] * sum;
+        sum += typed_mass_of(c, i) * out[i] * y[rows + i];
+    return sum;
 }
 
 /* ---- making programs ---- */

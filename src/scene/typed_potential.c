@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
  * The potential of typed forces for which nobody typed one: minus the integral of the force along a path, by adaptive
- * Gauss-Kronrod quadrature. In one coordinate there always is one. In several the Jacobian has to be symmetric, and the
- * integral between pairs of points has to be the difference of their potentials, which a whirl about a pole or a force
+ * Gauss-Kronrod quadrature. In one coordinate there always is one. In several the Jacobian has to be symmetric, which masses of their own
+ * may make it (x2'' = (x1 - 2*x2)/3); and the integral between pairs of points has to be the difference of their potentials, which a whirl about a pole or a force
  * with a jump has not.
  */
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "typed.h"
@@ -41,7 +42,7 @@ static double force_along(const struct path *path, double s)
     path->at(path, s, q, along);
     typed_evaluate(path->term->add, path->c, 0, q, a);
     for (int i = 0; i < rows; i++)
-        sum += along[i] * a[i];
+        sum += typed_mass_of(path->c, i) * along[i] * a[i];
     return sum;
 }
 
@@ -156,9 +157,7 @@ static double along_path(const double *c, const double *y,
                          void (*at)(const struct path *path, double s, double *q, double *along), double *size)
 {
     const struct path path = {typed_term_of(c), c, NULL, y, at};
-    const double sum = c[1] * integral(&path, size);
-    *size *= fabs(c[1]);
-    return -sum;
+    return -integral(&path, size);
 }
 
 /* a(q) = a(0) + A q */
@@ -171,8 +170,8 @@ static double linear_potential(const double *c, const double *y)
     memcpy(q, y, (size_t)rows * sizeof *q);
     typed_evaluate(term->add, c, 0, q, a);
     for (int i = 0; i < rows; i++)
-        sum += q[i] * (at0[i] + a[i]);
-    return -c[1] * sum / 2;
+        sum += typed_mass_of(c, i) * q[i] * (at0[i] + a[i]);
+    return -sum / 2;
 }
 
 static double origin_potential(const double *c, const double *y)
@@ -246,19 +245,80 @@ static int choose_points(const struct system *system, const struct typed_term *t
     return count;
 }
 
-/* Is d a_i/d q_j = d a_j/d q_i at q? */
-static bool is_symmetric(const struct typed_term *term, const double *c, const double *y)
+/* Is m_i d a_i/d q_j = m_j d a_j/d q_i in jac [rows][n]? ratio [rows]: of the masses */
+static bool is_symmetric(int rows, int n, const double *jac, const double *ratio)
 {
     const double tolerated = 1e-12;
-    const int rows = typed_rows(term->typed), n = term->typed->model.n;
-    double jac[LIMIT_VARIABLES * LIMIT_VARIABLES], size = 0, twist = 0;
-    typed_evaluate(term->jacobian, c, 0, y, jac);
+    double size = 0, twist = 0;
     for (int i = 0; i < rows; i++)
         for (int j = 0; j < rows; j++) {
-            size = fmax(size, fabs(jac[i * n + j]));
-            twist = fmax(twist, fabs(jac[i * n + j] - jac[j * n + i]));
+            size = fmax(size, fabs(ratio[i] * jac[i * n + j]));
+            twist = fmax(twist, fabs(ratio[i] * jac[i * n + j] - ratio[j] * jac[j * n + i]));
         }
     return isfinite(size) && twist <= tolerated * size;
+}
+
+/*
+ * Ratios of masses from pairs that act on each other, from the first coordinate on; the first of those that nothing
+ * connects to it has its mass.
+ */
+static void find_ratios(int rows, int n, const double *jac, int count, double *ratio)
+{
+    int queue[LIMIT_VARIABLES], known = 0;
+    for (int i = 0; i < rows; i++)
+        ratio[i] = 0;
+    for (int first = 0; first < rows; first++) {
+        if (ratio[first] > 0)
+            continue;
+        ratio[first] = 1;
+        queue[known++] = first;
+        for (int next = known - 1; next < known; next++)
+            for (int j = 0, i = queue[next]; j < rows; j++)
+                for (int k = 0; k < count && ratio[j] == 0; k++) {
+                    const double *at = jac + (size_t)k * (size_t)(rows * n), forth = at[i * n + j], back = at[j * n + i];
+                    if (forth / back > 0 && isfinite(forth / back)) {
+                        ratio[j] = ratio[i] * (forth / back);
+                        queue[known++] = j;
+                    }
+                }
+    }
+}
+
+/* Masses with which the Jacobian is symmetric at all points; true, and 1: it is so without. */
+static bool find_masses(const struct typed_term *term, const double *c, double point[][LIMIT_VARIABLES], int count,
+                        double *ratio)
+{
+    const int rows = typed_rows(term->typed), n = term->typed->model.n, size = rows * n;
+    double *jac = malloc((size_t)(count * size + 1) * sizeof *jac);
+    bool alike = jac, found = jac;
+    for (int i = 0; i < rows; i++)
+        ratio[i] = 1;
+    for (int k = 0; jac && k < count; k++) {
+        typed_evaluate(term->jacobian, c, 0, point[k], jac + k * size);
+        alike = alike && is_symmetric(rows, n, jac + k * size, ratio);
+    }
+    if (jac && !alike && typed_ratios_fit(term)) {
+        find_ratios(rows, n, jac, count, ratio);
+        for (int k = 0; k < count; k++)
+            found = found && is_symmetric(rows, n, jac + k * size, ratio);
+    } else {
+        found = alike;
+    }
+    free(jac);
+    return found;
+}
+
+static void set_masses(struct system *system, const double *ratio)
+{
+    const int rows = system->n / 2;
+    bool alike = true;
+    for (int i = 0; i < rows; i++)
+        alike = alike && ratio[i] == 1;
+    for (int i = 0; i < rows && !alike; i++) {
+        system->ratio[i] = ratio[i];
+        for (int k = 0; k < system->terms; k++)
+            system->term[k].c[TERM_VALUES - 1 - i] = ratio[i];
+    }
 }
 
 /* Is the integral from a to b what the potential says? */
@@ -268,9 +328,8 @@ static bool fits_between(const struct typed_term *term, const double *c, const d
     const double tolerated = 1e-8;
     const struct path path = {term, c, a, b, straight};
     double size;
-    const double fall = c[1] * integral(&path, &size);
-    return fabs(potential_a - potential_b - fall) <=
-           tolerated * (fabs(potential_a) + fabs(potential_b) + fabs(c[1]) * size);
+    const double fall = integral(&path, &size);
+    return fabs(potential_a - potential_b - fall) <= tolerated * (fabs(potential_a) + fabs(potential_b) + size);
 }
 
 static bool is_potential(double (*potential)(const double *c, const double *y), const struct typed_term *term,
@@ -300,15 +359,19 @@ bool typed_find_potential(struct system *system)
         return false;
     double point[POINTS][LIMIT_VARIABLES];
     const int count = choose_points(system, term, bound->c, point);
-    for (int k = 0; k < count && system->n > 2; k++)
-        if (!is_symmetric(term, bound->c, point[k]))
-            return false;
+    double ratio[LIMIT_VARIABLES];
+    const struct system before = *system;
+    if (system->n > 2 && !find_masses(term, bound->c, point, count, ratio))
+        return false;
+    if (system->n > 2)
+        set_masses(system, ratio);
     const bool linear = term->row.flags & TERM_LINEAR;
     for (int i = linear ? 0 : 1; i < (linear ? 1 : TYPED_FOUND) && count > 0; i++)
         if (linear || is_potential(potentials[i], term, bound->c, point, count)) {
             bound->row = &part->found[i];
             return true;
         }
+    *system = before;
     return false;
 }
 
