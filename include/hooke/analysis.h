@@ -280,15 +280,20 @@ enum {
     EQUATION_SPEED,
     EQUATION_OMEGA,
     EQUATION_RATE, /* gamma, b, f */
-    EQUATION_OFFSET = EQUATION_RATE + DRAG_RATES,
+    EQUATION_CUBIC = EQUATION_RATE + DRAG_RATES,
+    EQUATION_OFFSET,
     EQUATION_PARAMETERS
 };
 
-/* One motion under such a law: y and y' at t0 [without the offset], omega0, gamma, b, f, and the offset. */
+/* What pulls back: omega0^2 y, omega0^2 y + beta y^3 (Duffing), omega0^2 sin(y) (pendulum: y is an angle). */
+enum restoring_force { RESTORING_LINEAR, RESTORING_CUBIC, RESTORING_SINE };
+
+/* One motion under such a law: y and y' at t0 [without the offset], omega0, gamma, b, f, beta, and the offset. */
 struct equation {
     double value[EQUATION_PARAMETERS];
     double t0;
     int order; /* what is observed: 0 the position, 1 its velocity, 2 its acceleration */
+    enum restoring_force force;
 };
 
 /*
@@ -296,6 +301,25 @@ struct equation {
  * Integrated to rounding, through turning points and into rest. False: it cannot be integrated so far.
  */
 bool equation_solve(const struct equation *equation, const double *t, size_t n, double *value, double *derivative);
+
+enum { EQUATION_ORDER = 18, EQUATION_COLUMNS = EQUATION_OFFSET + 1 };
+
+/* The same some samples at a time, forwards: where the integration has come to. */
+struct equation_walk {
+    enum restoring_force force;
+    int order;
+    bool quadratic; /* there is such drag, or the derivative by it is wanted */
+    double t0, omega, offset;
+    double g, b, f, cubic; /* in the time unit 1/omega */
+    double side;           /* sign of the velocity, 0: at rest for good */
+    double at;             /* [rad] where the step begins */
+    /* Taylor coefficients of y, and of its derivatives by the parameters */
+    double c[EQUATION_ORDER + 1][EQUATION_COLUMNS];
+};
+
+/* quadratic: the derivative by b is wanted even where b is 0. */
+bool equation_begin(const struct equation *equation, bool quadratic, struct equation_walk *walk);
+bool equation_values(struct equation_walk *walk, const double *t, size_t n, double *value, double *derivative);
 
 /* The whole oscillation under each law, integrated. */
 struct drag_fit {
@@ -313,6 +337,8 @@ struct drag_fit {
     double p_value;        /* F-test of the last term of a sum, or of a second one beside a single law */
     struct equation motion;
     struct measured start, speed; /* y and y' at t0 */
+    double signal;                /* rms of the motion alone */
+    double wander;                /* of the baseline: standard deviation between its blocks; 0: it stands still */
     char said[240];               /* the choice in words, with the numbers */
 };
 

@@ -1,60 +1,52 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Which drag makes the oscillation die out: the equation of motion under each law, integrated (equation.c) and fitted to
- * all samples; the averaged envelope is only where the search begins.
+ * Which law makes the oscillation die out: the equation of motion under each, integrated (equation.c) and fitted to all
+ * samples (law_fit.c); the averaged envelope is only where the search begins. Which samples take part is judged by what
+ * the most general of the laws leaves, not by the damped sine; so is whether the baseline wanders.
  */
-#include "internal.h"
+#include "law_fit.h"
 
 #include <stdio.h>
 #include <string.h>
 
-enum { START, SPEED, OMEGA, OFFSET, FIRST_RATE, WINDOWS_LEAST = 8, WINDOWS_MOST = 256 };
+enum { START, SPEED, OMEGA, FIRST_RATE, WINDOWS_LEAST = 8, WINDOWS_MOST = 256, ROUNDS = 4 };
 
-enum { ITERATIONS = 60 };
-
-#define SETTLED 1e-6 /* of the variance: what a further step would gain */
-#define SMALL 1e-4   /* damping of a step that counts as a full one */
+#define SEARCHED 16384   /* samples among which the minimum of a long recording is looked for */
+#define SETTLED 1e-6     /* of the variance: what a further step would gain */
+#define SEARCH_ENDS 0.1  /* the same, where all samples are looked at afterwards */
 #define INTEGRATED 1e-16 /* mean square, relative, to which integration is good: no law is better than that */
+#define REJECT_AT 5.0    /* robust standard deviations */
+#define CLIPPED 0.2      /* of what was taken for clipped that must be off, or it was not */
+#define BASELINE_PERIODS 3
+#define WANDERS 2.0 /* variance that a baseline of its own takes in each block, over that of the residuals */
 
-struct drag_curve {
-    enum drag_law law;
-    struct equation motion;
-    double *slope; /* [n][EQUATION_PARAMETERS] */
-    double omega;  /* of the start: what is far from it is no answer */
+struct fitting {
+    struct motion *motion;
+    struct law_samples samples;
+    unsigned char *use; /* [n] */
+    size_t *edge;       /* [2 + n/..] of blocks */
+    double rounding;    /* [y^2] of a sum of squares */
+    double size;        /* amplitude, as y */
+    double t0;
+    struct equation start; /* of the linear law */
+    double rate[DRAG_RATES];
+    struct law_fit fit[DRAG_LAWS];
 };
 
 /* Places of the fit's parameters among the equation's; their number. */
-static int places(enum drag_law law, int place[EQUATION_PARAMETERS])
+static int places(enum drag_law law, enum restoring_force force, int place[LAW_PARAMETERS])
 {
     int count = FIRST_RATE;
     place[START] = EQUATION_START;
     place[SPEED] = EQUATION_SPEED;
     place[OMEGA] = EQUATION_OMEGA;
-    place[OFFSET] = EQUATION_OFFSET;
     for (int k = 0; k < DRAG_RATES; k++)
         if (law >> k & 1)
             place[count++] = EQUATION_RATE + k;
+    if (force == RESTORING_CUBIC)
+        place[count++] = EQUATION_CUBIC;
     return count;
 }
-
-static bool evaluate(void *context, const double *x, const double *t, size_t n, double *value, double *derivative)
-{
-    struct drag_curve *o = context;
-    int place[EQUATION_PARAMETERS];
-    const int count = places(o->law, place);
-    if (!(fabs(x[OMEGA] - o->omega) < 0.5 * o->omega))
-        return false;
-    for (int j = 0; j < count; j++)
-        o->motion.value[place[j]] = x[j];
-    if (!equation_solve(&o->motion, t, n, value, derivative ? o->slope : NULL))
-        return false;
-    for (size_t i = 0; i < n && derivative; i++)
-        for (int j = 0; j < count; j++)
-            derivative[i * (size_t)count + (size_t)j] = o->slope[i * EQUATION_PARAMETERS + (size_t)place[j]];
-    return true;
-}
-
-/* ---- uncertainties ---- */
 
 /* The frequency of the damped oscillation. */
 static double damped(double omega, double gamma)
@@ -62,293 +54,354 @@ static double damped(double omega, double gamma)
     return sqrt(fmax(omega * omega - 0.25 * gamma * gamma, 0));
 }
 
-/*
- * By how much slow changes of the amplitude (sway) make the variance of rates larger than independent residuals would:
- * the residuals' part in phase with the oscillation, window by window of two periods, against their own size, with its
- * correlation from window to window.
- */
-static double amplitude_factor(const struct series *x, double t0, const struct curve_fit *f)
-{
-    double omega = f->value[OMEGA].value, p = f->value[START].value, q = f->value[SPEED].value / omega, a = hypot(p, q);
-    double span = x->t[x->n - 1] - x->t[0], product = 0, square = 0, expected = 0, before = 0;
-    double windows = 0;
-    size_t count = (size_t)fmin(WINDOWS_MOST, 0.25 * omega * span / PI), i = 0;
-    for (size_t k = 0; k < count; k++) {
-        double end = x->t[0] + span * (double)(k + 1) / (double)count, in_phase = 0, norm = 0;
-        for (; i < x->n && (x->t[i] <= end || k + 1 == count); i++) {
-            double s = x->t[i] - t0, u = (p * cos(omega * s) + q * sin(omega * s)) / a;
-            in_phase += u * f->residual[i];
-            norm += u * u;
-        }
-        if (!(norm > 0))
-            continue;
-        in_phase /= sqrt(norm);
-        square += in_phase * in_phase;
-        product += in_phase * before;
-        expected += f->sigma * f->sigma;
-        before = in_phase;
-        windows++;
-    }
-    if (windows < WINDOWS_LEAST || !(expected > 0))
-        return autocorrelation_factor(f->autocorrelation);
-    double left = windows / fmax(windows - 3, 1); /* up to three parameters of the envelope are fitted */
-    return fmax(1, square / expected * left * autocorrelation_factor(product / square));
-}
-
-/* The samples that take part, without the drift of the offset. */
-static bool used_samples(const struct samples *x, double drift, struct arena *arena, struct series *used)
-{
-    double *t = arena_array(arena, x->n, sizeof *t), *y = arena_array(arena, x->n, sizeof *y);
-    *used = (struct series){.t = t, .y = y};
-    for (size_t i = 0; i < x->n && t && y; i++) {
-        if (x->use[i]) {
-            t[used->n] = x->uniform ? x->t0 + (double)i * x->dt : x->t[i];
-            y[used->n] = x->y[i] - drift * (t[used->n] - x->t0);
-            used->n++;
-        }
-    }
-    return t && y;
-}
-
 /* ---- the fits ---- */
 
-struct fitting {
-    struct series used;
-    double *slope, *derivative; /* [used.n][EQUATION_PARAMETERS] */
-    double *fitted;             /* [used.n] */
-    double rounding;            /* [y^2] of a sum of squares */
-    int order;
-    double t0, start[EQUATION_PARAMETERS]; /* of the linear law */
-    struct curve_fit fit[DRAG_LAWS];
-    struct arena *arena;
-    const struct cancel *cancel;
-};
-
-/* Sum of squares at x; normal equations unless NULL. NAN: no value there. */
-static double squares(const struct fitting *f, const struct fit_curve *curve, const double *x, double *derivative,
-                      double normal[EQUATION_PARAMETERS][EQUATION_PARAMETERS + 1])
+static bool arrive(struct fitting *f, struct law_fit *fit)
 {
-    const int count = curve->parameters;
-    double sum = 0;
-    if (!curve->evaluate(curve->context, x, f->used.t, f->used.n, f->fitted, derivative))
-        return NAN;
-    for (int j = 0; j < count; j++)
-        memset(normal[j], 0, sizeof normal[j]);
-    for (size_t i = 0; i < f->used.n; i++) {
-        const double r = f->used.y[i] - f->fitted[i], *d = derivative + i * (size_t)count;
-        sum += r * r;
-        for (int j = 0; j < count; j++) {
-            for (int k = 0; k <= j; k++)
-                normal[j][k] += d[j] * d[k];
-            normal[j][EQUATION_PARAMETERS] += d[j] * r;
-        }
-    }
-    return sum;
-}
-
-/* (A + lambda diag A) step = b by Cholesky's method; false: not positive. */
-static bool damped_step(int n, double normal[EQUATION_PARAMETERS][EQUATION_PARAMETERS + 1], double lambda, double *step)
-{
-    double l[EQUATION_PARAMETERS][EQUATION_PARAMETERS];
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j <= i; j++) {
-            const double scale = sqrt(normal[i][i] * normal[j][j]);
-            double sum = scale > 0 ? normal[i][j] / scale : 0;
-            sum += i == j ? lambda : 0;
-            for (int k = 0; k < j; k++)
-                sum -= l[i][k] * l[j][k];
-            if (i == j && !(sum > 0))
-                return false;
-            l[i][j] = i == j ? sqrt(sum) : sum / l[j][j];
-        }
-    for (int i = 0; i < n; i++) {
-        step[i] = normal[i][EQUATION_PARAMETERS] / sqrt(normal[i][i]);
-        for (int k = 0; k < i; k++)
-            step[i] -= l[i][k] * step[k];
-        step[i] /= l[i][i];
-    }
-    for (int i = n - 1; i >= 0; i--) {
-        for (int k = i + 1; k < n; k++)
-            step[i] -= l[k][i] * step[k];
-        step[i] /= l[i][i];
-    }
-    for (int i = 0; i < n; i++)
-        step[i] /= sqrt(normal[i][i]);
-    return true;
-}
-
-/* x becomes the minimum (Marquardt 1963), *best its sum of squares. False: it has not arrived. */
-static bool descend(const struct fitting *f, const struct fit_curve *curve, double *x, double *best,
-                    double normal[EQUATION_PARAMETERS][EQUATION_PARAMETERS + 1])
-{
-    double next[EQUATION_PARAMETERS][EQUATION_PARAMETERS + 1], trial[EQUATION_PARAMETERS], step[EQUATION_PARAMETERS];
-    double lambda = 1e-3;
-    *best = squares(f, curve, x, f->derivative, normal);
-    for (int i = 0; i < ITERATIONS && isfinite(*best) && !cancelled(f->cancel); i++) {
-        double decrement = 0;
-        if (!damped_step(curve->parameters, normal, lambda, step))
-            return false;
-        for (int j = 0; j < curve->parameters; j++) {
-            trial[j] = x[j] + step[j];
-            decrement += step[j] * normal[j][EQUATION_PARAMETERS];
-        }
-        const bool there = lambda < SMALL && decrement < fmax(SETTLED * *best / (double)f->used.n, f->rounding);
-        const double sum = squares(f, curve, trial, f->derivative, next);
-        if (sum <= *best) {
-            memcpy(x, trial, sizeof trial);
-            memcpy(normal, next, sizeof next);
-            *best = sum;
-            lambda *= 0.01;
-        } else {
-            lambda = fmax(lambda * 10, 1e-6);
-        }
-        if (there)
-            return true;
-    }
-    return false;
-}
-
-/* The values with what they are worth. False: the parameters are not determined. */
-static bool judge(const struct fitting *f, int count, double normal[EQUATION_PARAMETERS][EQUATION_PARAMETERS + 1],
-                  struct curve_fit *fit)
-{
-    const struct series *used = &f->used;
-    double inverse[EQUATION_PARAMETERS][EQUATION_PARAMETERS], product = 0;
-    for (int j = 0; j < count; j++) {
-        for (int i = 0; i < count; i++)
-            normal[i][EQUATION_PARAMETERS] = i == j;
-        if (!damped_step(count, normal, 0, inverse[j]))
-            return false;
-    }
-    for (size_t i = 1; i < used->n; i++)
-        product += fit->residual[i] * fit->residual[i - 1];
-    fit->autocorrelation = fit->rss > 0 ? product / fit->rss : 0;
-    fit->sigma = sqrt(fit->rss / (double)(used->n - (size_t)count));
-    const double widen = sqrt(autocorrelation_factor(fit->autocorrelation));
-    for (int j = 0; j < count; j++) {
-        fit->formal[j] = fit->sigma * sqrt(fmax(inverse[j][j], 0));
-        fit->value[j].uncertainty = fit->formal[j] * widen;
-    }
-    return true;
-}
-
-static bool fit_from(struct fitting *f, enum drag_law law, const double *values, struct curve_fit *fit,
-                     struct error *error)
-{
-    struct drag_curve o = {.law = law,
-                           .motion = {.t0 = f->t0, .order = f->order},
-                           .slope = f->slope,
-                           .omega = f->start[EQUATION_OMEGA]};
-    int place[EQUATION_PARAMETERS];
-    const struct fit_curve curve = {.parameters = places(law, place), .context = &o, .evaluate = evaluate};
-    double x[EQUATION_PARAMETERS] = {0}, normal[EQUATION_PARAMETERS][EQUATION_PARAMETERS + 1] = {{0}};
-    for (int j = 0; j < curve.parameters; j++)
-        x[j] = values[place[j]];
-    *fit = (struct curve_fit){.parameters = curve.parameters, .used = f->used.n, .rss = HUGE_VAL};
-    fit->residual = arena_array(f->arena, f->used.n, sizeof *fit->residual);
-    if (!fit->residual)
-        return error_memory(error);
-    fit->converged = descend(f, &curve, x, &fit->rss, normal);
-    if (cancelled(f->cancel))
-        return error_set(error, ERROR_CANCELLED, "the fit was stopped");
-    for (int j = 0; j < curve.parameters; j++)
-        fit->value[j].value = x[j];
-    if (!evaluate(&o, x, f->used.t, f->used.n, f->fitted, NULL)) {
-        fit->converged = false;
-        fit->rss = HUGE_VAL;
-        return true;
-    }
-    for (size_t i = 0; i < f->used.n; i++)
-        fit->residual[i] = f->used.y[i] - f->fitted[i];
-    fit->converged = judge(f, curve.parameters, normal, fit) && fit->converged;
-    return true;
-}
-
-/* What a fit found, as values of the equation. */
-static void values_of(const struct curve_fit *fit, enum drag_law law, double *values)
-{
-    int place[EQUATION_PARAMETERS];
-    const int count = places(law, place);
-    memset(values, 0, EQUATION_PARAMETERS * sizeof *values);
-    for (int j = 0; j < count; j++)
-        values[place[j]] = fit->value[j].value;
+    const bool searches = f->samples.stride > 1;
+    return law_descend(&f->samples, searches ? SEARCH_ENDS : SETTLED, f->rounding, fit);
 }
 
 /* The law alone from the rates of the envelope; a sum from the best of what it contains, its further term at 0. */
-static bool fit_law(struct fitting *f, int i, const double rate[DRAG_RATES], struct error *error)
+static void begin_law(struct fitting *f, int i)
 {
     const enum drag_law law = (enum drag_law)(i + 1);
-    double values[EQUATION_PARAMETERS];
+    struct law_fit *fit = &f->fit[i];
     int part = -1;
     for (int j = 0; j < i; j++)
-        if (((j + 1) & (i + 1)) == j + 1 && isfinite(f->fit[j].rss) && (part < 0 || f->fit[j].rss < f->fit[part].rss))
+        if (((j + 1) & (i + 1)) == j + 1 && f->fit[j].converged && (part < 0 || f->fit[j].rss < f->fit[part].rss))
             part = j;
-    if (part >= 0) {
-        values_of(&f->fit[part], (enum drag_law)(part + 1), values);
-    } else {
-        memcpy(values, f->start, sizeof values);
-        for (int k = 0; k < DRAG_RATES; k++)
-            values[EQUATION_RATE + k] = law >> k & 1 ? rate[k] : 0;
+    *fit = (struct law_fit){.motion = part >= 0 ? f->fit[part].motion : f->start, .omega = f->start.value[EQUATION_OMEGA]};
+    fit->parameters = places(law, f->start.force, fit->place);
+    for (int k = 0; k < DRAG_RATES && part < 0; k++)
+        fit->motion.value[EQUATION_RATE + k] = law >> k & 1 ? f->rate[k] : 0;
+}
+
+/* A few sizes of a single rate: the best is where it begins. */
+static void scan(const struct fitting *f, struct law_fit *fit)
+{
+    static const double sizes[] = {0.4, 0.7, 1, 1.5, 2.5};
+    double *rate = &fit->motion.value[fit->place[FIRST_RATE]], guess = *rate, best = guess, least = HUGE_VAL;
+    for (size_t k = 0; k < COUNT_OF(sizes); k++) {
+        *rate = guess * sizes[k];
+        const double sum = law_squares(&f->samples, fit);
+        if (sum < least) {
+            least = sum;
+            best = *rate;
+        }
     }
-    return fit_from(f, law, values, &f->fit[i], error);
+    *rate = best;
+}
+
+static void fit_laws(struct fitting *f, bool again)
+{
+    for (int i = 0; i < DRAG_LAWS && !cancelled(f->samples.cancel); i++) {
+        struct law_fit *fit = &f->fit[i];
+        if (!again || !fit->converged) {
+            begin_law(f, i);
+            if (fit->parameters == FIRST_RATE + 1)
+                scan(f, fit);
+        }
+        arrive(f, fit);
+    }
+}
+
+/* All samples, from what a part of them has shown. */
+static void refine_laws(struct fitting *f)
+{
+    f->samples.stride = 1;
+    for (int i = 0; i < DRAG_LAWS && !cancelled(f->samples.cancel); i++) {
+        struct law_fit *fit = &f->fit[i];
+        if (fit->converged && !law_refine(&f->samples, fit))
+            law_descend(&f->samples, SEARCH_ENDS, f->rounding, fit);
+    }
+}
+
+/* The law that comes nearest to the samples, -1: none converged. */
+static int nearest(const struct fitting *f)
+{
+    int best = -1;
+    for (int i = 0; i < DRAG_LAWS; i++)
+        if (f->fit[i].converged && (best < 0 || f->fit[i].rss < f->fit[best].rss))
+            best = i;
+    return best;
+}
+
+/* ---- which samples, which baseline ---- */
+
+static void one_block(struct fitting *f, int terms)
+{
+    struct baseline *baseline = &f->samples.baseline;
+    *baseline = (struct baseline){.blocks = 1, .edge = f->edge, .terms = terms};
+    f->edge[0] = 0;
+    f->edge[1] = f->motion->samples.n;
+}
+
+/* A parabola in every three periods. */
+static struct baseline many_blocks(const struct fitting *f, size_t *edge)
+{
+    const struct samples *x = &f->motion->samples;
+    const double span = x->t[x->n - 1] - x->t[0], omega = f->start.value[EQUATION_OMEGA];
+    const double count = fmin(floor(omega * span / TWO_PI / BASELINE_PERIODS), (double)(x->n / BASELINE_LEAST));
+    struct baseline baseline = {.blocks = (size_t)fmax(count, 1), .edge = edge, .terms = BASELINE_TERMS};
+    edge[0] = 0;
+    for (size_t k = 1; k < baseline.blocks; k++) {
+        const size_t at = samples_index(x, x->t[0] + span * (double)k / (double)baseline.blocks);
+        edge[k] = at > edge[k - 1] ? at : edge[k - 1] + 1;
+    }
+    edge[baseline.blocks] = x->n;
+    return baseline;
+}
+
+/* Whether the residuals of the nearest law ask for a baseline of their own in every block. */
+static bool wanders(struct fitting *f, int at, size_t *edge)
+{
+    struct law_samples local = f->samples;
+    local.baseline = many_blocks(f, edge);
+    struct law_fit trial = f->fit[at];
+    const double before = law_squares(&f->samples, &trial), after = law_squares(&local, &trial);
+    const double more = (double)(BASELINE_TERMS * local.baseline.blocks) - f->samples.baseline.terms;
+    const double left = (double)trial.used - (double)(BASELINE_TERMS * local.baseline.blocks);
+    if (!(more > 0) || !(left > 0) || after < (double)trial.used * INTEGRATED * f->size * f->size)
+        return false;
+    return (before - after) / more > (WANDERS + 3 * sqrt(2 / more)) * after / left;
+}
+
+/* Samples far off the nearest law do not take part; residual of all of them. Returns how many changed sides. */
+static size_t judge_samples(struct fitting *f, const double *residual)
+{
+    struct motion *m = f->motion;
+    const struct samples *x = &m->samples;
+    size_t changed = 0, off = 0;
+    for (size_t k = 0; k < m->segments; k++) {
+        struct segment *s = &m->segment[k];
+        for (size_t i = s->from; i < s->to; i++)
+            m->scratch[i - s->from] = fabs(residual[i]);
+        s->scale = MAD_TO_SIGMA * quantile(m->scratch, s->to - s->from, 0.5);
+    }
+    for (size_t k = 0; k < m->segments; k++)
+        m->scratch[k] = m->segment[k].scale;
+    const double typical = fmax(quantile(m->scratch, m->segments, 0.5), m->quantum / sqrt(12.0));
+    for (int twice = 0; twice < 2; twice++) {
+        const bool clips = (double)off > CLIPPED * (double)m->clipped;
+        for (size_t k = 0; k < m->segments; k++) {
+            const double most = REJECT_AT * fmax(m->segment[k].scale, typical) + 1e-7 * f->size;
+            for (size_t i = m->segment[k].from; i < m->segment[k].to; i++) {
+                const bool far = fabs(residual[i]) > most;
+                off += twice == 0 && far && !x->use[i];
+                if (twice == 0 || (m->clipped > 0 && clips && !x->use[i]))
+                    continue;
+                changed += f->use[i] != !far;
+                f->use[i] = !far;
+            }
+        }
+    }
+    return changed;
+}
+
+/* The samples of the fits and the fits themselves, until both agree. False: no law converged. */
+static bool settle(struct fitting *f, size_t *edge)
+{
+    struct motion *m = f->motion;
+    bool local = false;
+    fit_laws(f, false);
+    for (int round = 0; round < ROUNDS; round++) {
+        const int at = nearest(f);
+        if (at < 0 || !law_residuals(&f->samples, &f->fit[at], m->residual, NULL, NULL))
+            return false;
+        const size_t changed = judge_samples(f, m->residual);
+        const bool now = !local && wanders(f, at, edge);
+        if (now)
+            f->samples.baseline = many_blocks(f, edge);
+        local = local || now;
+        if (!now && (double)changed < 1e-3 * (double)m->samples.n)
+            break;
+        fit_laws(f, true);
+    }
+    if (f->samples.stride > 1)
+        refine_laws(f);
+    return nearest(f) >= 0;
+}
+
+/* ---- uncertainties ---- */
+
+/* What slow changes leave in one direction of the oscillation, window by window. */
+struct windows {
+    double square, product, expected, before, count;
+};
+
+static void add_window(struct windows *w, double sum, double norm, double variance)
+{
+    const double z = sum / sqrt(norm);
+    w->square += z * z;
+    w->product += z * w->before;
+    w->expected += variance;
+    w->before = z;
+    w->count++;
+}
+
+static double factor_of(const struct windows *w, double lag)
+{
+    if (w->count < WINDOWS_LEAST || !(w->expected > 0))
+        return autocorrelation_factor(lag);
+    const double left = w->count / fmax(w->count - 3, 1); /* up to three parameters of the envelope are fitted */
+    return fmax(1, w->square / w->expected * left * autocorrelation_factor(w->product / w->square));
+}
+
+struct factors {
+    double amplitude, phase; /* of variances */
+    double windows;
+    double lag; /* autocorrelation of neighbours */
+    double sigma;
+    double signal; /* rms of the motion alone */
+};
+
+/*
+ * By how much slow changes of the amplitude (sway) and of the phase make the variance of rates and of the frequency
+ * larger than independent residuals would: the residuals' part in phase with the motion and with its velocity, window
+ * by window of two periods, against their own size, with its correlation from window to window.
+ */
+static bool find_factors(const struct fitting *f, const struct law_fit *fit, struct factors *out)
+{
+    const struct samples *x = &f->motion->samples;
+    const double *residual = f->motion->residual;
+    struct equation turned = fit->motion;
+    turned.order = fit->motion.order == 0 ? 1 : fit->motion.order - 1;
+    struct equation_walk along, across;
+    struct windows w[2] = {{0}};
+    const double span = x->t[x->n - 1] - x->t[0], n = (double)fit->used - fit->parameters;
+    const size_t count = (size_t)fmin(WINDOWS_MOST, 0.5 * fit->motion.value[EQUATION_OMEGA] * span / TWO_PI);
+    double product = 0, square = 0, before = 0, energy = 0, largest = 0;
+    *out = (struct factors){.sigma = sqrt(fit->rss / fmax(n - (double)f->samples.baseline.blocks, 1))};
+    if (!equation_begin(&fit->motion, false, &along) || !equation_begin(&turned, false, &across))
+        return false;
+    size_t i = 0;
+    for (size_t k = 0; k < (count > 0 ? count : 1); k++) {
+        const double end = x->t[0] + span * (double)(k + 1) / (double)count;
+        double sum[2] = {0}, norm[2] = {0};
+        for (; i < x->n && (x->t[i] <= end || k + 1 >= count); i++) {
+            double u[2];
+            const double t = x->uniform ? x->t0 + (double)i * x->dt : x->t[i];
+            if (!f->use[i])
+                continue;
+            if (!equation_values(&along, &t, 1, &u[0], NULL) || !equation_values(&across, &t, 1, &u[1], NULL))
+                return false;
+            for (int d = 0; d < 2; d++) {
+                sum[d] += u[d] * residual[i];
+                norm[d] += u[d] * u[d];
+            }
+            product += residual[i] * before;
+            square += residual[i] * residual[i];
+            before = residual[i];
+            energy += u[0] * u[0];
+        }
+        largest = fmax(largest, norm[0]);
+        for (int d = 0; d < 2; d++)
+            if (norm[d] > 0 && norm[0] > 1e-3 * largest)
+                add_window(&w[d], sum[d], norm[d], out->sigma * out->sigma);
+    }
+    out->lag = square > 0 ? product / square : 0;
+    out->amplitude = factor_of(&w[0], out->lag);
+    out->phase = factor_of(&w[1], out->lag);
+    out->windows = w[0].count;
+    out->signal = sqrt(energy / (double)fit->used);
+    return true;
 }
 
 /* Energy per mass that a rate of 1 takes along the motion: the sums of v^2, |v|^3 and |v|. */
-static void losses(struct fitting *f, int i, double loss[DRAG_RATES])
+static void losses(const struct fitting *f, const struct law_fit *fit, double loss[DRAG_RATES])
 {
-    struct equation motion = {.t0 = f->t0, .order = 1};
-    double *v = f->slope;
-    values_of(&f->fit[i], (enum drag_law)(i + 1), motion.value);
-    motion.value[EQUATION_OFFSET] = 0;
+    enum { POINTS = 4096 };
+    const struct samples *x = &f->motion->samples;
+    struct equation motion = fit->motion;
+    struct equation_walk walk;
+    motion.order = 1;
     loss[0] = loss[1] = loss[2] = 0;
-    if (!equation_solve(&motion, f->used.t, f->used.n, v, NULL))
+    if (!equation_begin(&motion, false, &walk))
         return;
-    for (size_t k = 0; k < f->used.n; k++) {
-        loss[0] += v[k] * v[k];
-        loss[1] += fabs(v[k]) * v[k] * v[k];
-        loss[2] += fabs(v[k]);
+    for (size_t k = 0; k < POINTS; k++) { /* spread evenly: the golden ratio keeps them off the period */
+        const double t = f->t0 + (x->t[x->n - 1] - f->t0) * ((double)k + fmod(0.6180339887 * (double)k, 1)) / POINTS;
+        double v;
+        if (!equation_values(&walk, &t, 1, &v, NULL))
+            return;
+        loss[0] += v * v;
+        loss[1] += fabs(v) * v * v;
+        loss[2] += fabs(v);
     }
 }
 
 /* ---- the report ---- */
 
-static void describe(const struct curve_fit *f, int i, double factor, struct drag_candidate *out)
+static void describe(const struct law_fit *fit, int i, double deviation, struct drag_candidate *out)
 {
-    int place[EQUATION_PARAMETERS];
-    const int count = places((enum drag_law)(i + 1), place);
-    *out = (struct drag_candidate){.law = (enum drag_law)(i + 1), .converged = f->converged};
-    out->rms = sqrt(f->rss / (double)f->used);
-    for (int j = FIRST_RATE; j < count; j++)
-        out->rate[place[j] - EQUATION_RATE] = (struct measured){f->value[j].value, f->formal[j] * sqrt(factor)};
+    *out = (struct drag_candidate){.law = (enum drag_law)(i + 1), .converged = fit->converged};
+    out->rms = sqrt(fit->rss / (double)fit->used);
+    for (int j = FIRST_RATE; j < fit->parameters; j++) {
+        const struct measured value = {fit->motion.value[fit->place[j]], deviation * law_formal(fit, j)};
+        if (fit->place[j] < EQUATION_CUBIC)
+            out->rate[fit->place[j] - EQUATION_RATE] = value;
+    }
+}
+
+/* The offset at t0 and its slope, from the baseline. */
+static bool report_offset(struct fitting *f, const struct law_fit *fit, const struct factors *factors,
+                          struct arena *arena, struct fit *out)
+{
+    const struct samples *x = &f->motion->samples;
+    const size_t blocks = f->samples.baseline.blocks;
+    double *level = arena_array(arena, blocks, sizeof *level), *slope = arena_array(arena, blocks, sizeof *slope);
+    double sum = 0, square = 0;
+    if (!level || !slope || !law_residuals(&f->samples, fit, f->motion->residual, level, slope))
+        return false;
+    for (size_t k = 0; k < blocks; k++)
+        sum += level[k];
+    const double mean = sum / (double)blocks, middle = 0.5 * (x->t[0] + x->t[x->n - 1]);
+    for (size_t k = 0; k < blocks; k++)
+        square += (level[k] - mean) * (level[k] - mean);
+    const double wander = blocks > 1 ? sqrt(square / (double)(blocks - 1)) : 0;
+    const double still = factors->sigma * sqrt(autocorrelation_factor(factors->lag) / (double)fit->used);
+    const bool line = blocks == 1 && f->samples.baseline.terms > 1;
+    out->drift = (struct measured){line ? slope[0] : 0, 0};
+    out->offset = (struct measured){mean - out->drift.value * (middle - f->t0), hypot(still, wander)};
+    out->drag.wander = wander;
+    return true;
 }
 
 /* The values of a fit that has one law, with the names of the damped sine. */
-static void report(const struct fitting *f, int i, double factor, struct fit *out)
+static void report(const struct fitting *f, int i, const struct factors *factors, struct fit *out)
 {
-    const struct curve_fit *fit = &f->fit[i];
+    const struct law_fit *fit = &f->fit[i];
     struct drag_fit *drag = &out->drag;
-    struct equation *motion = &drag->motion;
-    *motion = (struct equation){.t0 = f->t0, .order = f->order};
-    values_of(fit, (enum drag_law)(i + 1), motion->value);
-    const double widen = sqrt(factor), y = motion->value[EQUATION_START], v = motion->value[EQUATION_SPEED];
-    const double gamma = motion->value[EQUATION_RATE], omega = damped(motion->value[EQUATION_OMEGA], gamma);
+    const double widen = factors->sigma * sqrt(factors->amplitude), across = factors->sigma * sqrt(factors->phase);
+    const double y = fit->motion.value[EQUATION_START], v = fit->motion.value[EQUATION_SPEED];
+    const double gamma = fit->motion.value[EQUATION_RATE], omega = damped(fit->motion.value[EQUATION_OMEGA], gamma);
+    const int order = fit->motion.order;
     /* y = A exp(-gamma s/2) cos(omega s + phi), and how each derivative is larger and earlier */
     const double sine = (v + 0.5 * gamma * y) / omega, a = hypot(y, sine);
-    const double grow = pow(hypot(0.5 * gamma, omega), f->order), turn = f->order * atan2(omega, -0.5 * gamma);
-    drag->start = (struct measured){y, fit->formal[START] * widen};
-    drag->speed = (struct measured){v, fit->formal[SPEED] * widen};
-    const double along = hypot(y * drag->start.uncertainty, sine * drag->speed.uncertainty / omega) / a;
-    const double across = hypot(sine * drag->start.uncertainty, y * drag->speed.uncertainty / omega) / a;
-    out->amplitude = (struct measured){a * grow, along * grow};
-    out->phase = (struct measured){remainder(atan2(-sine, y) + turn, TWO_PI), across / a};
-    out->offset = (struct measured){fit->value[OFFSET].value, fit->value[OFFSET].uncertainty};
-    out->omega = (struct measured){omega, fmax(fit->value[OMEGA].uncertainty, out->omega.uncertainty)};
+    const double grow = pow(hypot(0.5 * gamma, omega), order), turn = order * atan2(omega, -0.5 * gamma);
+    const double worse = fmax(widen, across);
+    drag->start = (struct measured){y, law_formal(fit, START) * worse};
+    drag->speed = (struct measured){v, law_formal(fit, SPEED) * worse};
+    const double radial = hypot(y * drag->start.uncertainty, sine * drag->speed.uncertainty / omega) / a;
+    const double turned = hypot(sine * drag->start.uncertainty, y * drag->speed.uncertainty / omega) / a;
+    out->amplitude = (struct measured){a * grow, radial * grow};
+    out->phase = (struct measured){remainder(atan2(-sine, y) + turn, TWO_PI), turned / a};
+    out->omega = (struct measured){omega, law_formal(fit, OMEGA) * across};
+    const struct measured *half = out->half_periods; /* a period that drifts is only as good as half the difference */
+    const double drifts = fabs(half[0].value - half[1].value);
+    if (drifts > HALVES_DIFFER * hypot(half[0].uncertainty, half[1].uncertainty))
+        out->omega.uncertainty = fmax(out->omega.uncertainty, 0.5 * drifts * omega * omega / TWO_PI);
     out->period.value = TWO_PI / omega;
     out->period.uncertainty = out->period.value * out->omega.uncertainty / omega;
     out->gamma = drag->candidate[i].rate[0];
     out->rms = drag->candidate[i].rms;
     out->used = fit->used;
-    out->autocorrelation = fit->autocorrelation;
+    out->rejected = f->motion->samples.n - fit->used;
+    out->autocorrelation = factors->lag;
+    out->converged = fit->converged;
+    drag->motion = fit->motion;
+    drag->motion.value[EQUATION_OFFSET] = out->offset.value;
+    drag->signal = factors->signal;
 }
 
 /* Where the search begins: the damped sine at t0, as a position. */
@@ -359,59 +412,87 @@ static void begin(const struct motion *m, struct fitting *f)
     const double c = e * cos(h->omega * back), s = e * sin(h->omega * back);
     double p = h->a * c + h->b * s, q = h->b * c - h->a * s;
     const double damping = -0.5 * h->gamma, square = h->omega * h->omega + damping * damping;
-    for (int k = 0; k < f->order; k++) { /* integrate exp(damping s) (p cos + q sin) */
+    for (int k = 0; k < f->start.order; k++) { /* integrate exp(damping s) (p cos + q sin) */
         const double was = p;
         p = (damping * was - h->omega * q) / square;
         q = (damping * q + h->omega * was) / square;
     }
-    f->start[EQUATION_START] = p;
-    f->start[EQUATION_SPEED] = damping * p + h->omega * q;
-    f->start[EQUATION_OMEGA] = sqrt(square);
-    f->start[EQUATION_OFFSET] = h->c + h->d * back;
+    f->start.value[EQUATION_START] = p;
+    f->start.value[EQUATION_SPEED] = damping * p + h->omega * q;
+    f->start.value[EQUATION_OMEGA] = sqrt(square);
 }
 
-bool drag_laws(const struct motion *m, enum quantity quantity, const struct envelope_rates rates[3],
-               struct arena *arena, const struct cancel *cancel, struct fit *out, struct error *error)
+/* A' = -(gamma/2) A - (4 b omega/(3 pi)) A^2 - 2 f/(pi omega): Nayfeh & Mook 1979, 3.3 */
+static void guess_rates(const struct envelope_rates rates[3], double span, struct fitting *f)
 {
-    struct fitting f = {.t0 = m->samples.t0, .arena = arena, .cancel = cancel};
-    f.order = quantity == QUANTITY_VELOCITY ? 1 : quantity == QUANTITY_ACCELERATION ? 2 : 0;
-    if (!used_samples(&m->samples, m->harmonic.d, arena, &f.used) ||
-        !(f.slope = arena_array(arena, f.used.n * EQUATION_PARAMETERS, sizeof *f.slope)) ||
-        !(f.derivative = arena_array(arena, f.used.n * EQUATION_PARAMETERS, sizeof *f.slope)) ||
-        !(f.fitted = arena_array(arena, f.used.n, sizeof *f.fitted)))
-        return error_memory(error);
-    begin(m, &f);
-    const double omega = f.start[EQUATION_OMEGA], a = hypot(f.start[EQUATION_START], f.start[EQUATION_SPEED] / omega);
-    const double span = f.used.t[f.used.n - 1] - f.t0, gamma = fmax(rates[0].gamma, 1e-6 * omega);
-    /* A' = -(gamma/2) A - (4 b omega/(3 pi)) A^2 - 2 f/(pi omega): Nayfeh & Mook 1979, 3.3 */
+    const double *value = f->start.value, omega = value[EQUATION_OMEGA];
+    const double a = hypot(value[EQUATION_START], value[EQUATION_SPEED] / omega), gamma = fmax(rates[0].gamma, 1e-6 * omega);
     const double mean = a * -expm1(-0.5 * gamma * span) / (0.5 * gamma * span);
-    const double rate[DRAG_RATES] = {gamma, fmax(rates[1].q, 1e-6 * omega) * 3 * PI / (4 * omega * a),
-                                     0.25 * PI * omega * gamma * mean};
-    const double size = a * pow(omega, f.order);
-    f.rounding = INTEGRATED * size * size;
-    for (int i = 0; i < DRAG_LAWS; i++)
-        if (!fit_law(&f, i, rate, error))
-            return false;
-    int widest = 0;
-    for (int i = 0; i < DRAG_LAWS; i++)
-        if (f.fit[i].converged && (!f.fit[widest].converged || f.fit[i].rss < f.fit[widest].rss))
-            widest = i;
-    if (!f.fit[widest].converged)
-        return error_set(error, ERROR_NUMERICAL, "the fit of drag did not converge in %d iterations", ITERATIONS);
-    const double factor = amplitude_factor(&f.used, f.t0, &f.fit[widest]);
-    struct law_evidence evidence = {.fit = f.fit};
-    evidence.variance = factor * fmax(f.fit[widest].sigma * f.fit[widest].sigma, INTEGRATED * size * size);
+    f->rate[0] = gamma;
+    f->rate[1] = fmax(rates[1].q, 1e-6 * omega) * 3 * PI / (4 * omega * a);
+    f->rate[2] = 0.25 * PI * omega * gamma * mean;
+    f->size = a * pow(omega, f->start.order);
+    f->rounding = INTEGRATED * f->size * f->size;
+}
+
+static bool prepare(struct motion *m, enum quantity quantity, struct arena *arena, struct fitting *f)
+{
+    const size_t n = m->samples.n;
+    *f = (struct fitting){.motion = m, .t0 = m->samples.t0};
+    f->start.t0 = f->t0;
+    f->start.order = quantity == QUANTITY_VELOCITY ? 1 : quantity == QUANTITY_ACCELERATION ? 2 : 0;
+    f->use = arena_alloc(arena, n);
+    f->edge = arena_array(arena, 2, sizeof *f->edge);
+    if (!f->use || !f->edge)
+        return false;
+    memcpy(f->use, m->samples.use, n);
+    f->samples = (struct law_samples){.samples = &m->samples,
+                                      .use = f->use,
+                                      .stride = n / SEARCHED + 1,
+                                      .middle = m->harmonic.c,
+                                      .cancel = m->samples.cancel};
+    one_block(f, m->harmonic.drifts ? 2 : 1);
+    begin(m, f);
+    return true;
+}
+
+bool drag_laws(struct motion *m, enum quantity quantity, const struct envelope_rates rates[3], struct arena *arena,
+               struct fit *out, struct error *error)
+{
+    struct fitting f;
+    size_t *edge = arena_array(arena, m->samples.n / BASELINE_LEAST + 2, sizeof *edge);
+    if (!edge || !prepare(m, quantity, arena, &f))
+        return error_memory(error);
+    guess_rates(rates, m->samples.t[m->samples.n - 1] - f.t0, &f);
+    const bool settled = settle(&f, edge);
+    if (cancelled(m->samples.cancel))
+        return error_set(error, ERROR_CANCELLED, "the fit was stopped");
+    const int widest = settled ? nearest(&f) : -1;
+    struct factors factors;
+    if (widest < 0 || !law_residuals(&f.samples, &f.fit[widest], m->residual, NULL, NULL) ||
+        !find_factors(&f, &f.fit[widest], &factors))
+        return error_set(error, ERROR_NUMERICAL, "no law of damping could be fitted: the search did not converge");
+    struct law_evidence evidence = {.fit = f.fit, .variance = factors.amplitude * fmax(factors.sigma * factors.sigma, f.rounding)};
     struct drag_fit *drag = &out->drag;
-    *drag = (struct drag_fit){.candidates = DRAG_LAWS, .independent = fmax((double)f.used.n / factor, 2)};
+    *drag = (struct drag_fit){.candidates = DRAG_LAWS};
+    drag->independent = fmax((double)f.fit[widest].used / factors.amplitude, 2);
+    evidence.freedom = factors.amplitude > 1.05 && factors.windows >= WINDOWS_LEAST ? factors.windows : drag->independent;
     for (int i = 0; i < DRAG_LAWS; i++) {
-        describe(&f.fit[i], i, factor, &drag->candidate[i]);
+        describe(&f.fit[i], i, factors.sigma * sqrt(factors.amplitude), &drag->candidate[i]);
         drag->candidate[i].bic = (f.fit[i].parameters - FIRST_RATE) * log(drag->independent) +
                                  (f.fit[i].rss - f.fit[widest].rss) / evidence.variance;
     }
-    losses(&f, widest, evidence.loss);
+    losses(&f, &f.fit[widest], evidence.loss);
     const int best = law_choose(&evidence, out);
     for (int i = 0; i < 3; i++)
         out->evidence[i] = drag->candidate[i].bic;
-    report(&f, best, factor, out);
+    if (!report_offset(&f, &f.fit[best], &factors, arena, out))
+        return error_memory(error);
+    report(&f, best, &factors, out);
+    /* what is said of samples is said of this fit */
+    m->clipped = m->clipped < out->rejected ? m->clipped : 0;
+    m->rejected = out->rejected;
+    memcpy(m->samples.use, f.use, m->samples.n);
+    m->harmonic.drifts = m->harmonic.drifts && f.samples.baseline.blocks == 1;
     return true;
 }

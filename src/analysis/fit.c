@@ -103,7 +103,7 @@ static bool fit_harmonic(const char *model, enum harmonic_free unknowns, bool dr
     fit->iterations = m.harmonic.iterations;
     fit->autocorrelation = m.autocorrelation;
     report(&m.samples, m.residual, &m.harmonic, (int)unknowns, fit->t0, fit);
-    if (m.tracked && !fit->converged) {
+    if (m.tracked && !fit->converged && !drag) {
         error_set(error, ERROR_NUMERICAL,
                   "it oscillates, every %.4g s on average, but one %s sine does not follow it: %zu of %zu samples "
                   "would be left out",
@@ -114,7 +114,8 @@ static bool fit_harmonic(const char *model, enum harmonic_free unknowns, bool dr
                                 pair.period[1])
                    : error_hint(error, "fit a shorter window; 'measure period' follows what changes");
     }
-    if (!fit->converged || !isfinite(fit->amplitude.value) || !(fit->amplitude.uncertainty < fit->amplitude.value)) {
+    const bool determined = isfinite(fit->amplitude.value) && fit->amplitude.uncertainty < fit->amplitude.value;
+    if ((!fit->converged || !determined) && !drag) {
         fit->converged = false;
         return error_set(error, ERROR_NUMERICAL, "the fit of %s did not converge in %d iterations", fit->model,
                          fit->iterations);
@@ -133,7 +134,7 @@ static bool fit_harmonic(const char *model, enum harmonic_free unknowns, bool dr
         if (!envelope_laws(&m, fit, &sway, rates)) {
             return error_memory(error);
         }
-        if (drag && !drag_laws(&m, series->quantity, rates, arena, cancel, fit, error)) {
+        if (drag && !drag_laws(&m, series->quantity, rates, arena, fit, error)) {
             return false;
         }
         if (!drag && !(fit->gamma.value > SIGNIFICANT * formal)) {

@@ -180,25 +180,26 @@ bool envelope_laws(const struct motion *motion, struct fit *fit, double *sway, s
 
 /* ---- laws.c ---- */
 
-/*
- * Chooses among the laws' fits [DRAG_LAWS] with the variance of one independent residual; share [DRAG_RATES][law] is
- * what a unit of each rate loses along the best of them. Returns the place of the law that the fit's values are to be
- * those of.
- */
+struct law_fit;
+
+/* Chooses among the laws' fits. Returns the place of the law that the fit's values are to be those of. */
 struct law_evidence {
-    const struct curve_fit *fit; /* [DRAG_LAWS] */
-    double variance;             /* [y^2] of one independent residual */
-    double loss[DRAG_RATES];     /* energy that a rate of 1 takes */
+    const struct law_fit *fit; /* [DRAG_LAWS] */
+    double variance;           /* [y^2] of one independent residual */
+    double freedom;            /* degrees of freedom of this variance */
+    double loss[DRAG_RATES];   /* energy that a rate of 1 takes */
 };
 
 int law_choose(const struct law_evidence *evidence, struct fit *fit);
 
 /* ---- drag.c ---- */
 
-/* Fits the whole oscillation under every law and chooses; rates: where to start. Of a velocity
- * or an acceleration, b and f are still those of the position. */
-bool drag_laws(const struct motion *motion, enum quantity quantity, const struct envelope_rates rates[3],
-               struct arena *arena, const struct cancel *cancel, struct fit *fit, struct error *error);
+/*
+ * Fits the whole oscillation under every law and chooses; rates: where to start. Of a velocity or an acceleration, b
+ * and f are still those of the position. The motion's samples and residuals are then those of the law.
+ */
+bool drag_laws(struct motion *motion, enum quantity quantity, const struct envelope_rates rates[3],
+               struct arena *arena, struct fit *fit, struct error *error);
 
 /* ---- warnings.c ---- */
 

@@ -4,7 +4,7 @@
  * BIC and an F-test; (2) no other law that does not contain it fits about as well; (3) a further term could take only a
  * small share of the energy lost. Else the data do not distinguish.
  */
-#include "internal.h"
+#include "law_fit.h"
 
 #include <gsl/gsl_cdf.h>
 #include <stdio.h>
@@ -61,11 +61,11 @@ static bool physical(const struct drag_candidate *c)
     return c->converged;
 }
 
-static double chance(const struct law_evidence *e, double independent, int small, int large)
+static double chance(const struct law_evidence *e, int small, int large)
 {
     const double extra = terms(law_at(large)) - terms(law_at(small));
     const double gain = fmax(e->fit[small].rss - e->fit[large].rss, 0) / e->variance / extra;
-    return gsl_cdf_fdist_Q(gain, extra, fmax(independent - e->fit[large].parameters, 1));
+    return gsl_cdf_fdist_Q(gain, extra, fmax(e->freedom - e->fit[large].parameters, 1));
 }
 
 /* The largest share of the loss that the terms which `large` has beyond `law` may take. */
@@ -88,7 +88,7 @@ static bool stands_against(const struct law_evidence *e, int best, int other, st
     const char *name = drag_law_name(b->law);
     const double over = b->bic - a->bic, worse = (e->fit[other].rss - e->fit[best].rss) / e->variance;
     if (contains(a->law, b->law)) {
-        const double p = chance(e, drag->independent, other, best);
+        const double p = chance(e, other, best);
         if (over >= DELTA_LEAST && p < CHANCE_MOST)
             return true;
         snprintf(drag->said, sizeof drag->said,
@@ -97,7 +97,7 @@ static bool stands_against(const struct law_evidence *e, int best, int other, st
     } else if (contains(b->law, a->law)) {
         if (terms(b->law) > terms(a->law) + 1)
             return true;
-        const double p = chance(e, drag->independent, best, other), share = share_beyond(e, b, a->law);
+        const double p = chance(e, best, other), share = share_beyond(e, b, a->law);
         if (!(physical(b) && p < HIDDEN) && share < SHARE_MOST)
             return true;
         snprintf(drag->said, sizeof drag->said,
@@ -142,8 +142,8 @@ int law_choose(const struct law_evidence *e, struct fit *out)
         undecided = i != best && drag->candidate[i].converged && !stands_against(e, best, i, out);
     const int next = next_best(drag, best, false), part = next_best(drag, best, true);
     drag->delta = next < 0 ? INFINITY : drag->candidate[next].bic - c->bic;
-    drag->p_value = part >= 0   ? chance(e, drag->independent, part, best)
-                    : next >= 0 && contains(law_at(next), c->law) ? chance(e, drag->independent, best, next)
+    drag->p_value = part >= 0   ? chance(e, part, best)
+                    : next >= 0 && contains(law_at(next), c->law) ? chance(e, best, next)
                                                                   : NAN;
     out->preferred = undecided ? LAW_UNDECIDED : c->law;
     if (undecided)

@@ -103,10 +103,12 @@ static void warn_sway(const struct motion *m, double sway, double poor, struct f
     }
 }
 
-/* Residuals over signal, both rms. */
-static double poorness(const struct motion *m)
+/* Residuals over signal, both rms: of the law that the fit's values are those of. */
+static double poorness(const struct motion *m, const struct fit *fit)
 {
     double signal = 0;
+    if (fit->drag.candidates > 0)
+        return fit->rms / fit->drag.signal;
     for (size_t i = 0; i < m->samples.n; i++) {
         double model = m->samples.use[i] ? m->samples.y[i] - m->residual[i] - m->harmonic.c : 0;
         signal += model * model;
@@ -142,9 +144,10 @@ void fit_diagnose(const struct motion *m, double sway, struct fit *fit)
                  "the offset drifts, by %.2g %% of the amplitude over the window: a line of its own was fitted to it",
                  100 * fabs(h->d) * span / fit->amplitude.value);
     }
-    const double poor = poorness(m);
+    const double poor = poorness(m, fit);
     warn_sway(m, sway, poor, fit);
     if (poor > POOR_LEAST) {
-        fit_warn(fit, "the model is poor: its residuals are %.0f %% of the signal (rms)", 100 * poor);
+        fit_warn(fit, "the model is poor: the residuals of %s are %.0f %% of the signal (rms)",
+                 fit->drag.candidates > 0 ? drag_law_name(fit->drag.best) : "a damped sine", 100 * poor);
     }
 }
