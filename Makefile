@@ -115,7 +115,7 @@ $(TOP)/hooke.1: $(TOP)/hooke scripts/reference
 	$(Q)scripts/reference man $(TOP)/hooke > $@
 
 # Loops over many steps: unrolled and vectorised where the configuration is for speed at all.
-$(B)/run/many.o $(B)/run/propagate.o $(B)/run/work.o $(B)/run/work_terms.o $(B)/run/ledger.o $(patsubst src/%.c,$(B)/%.o,$(wildcard src/method/kernel*.c)): \
+$(B)/run/many.o $(B)/run/propagate.o $(B)/run/work.o $(B)/run/work_terms.o $(B)/run/ledger.o $(B)/analysis/equation.o $(patsubst src/%.c,$(B)/%.o,$(wildcard src/method/kernel*.c)): \
   CFLAGS += $(if $(filter -O2,$(OPT_$(CONFIG))),-O3)
 $(B)/scene/program_lanes.o: CFLAGS += $(if $(filter -O2,$(OPT_$(CONFIG))),-O3) -fno-math-errno
 # Hundreds of unrolled bodies: under the sanitizers they would take minutes to compile. The general path, which gives the

@@ -304,10 +304,14 @@ bool equation_solve(const struct equation *equation, const double *t, size_t n, 
 
 enum { EQUATION_ORDER = 18, EQUATION_COLUMNS = EQUATION_OFFSET + 1 };
 
+/* Derivatives that will be wanted: none, all but that by b where b is 0, all. */
+enum equation_slopes { EQUATION_VALUES, EQUATION_SLOPES_BUT_B, EQUATION_SLOPES };
+
 /* The same some samples at a time, forwards: where the integration has come to. */
 struct equation_walk {
     enum restoring_force force;
     int order;
+    bool slopes;    /* derivatives are wanted, and */
     bool quadratic; /* there is such drag, or the derivative by it is wanted */
     double t0, omega, offset;
     double g, b, f, cubic; /* in the time unit 1/omega */
@@ -317,8 +321,7 @@ struct equation_walk {
     double c[EQUATION_ORDER + 1][EQUATION_COLUMNS];
 };
 
-/* quadratic: the derivative by b is wanted even where b is 0. */
-bool equation_begin(const struct equation *equation, bool quadratic, struct equation_walk *walk);
+bool equation_begin(const struct equation *equation, enum equation_slopes slopes, struct equation_walk *walk);
 bool equation_values(struct equation_walk *walk, const double *t, size_t n, double *value, double *derivative);
 
 /* The whole oscillation under each law, integrated. */

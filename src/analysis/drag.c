@@ -11,9 +11,8 @@
 
 enum { START, SPEED, OMEGA, FIRST_RATE, WINDOWS_LEAST = 8, WINDOWS_MOST = 256, ROUNDS = 4 };
 
-#define SEARCHED 16384   /* samples among which the minimum of a long recording is looked for */
-#define SETTLED 1e-6     /* of the variance: what a further step would gain */
-#define SEARCH_ENDS 0.1  /* the same, where all samples are looked at afterwards */
+#define LONG 100000      /* samples, from which on a step of ten standard deviations is trusted */
+#define TRUSTED 100.0
 #define INTEGRATED 1e-16 /* mean square, relative, to which integration is good: no law is better than that */
 #define REJECT_AT 5.0    /* robust standard deviations */
 #define CLIPPED 0.2      /* of what was taken for clipped that must be off, or it was not */
@@ -56,12 +55,6 @@ static double damped(double omega, double gamma)
 
 /* ---- the fits ---- */
 
-static bool arrive(struct fitting *f, struct law_fit *fit)
-{
-    const bool searches = f->samples.stride > 1;
-    return law_descend(&f->samples, searches ? SEARCH_ENDS : SETTLED, f->rounding, fit);
-}
-
 /* The law alone from the rates of the envelope; a sum from the best of what it contains, its further term at 0. */
 static void begin_law(struct fitting *f, int i)
 {
@@ -95,25 +88,20 @@ static void scan(const struct fitting *f, struct law_fit *fit)
 
 static void fit_laws(struct fitting *f, bool again)
 {
+    const bool many = f->motion->samples.n > LONG;
+    const double trust = many ? TRUSTED : 0;
     for (int i = 0; i < DRAG_LAWS && !cancelled(f->samples.cancel); i++) {
         struct law_fit *fit = &f->fit[i];
-        if (!again || !fit->converged) {
+        const bool begins = !again || !fit->converged;
+        if (begins)
             begin_law(f, i);
-            if (fit->parameters == FIRST_RATE + 1)
-                scan(f, fit);
+        if (begins && fit->parameters == FIRST_RATE + 1 && !many)
+            scan(f, fit);
+        if (!law_descend(&f->samples, trust, f->rounding, fit) && begins && many && fit->parameters == FIRST_RATE + 1) {
+            begin_law(f, i);
+            scan(f, fit);
+            law_descend(&f->samples, trust, f->rounding, fit);
         }
-        arrive(f, fit);
-    }
-}
-
-/* All samples, from what a part of them has shown. */
-static void refine_laws(struct fitting *f)
-{
-    f->samples.stride = 1;
-    for (int i = 0; i < DRAG_LAWS && !cancelled(f->samples.cancel); i++) {
-        struct law_fit *fit = &f->fit[i];
-        if (fit->converged && !law_refine(&f->samples, fit))
-            law_descend(&f->samples, SEARCH_ENDS, f->rounding, fit);
     }
 }
 
@@ -218,8 +206,6 @@ static bool settle(struct fitting *f, size_t *edge)
             break;
         fit_laws(f, true);
     }
-    if (f->samples.stride > 1)
-        refine_laws(f);
     return nearest(f) >= 0;
 }
 
@@ -273,7 +259,7 @@ static bool find_factors(const struct fitting *f, const struct law_fit *fit, str
     const size_t count = (size_t)fmin(WINDOWS_MOST, 0.5 * fit->motion.value[EQUATION_OMEGA] * span / TWO_PI);
     double product = 0, square = 0, before = 0, energy = 0, largest = 0;
     *out = (struct factors){.sigma = sqrt(fit->rss / fmax(n - (double)f->samples.baseline.blocks, 1))};
-    if (!equation_begin(&fit->motion, false, &along) || !equation_begin(&turned, false, &across))
+    if (!equation_begin(&fit->motion, EQUATION_VALUES, &along) || !equation_begin(&turned, EQUATION_VALUES, &across))
         return false;
     size_t i = 0;
     for (size_t k = 0; k < (count > 0 ? count : 1); k++) {
@@ -317,7 +303,7 @@ static void losses(const struct fitting *f, const struct law_fit *fit, double lo
     struct equation_walk walk;
     motion.order = 1;
     loss[0] = loss[1] = loss[2] = 0;
-    if (!equation_begin(&motion, false, &walk))
+    if (!equation_begin(&motion, EQUATION_VALUES, &walk))
         return;
     for (size_t k = 0; k < POINTS; k++) { /* spread evenly: the golden ratio keeps them off the period */
         const double t = f->t0 + (x->t[x->n - 1] - f->t0) * ((double)k + fmod(0.6180339887 * (double)k, 1)) / POINTS;
@@ -448,7 +434,6 @@ static bool prepare(struct motion *m, enum quantity quantity, struct arena *aren
     memcpy(f->use, m->samples.use, n);
     f->samples = (struct law_samples){.samples = &m->samples,
                                       .use = f->use,
-                                      .stride = n / SEARCHED + 1,
                                       .middle = m->harmonic.c,
                                       .cancel = m->samples.cancel};
     one_block(f, m->harmonic.drifts ? 2 : 1);

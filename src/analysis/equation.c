@@ -14,47 +14,39 @@
 enum { ORDER = 18, COLUMNS = EQUATION_COLUMNS, OF_START = 1, OF_SPEED, OF_OMEGA, OF_GAMMA, OF_B, OF_F, OF_CUBIC };
 
 #define STEP_MOST 1.2  /* [rad] */
-#define ROUNDING 1e-17 /* share of the series that its last term may have */
+#define ROUNDING 1e-15 /* share of the series that its last term may have: what follows is ten times smaller */
 
 _Static_assert((int)ORDER == (int)EQUATION_ORDER && (int)OF_CUBIC == (int)COLUMNS - 1, "a column for each parameter of the motion");
 
-/* Coefficients of R/omega^2 and, of those from the second column on, of R' times the column, of order k. */
+/* A coefficient of all columns. */
+typedef double row __attribute__((vector_size(COLUMNS * sizeof(double)), aligned(8), may_alias));
+
+/* Coefficients of R/omega^2: of sin(y) or y^2, of R', of y^3. */
 struct restoring {
-    double slope[ORDER], sine[ORDER]; /* coefficients of R'/omega^2; of sin(y) */
-    double cube[ORDER];               /* of y^2, then y^3 */
+    double first[ORDER], slope[ORDER], cube[ORDER];
 };
 
-static void restore(const struct equation_walk *s, int k, struct restoring *r, double out[COLUMNS])
+/* That of order k, from the coefficients y of the motion up to it: c [k + 1][..] from column 0 on. */
+static double restore(const struct equation_walk *s, int k, struct restoring *r)
 {
-    if (s->force == RESTORING_LINEAR) {
-        memcpy(out, s->c[k], sizeof s->c[k]);
-        return;
-    }
+    const double(*c)[COLUMNS] = s->c;
+    r->cube[k] = 0;
     if (s->force == RESTORING_SINE) { /* sin' = cos y', cos' = -sin y' */
-        r->sine[k] = k == 0 ? sin(s->c[0][0]) : 0;
-        r->slope[k] = k == 0 ? cos(s->c[0][0]) : 0;
+        r->first[k] = k == 0 ? sin(c[0][0]) : 0;
+        r->slope[k] = k == 0 ? cos(c[0][0]) : 0;
         for (int j = 1; j <= k; j++) {
-            r->sine[k] += j * s->c[j][0] * r->slope[k - j] / k;
-            r->slope[k] -= j * s->c[j][0] * r->sine[k - j] / k;
+            r->first[k] += j * c[j][0] * r->slope[k - j] / k;
+            r->slope[k] -= j * c[j][0] * r->first[k - j] / k;
         }
-        out[0] = r->sine[k];
-        r->cube[k] = 0;
-    } else {
-        double square = 0;
-        for (int j = 0; j <= k; j++)
-            square += s->c[j][0] * s->c[k - j][0];
-        r->slope[k] = 3 * s->cubic * square + (k == 0);
-        r->sine[k] = square;
-        r->cube[k] = 0;
-        for (int j = 0; j <= k; j++)
-            r->cube[k] += r->sine[j] * s->c[k - j][0];
-        out[0] = s->c[k][0] + s->cubic * r->cube[k];
+        return r->first[k];
     }
-    for (int i = 1; i < COLUMNS; i++)
-        out[i] = 0;
+    r->first[k] = 0;
     for (int j = 0; j <= k; j++)
-        for (int i = 1; i < COLUMNS; i++)
-            out[i] += r->slope[j] * s->c[k - j][i];
+        r->first[k] += c[j][0] * c[k - j][0];
+    for (int j = 0; j <= k; j++)
+        r->cube[k] += r->first[j] * c[k - j][0];
+    r->slope[k] = 3 * s->cubic * r->first[k] + (k == 0);
+    return c[k][0] + s->cubic * r->cube[k];
 }
 
 static double restoring_at(const struct equation_walk *s, double y)
@@ -63,46 +55,79 @@ static double restoring_at(const struct equation_walk *s, double y)
 }
 
 /* Taylor coefficients from those of orders 0 and 1. */
-static void expand(struct equation_walk *s)
+static void expand_values(struct equation_walk *s)
 {
-    double rate[ORDER][COLUMNS], force[COLUMNS]; /* coefficients of the time derivatives; of what pulls back */
+    double rate[ORDER];
     struct restoring restoring;
-    if (s->side == 0) {
-        memset(s->c[1], 0, sizeof s->c - sizeof s->c[0]);
-        return;
-    }
-    const double b = s->side * s->b;
     for (int k = 0; k + 2 <= ORDER; k++) {
-        double product[COLUMNS] = {0}, over = 1.0 / ((k + 1) * (k + 2));
-        for (int i = 0; i < COLUMNS; i++)
-            rate[k][i] = (k + 1) * s->c[k + 1][i];
+        double product = 0;
+        rate[k] = (k + 1) * s->c[k + 1][0];
         for (int j = 0; j <= k && s->quadratic; j++)
-            for (int i = 0; i < COLUMNS; i++)
-                product[i] += rate[j][0] * rate[k - j][i];
-        restore(s, k, &restoring, force);
-        for (int i = 0; i < COLUMNS; i++)
-            s->c[k + 2][i] = -over * (force[i] + s->g * rate[k][i] + (i == 0 ? 1 : 2) * b * product[i]);
-        s->c[k + 2][OF_OMEGA] -= over * 2 * (s->force == RESTORING_SINE ? force[0] : s->c[k][0]);
-        s->c[k + 2][OF_GAMMA] -= over * rate[k][0];
-        s->c[k + 2][OF_B] -= over * s->side * product[0];
-        s->c[k + 2][OF_CUBIC] -= s->force == RESTORING_CUBIC ? over * restoring.cube[k] : 0;
-        if (k == 0) {
-            s->c[2][0] -= over * s->side * s->f;
-            s->c[2][OF_F] -= over * s->side;
-        }
+            product += rate[j] * rate[k - j];
+        const double pull = s->force == RESTORING_LINEAR ? s->c[k][0] : restore(s, k, &restoring);
+        const double friction = k == 0 ? s->side * s->f : 0;
+        s->c[k + 2][0] = -(pull + s->g * rate[k] + s->side * s->b * product + friction) / ((k + 1) * (k + 2));
     }
 }
 
-/* Of the first `columns` columns: the derivative by time of the given order, at x after the start of the step. */
+/* The same with the derivatives: each is a motion in the linear equation along the motion, driven by its parameter. */
+static void expand_slopes(struct equation_walk *s)
+{
+    row rate[ORDER];
+    struct restoring restoring;
+    for (int k = 0; k + 2 <= ORDER; k++) {
+        const row here = *(const row *)s->c[k];
+        row product = {0}, pull = here;
+        rate[k] = (k + 1) * *(const row *)s->c[k + 1];
+        for (int j = 0; j <= k && s->quadratic; j++)
+            product += rate[j][0] * rate[k - j];
+        if (s->force != RESTORING_LINEAR) {
+            const double value = restore(s, k, &restoring);
+            pull -= pull;
+            for (int j = 0; j <= k; j++)
+                pull += restoring.slope[j] * *(const row *)s->c[k - j];
+            pull[0] = value;
+        }
+        const double square = product[0], b = s->side * s->b;
+        row sum = pull + s->g * rate[k] + 2 * b * product;
+        sum[0] -= b * square;
+        sum[OF_OMEGA] += 2 * (s->force == RESTORING_SINE ? pull[0] : here[0]);
+        sum[OF_GAMMA] += rate[k][0];
+        sum[OF_B] += s->side * square;
+        sum[OF_CUBIC] += s->force == RESTORING_CUBIC ? restoring.cube[k] : 0;
+        sum[0] += k == 0 ? s->side * s->f : 0;
+        sum[OF_F] += k == 0 ? s->side : 0;
+        sum *= -1.0 / ((k + 1) * (k + 2));
+        *(row *)s->c[k + 2] = sum;
+    }
+}
+
+static void expand(struct equation_walk *s)
+{
+    if (s->side == 0)
+        memset(s->c[1], 0, sizeof s->c - sizeof s->c[0]);
+    else if (s->slopes)
+        expand_slopes(s);
+    else
+        expand_values(s);
+}
+
+/* Of the first column or of all: the derivative by time of the given order, at x after the start of the step. */
 static void evaluate(const struct equation_walk *s, double x, int order, int columns, double *out)
 {
-    for (int i = 0; i < columns; i++)
-        out[i] = 0;
+    if (columns == 1) {
+        double sum = 0;
+        for (int k = ORDER; k >= order; k--)
+            sum = sum * x + (order == 0 ? 1 : order == 1 ? k : k * (k - 1)) * s->c[k][0];
+        out[0] = sum;
+        return;
+    }
+    row sum = {0};
     for (int k = ORDER; k >= order; k--) {
         const double factor = order == 0 ? 1 : order == 1 ? k : k * (k - 1);
-        for (int i = 0; i < columns; i++)
-            out[i] = out[i] * x + factor * s->c[k][i];
+        sum = sum * x + factor * *(const row *)s->c[k];
     }
+    *(row *)out = sum;
 }
 
 static double speed(const struct equation_walk *s, double x)
@@ -159,19 +184,21 @@ static void turn(struct equation_walk *s)
 static double step_length(const struct equation_walk *s)
 {
     double size = 0, last = 0;
-    for (int i = 0; i < COLUMNS; i++) {
-        size = fmax(size, fmax(fabs(s->c[0][i]), fabs(s->c[1][i])));
-        last = fmax(last, fmax(fabs(s->c[ORDER][i]), fabs(s->c[ORDER - 1][i])));
+    for (int i = 0; i < (s->slopes ? COLUMNS : 1); i++) {
+        const double first = fabs(s->c[0][i]) + fabs(s->c[1][i]), end = fabs(s->c[ORDER][i]) + fabs(s->c[ORDER - 1][i]);
+        size = first > size ? first : size;
+        last = end > last ? end : last;
     }
     return last > 0 ? fmin(STEP_MOST, pow(ROUNDING * size / last, 1.0 / ORDER)) : STEP_MOST;
 }
 
-bool equation_begin(const struct equation *e, bool quadratic, struct equation_walk *s)
+bool equation_begin(const struct equation *e, enum equation_slopes slopes, struct equation_walk *s)
 {
     const double omega = e->value[EQUATION_OMEGA];
     *s = (struct equation_walk){.force = e->force,
                                 .order = e->order,
-                                .quadratic = quadratic || e->value[EQUATION_RATE + 1] != 0,
+                                .slopes = slopes != EQUATION_VALUES,
+                                .quadratic = slopes == EQUATION_SLOPES || e->value[EQUATION_RATE + 1] != 0,
                                 .t0 = e->t0,
                                 .omega = omega,
                                 .offset = e->value[EQUATION_OFFSET],
@@ -196,18 +223,18 @@ static size_t within_step(const struct equation_walk *s, double h, const double 
     const double over = 1 / s->omega, grow = s->order == 0 ? 1 : s->order == 1 ? s->omega : s->omega * s->omega;
     const double unit[COLUMNS] = {1, 1, over, over, over, 1, over * over, over * over};
     const int columns = derivative ? COLUMNS : 1;
-    double row[COLUMNS];
+    double here[COLUMNS];
     size_t i = from;
     for (; i < n && (t[i] - s->t0) * s->omega <= s->at + h; i++) {
-        evaluate(s, s->side == 0 ? 0 : (t[i] - s->t0) * s->omega - s->at, s->order, columns, row);
-        value[i] = s->offset + grow * row[0];
+        evaluate(s, s->side == 0 ? 0 : (t[i] - s->t0) * s->omega - s->at, s->order, columns, here);
+        value[i] = s->offset + grow * here[0];
         if (!isfinite(value[i]))
             return n + 1;
         if (!derivative)
             continue;
         double *out = derivative + i * EQUATION_PARAMETERS;
         for (int k = OF_START; k < COLUMNS; k++)
-            out[k - OF_START] = grow * unit[k] * row[k];
+            out[k - OF_START] = grow * unit[k] * here[k];
         out[EQUATION_OFFSET] = 1;
     }
     return i;
@@ -219,7 +246,7 @@ bool equation_values(struct equation_walk *s, const double *t, size_t n, double 
     if (n > 0 && !((t[0] - s->t0) * s->omega >= s->at))
         return false;
     for (size_t i = 0; i < n; left--) {
-        double h = s->side == 0 ? HUGE_VAL : step_length(s), row[COLUMNS], next[COLUMNS];
+        double h = s->side == 0 ? HUGE_VAL : step_length(s), end[COLUMNS], next[COLUMNS];
         if (!(h > 1e-6) || left < 0)
             return false;
         const double v = s->side == 0 ? 0 : speed(s, h);
@@ -229,10 +256,11 @@ bool equation_values(struct equation_walk *s, const double *t, size_t n, double 
         i = within_step(s, h, t, i, n, value, derivative);
         if (i >= n)
             return i == n;
-        evaluate(s, h, 0, COLUMNS, row);
-        evaluate(s, h, 1, COLUMNS, next);
-        memcpy(s->c[0], row, sizeof row);
-        memcpy(s->c[1], next, sizeof next);
+        const int columns = s->slopes ? COLUMNS : 1;
+        evaluate(s, h, 0, columns, end);
+        evaluate(s, h, 1, columns, next);
+        memcpy(s->c[0], end, (size_t)columns * sizeof *end);
+        memcpy(s->c[1], next, (size_t)columns * sizeof *next);
         if (turns)
             turn(s);
         s->at += h;
@@ -244,5 +272,5 @@ bool equation_values(struct equation_walk *s, const double *t, size_t n, double 
 bool equation_solve(const struct equation *e, const double *t, size_t n, double *value, double *derivative)
 {
     struct equation_walk walk;
-    return equation_begin(e, derivative != NULL, &walk) && equation_values(&walk, t, n, value, derivative);
+    return equation_begin(e, derivative ? EQUATION_SLOPES : EQUATION_VALUES, &walk) && equation_values(&walk, t, n, value, derivative);
 }

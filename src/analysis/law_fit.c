@@ -7,7 +7,7 @@
 enum { CHUNK = 128, ITERATIONS = 60, COLUMNS = LAW_PARAMETERS + 1 }; /* derivatives, then the residual */
 
 #define SMALL 1e-4 /* damping of a step that counts as a full one */
-#define NEAR 0.01  /* share of the sum of squares that a step from near may take */
+#define SETTLED 1e-6 /* of the variance: what a further step would gain */
 
 struct normal {
     double product[COLUMNS][COLUMNS]; /* lower part; the last row is that of the residual */
@@ -58,7 +58,7 @@ static void backward(int n, int width, const double *l, double *x)
 /* (A + lambda diag A) step = right, the columns scaled to length one; false: not positive. */
 static bool damped_step(int n, const struct normal *normal, double lambda, const double *right, double *step)
 {
-    double a[LAW_PARAMETERS * LAW_PARAMETERS], l[LAW_PARAMETERS * LAW_PARAMETERS], scale[LAW_PARAMETERS];
+    double a[LAW_PARAMETERS * LAW_PARAMETERS] = {0}, l[LAW_PARAMETERS * LAW_PARAMETERS], scale[LAW_PARAMETERS];
     for (int i = 0; i < n; i++) {
         scale[i] = sqrt(normal->product[i][i]);
         if (!(scale[i] > 0) || !isfinite(scale[i]))
@@ -141,7 +141,7 @@ static void project(int count, int terms, const struct block *block, struct norm
 static int gather(const struct law_samples *x, size_t *at, size_t end, double *t, double *y)
 {
     int count = 0;
-    for (; *at < end && count < CHUNK; *at += x->stride) {
+    for (; *at < end && count < CHUNK; ++*at) {
         if (x->use[*at]) {
             t[count] = time_of(x->samples, *at);
             y[count++] = x->samples->y[*at] - x->middle;
@@ -155,16 +155,16 @@ static double pass(const struct law_samples *x, struct law_fit *fit, struct norm
 {
     double t[CHUNK], y[CHUNK], value[CHUNK], derivative[CHUNK * EQUATION_PARAMETERS], column[COLUMNS], base[3];
     const int rows = normal ? fit->parameters : 0, terms = x->baseline.terms;
-    bool quadratic = false;
+    enum equation_slopes slopes = normal ? EQUATION_SLOPES_BUT_B : EQUATION_VALUES;
     struct normal sums;
     struct equation_walk walk;
     memset(&sums, 0, sizeof sums);
     for (int j = 0; j < rows; j++)
-        quadratic = quadratic || fit->place[j] == EQUATION_RATE + 1;
+        slopes = fit->place[j] == EQUATION_RATE + 1 ? EQUATION_SLOPES : slopes;
     fit->motion.value[EQUATION_OFFSET] = 0;
     fit->used = 0;
     if (!(fabs(fit->motion.value[EQUATION_OMEGA] - fit->omega) < 0.5 * fit->omega) ||
-        !equation_begin(&fit->motion, quadratic, &walk))
+        !equation_begin(&fit->motion, slopes, &walk))
         return NAN;
     size_t at = 0;
     for (size_t k = 0; k < x->baseline.blocks && !cancelled(x->cancel); k++) {
@@ -229,18 +229,25 @@ static double find_step(const struct law_fit *fit, const struct normal *normal, 
     return decrement;
 }
 
-bool law_descend(const struct law_samples *x, double gain, double rounding, struct law_fit *fit)
+bool law_descend(const struct law_samples *x, double trust, double rounding, struct law_fit *fit)
 {
     struct normal normal, next;
     struct law_fit trial;
-    double step[LAW_PARAMETERS], lambda = 1e-3;
+    double step[LAW_PARAMETERS], full[LAW_PARAMETERS], lambda = 1e-3;
     fit->converged = false;
     fit->rss = pass(x, fit, &normal);
     for (int i = 0; i < ITERATIONS && isfinite(fit->rss) && !fit->converged && !cancelled(x->cancel); i++) {
         const double decrement = find_step(fit, &normal, lambda, step);
         if (!isfinite(decrement))
             return false;
-        fit->converged = lambda < SMALL && decrement < fmax(gain * fit->rss / (double)fit->used, rounding);
+        const double unit = fit->rss / (double)fit->used;
+        if (trust && find_step(fit, &normal, 0, full) < trust * unit) {
+            move(fit, full, fit);
+            fit->rss -= find_step(fit, &normal, 0, full);
+            fit->converged = true;
+            break;
+        }
+        fit->converged = lambda < SMALL && decrement < fmax(SETTLED * unit, rounding);
         move(fit, step, &trial);
         trial.rss = pass(x, &trial, &next);
         if (trial.rss <= fit->rss) {
@@ -253,18 +260,6 @@ bool law_descend(const struct law_samples *x, double gain, double rounding, stru
     }
     fit->converged = fit->converged && invert(&normal, fit);
     return fit->converged;
-}
-
-bool law_refine(const struct law_samples *x, struct law_fit *fit)
-{
-    struct normal normal;
-    double step[LAW_PARAMETERS];
-    const double sum = pass(x, fit, &normal), decrement = isfinite(sum) ? find_step(fit, &normal, 0, step) : NAN;
-    if (!(decrement < NEAR * sum) || !invert(&normal, fit))
-        return false;
-    move(fit, step, fit);
-    fit->rss = sum - decrement;
-    return true;
 }
 
 double law_formal(const struct law_fit *fit, int at)
@@ -280,7 +275,7 @@ bool law_residuals(const struct law_samples *x, const struct law_fit *fit, doubl
     struct equation_walk walk;
     double t[CHUNK], base[BASELINE_TERMS], l[BASELINE_TERMS * BASELINE_TERMS];
     const struct samples *samples = x->samples;
-    if (!equation_begin(&fit->motion, false, &walk))
+    if (!equation_begin(&fit->motion, EQUATION_VALUES, &walk))
         return false;
     for (size_t k = 0; k < x->baseline.blocks; k++) {
         const size_t from = x->baseline.edge[k], to = x->baseline.edge[k + 1];

@@ -20,7 +20,6 @@ struct baseline {
 struct law_samples {
     const struct samples *samples;
     const unsigned char *use; /* [n] */
-    size_t stride;            /* every so many samples take part */
     struct baseline baseline;
     double middle; /* near the offset: taken off first, for the rounding */
     const struct cancel *cancel;
@@ -41,12 +40,11 @@ struct law_fit {
 };
 
 /*
- * To the minimum (Marquardt 1963) from motion on; gain: of the mean square, what a further step may still promise;
- * rounding: [y^2] of a sum of squares. False: it has not arrived.
+ * To the minimum (Marquardt 1963) from the motion on. trust: a full step that promises less than so many variances is
+ * taken without another look at the samples (0: every step is looked at). rounding: [y^2] of a sum of squares. False:
+ * it has not arrived.
  */
-bool law_descend(const struct law_samples *x, double gain, double rounding, struct law_fit *fit);
-/* One Gauss-Newton step, not looked at again: for a start that is near. False: it was not near. */
-bool law_refine(const struct law_samples *x, struct law_fit *fit);
+bool law_descend(const struct law_samples *x, double trust, double rounding, struct law_fit *fit);
 /* Sum of squares at the motion as it is; NAN: no value there. */
 double law_squares(const struct law_samples *x, struct law_fit *fit);
 /*

@@ -10,6 +10,7 @@
 #include <stdio.h>
 
 #define DELTA_LEAST 6.0  /* of BIC, and */
+#define DELTA_MORE 10.0  /* of BIC against a law that has more terms, and none of its own in common */
 #define CHANCE_MOST 0.01 /* of the F-test, for a further term */
 #define HIDDEN 0.05      /* chance below which a further term may be there although it is not shown to be */
 #define SHARE_MOST 0.3   /* of the energy lost that a further term may take at most (two standard deviations) */
@@ -86,7 +87,7 @@ static bool stands_against(const struct law_evidence *e, int best, int other, st
     struct drag_fit *drag = &out->drag;
     const struct drag_candidate *a = &drag->candidate[best], *b = &drag->candidate[other];
     const char *name = drag_law_name(b->law);
-    const double over = b->bic - a->bic, worse = (e->fit[other].rss - e->fit[best].rss) / e->variance;
+    const double over = b->bic - a->bic;
     if (contains(a->law, b->law)) {
         const double p = chance(e, other, best);
         if (over >= DELTA_LEAST && p < CHANCE_MOST)
@@ -105,11 +106,12 @@ static bool stands_against(const struct law_evidence *e, int best, int other, st
                  "%.0f %% of the loss)",
                  drag_law_name(a->law), name, p, 100 * fmin(fabs(share), 1));
     } else {
-        if (!physical(b) || (over >= DELTA_LEAST && worse >= DELTA_LEAST))
+        const double needed = terms(b->law) > terms(a->law) ? DELTA_MORE : DELTA_LEAST;
+        if (!physical(b) || over >= needed)
             return true;
         snprintf(drag->said, sizeof drag->said,
-                 "not distinguishable: BIC of %s is lower by only %.3g than that of %s, its chi-square by %.3g (%g needed)",
-                 drag_law_name(a->law), over, name, worse, DELTA_LEAST);
+                 "not distinguishable: BIC of %s is lower by only %.3g than that of %s (%g needed)",
+                 drag_law_name(a->law), over, name, needed);
     }
     return false;
 }
