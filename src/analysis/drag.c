@@ -11,8 +11,9 @@
 
 enum { START, SPEED, OMEGA, FIRST_RATE, WINDOWS_LEAST = 8, WINDOWS_MOST = 256, ROUNDS = 4 };
 
-#define LONG 100000      /* samples, from which on a step of ten standard deviations is trusted */
-#define TRUSTED 100.0
+#define LONG 100000    /* samples, from which on a step of ten standard deviations is trusted in the end */
+#define NEARLY 100.0   /* variances that a step may promise to be taken unseen: in the search, */
+#define FINALLY 1e-3   /* and at the end */
 #define INTEGRATED 1e-16 /* mean square, relative, to which integration is good: no law is better than that */
 #define REJECT_AT 5.0    /* robust standard deviations */
 #define CLIPPED 0.2      /* of what was taken for clipped that must be off, or it was not */
@@ -86,23 +87,23 @@ static void scan(const struct fitting *f, struct law_fit *fit)
     *rate = best;
 }
 
-static void fit_laws(struct fitting *f, bool again)
+static void fit_law(struct fitting *f, int i, bool again, double trust)
 {
-    const bool many = f->motion->samples.n > LONG;
-    const double trust = many ? TRUSTED : 0;
-    for (int i = 0; i < DRAG_LAWS && !cancelled(f->samples.cancel); i++) {
-        struct law_fit *fit = &f->fit[i];
-        const bool begins = !again || !fit->converged;
-        if (begins)
-            begin_law(f, i);
-        if (begins && fit->parameters == FIRST_RATE + 1 && !many)
-            scan(f, fit);
-        if (!law_descend(&f->samples, trust, f->rounding, fit) && begins && many && fit->parameters == FIRST_RATE + 1) {
-            begin_law(f, i);
-            scan(f, fit);
-            law_descend(&f->samples, trust, f->rounding, fit);
-        }
-    }
+    struct law_fit *fit = &f->fit[i];
+    const bool begins = !again || !fit->converged;
+    if (begins)
+        begin_law(f, i);
+    if (law_descend(&f->samples, trust, f->rounding, fit) || !begins || fit->parameters > FIRST_RATE + 1)
+        return;
+    begin_law(f, i);
+    scan(f, fit);
+    law_descend(&f->samples, trust, f->rounding, fit);
+}
+
+static void fit_laws(struct fitting *f, bool again, double trust)
+{
+    for (int i = 0; i < DRAG_LAWS && !cancelled(f->samples.cancel); i++)
+        fit_law(f, i, again, trust);
 }
 
 /* The law that comes nearest to the samples, -1: none converged. */
@@ -191,8 +192,8 @@ static size_t judge_samples(struct fitting *f, const double *residual)
 static bool settle(struct fitting *f, size_t *edge)
 {
     struct motion *m = f->motion;
-    bool local = false;
-    fit_laws(f, false);
+    bool local = false, changes = false;
+    fit_laws(f, false, NEARLY);
     for (int round = 0; round < ROUNDS; round++) {
         const int at = nearest(f);
         if (at < 0 || !law_residuals(&f->samples, &f->fit[at], m->residual, NULL, NULL))
@@ -202,10 +203,13 @@ static bool settle(struct fitting *f, size_t *edge)
         if (now)
             f->samples.baseline = many_blocks(f, edge);
         local = local || now;
+        changes = changes || now || changed > 0;
         if (!now && (double)changed < 1e-3 * (double)m->samples.n)
             break;
-        fit_laws(f, true);
+        fit_law(f, at, true, NEARLY);
     }
+    if (changes || m->samples.n < LONG)
+        fit_laws(f, true, m->samples.n < LONG ? FINALLY : NEARLY);
     return nearest(f) >= 0;
 }
 

@@ -6,8 +6,6 @@
 
 enum { CHUNK = 128, ITERATIONS = 60, COLUMNS = LAW_PARAMETERS + 1 }; /* derivatives, then the residual */
 
-#define SMALL 1e-4 /* damping of a step that counts as a full one */
-#define SETTLED 1e-6 /* of the variance: what a further step would gain */
 
 struct normal {
     double product[COLUMNS][COLUMNS]; /* lower part; the last row is that of the residual */
@@ -236,18 +234,17 @@ bool law_descend(const struct law_samples *x, double trust, double rounding, str
     double step[LAW_PARAMETERS], full[LAW_PARAMETERS], lambda = 1e-3;
     fit->converged = false;
     fit->rss = pass(x, fit, &normal);
-    for (int i = 0; i < ITERATIONS && isfinite(fit->rss) && !fit->converged && !cancelled(x->cancel); i++) {
-        const double decrement = find_step(fit, &normal, lambda, step);
-        if (!isfinite(decrement))
-            return false;
+    for (int i = 0; i < ITERATIONS && isfinite(fit->rss) && !cancelled(x->cancel); i++) {
         const double unit = fit->rss / (double)fit->used;
-        if (trust && find_step(fit, &normal, 0, full) < trust * unit) {
+        const double promised = find_step(fit, &normal, 0, full);
+        if (promised < fmax(trust * unit, rounding)) {
             move(fit, full, fit);
-            fit->rss -= find_step(fit, &normal, 0, full);
+            fit->rss = fmax(fit->rss - promised, 0);
             fit->converged = true;
             break;
         }
-        fit->converged = lambda < SMALL && decrement < fmax(SETTLED * unit, rounding);
+        if (!isfinite(find_step(fit, &normal, lambda, step)))
+            return false;
         move(fit, step, &trial);
         trial.rss = pass(x, &trial, &next);
         if (trial.rss <= fit->rss) {

@@ -41,7 +41,7 @@ struct law_fit {
 
 /*
  * To the minimum (Marquardt 1963) from the motion on. trust: a full step that promises less than so many variances is
- * taken without another look at the samples (0: every step is looked at). rounding: [y^2] of a sum of squares. False:
+ * taken without another look at the samples, and is the last. rounding: [y^2] of a sum of squares. False:
  * it has not arrived.
  */
 bool law_descend(const struct law_samples *x, double trust, double rounding, struct law_fit *fit);
