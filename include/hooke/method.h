@@ -142,6 +142,29 @@ enum step_status method_turning_step(const struct method *method, struct step *s
 /* State inside the last step: [t - h, t]. before [n]: state at its start. */
 void method_dense(const struct method *method, const struct step *step, const double *before, double theta, double *y);
 
+/*
+ * One variable of the dense output of the last step, prepared once for many theta (0 at its start, 1 at its end):
+ * end - h (1 - theta) (rise - theta (first + theta (twist + (1 - theta) (bend_0 + theta (bend_1 + …))))).
+ */
+enum { DENSE_BENDS = 4 };
+
+struct dense_polynomial {
+    double end, h, rise, first, twist, bend[DENSE_BENDS];
+    int bends;
+};
+
+static inline double dense_polynomial_at(const struct dense_polynomial *p, double theta)
+{
+    const double rest = 1 - theta;
+    double bend = 0;
+    for (int m = p->bends; m-- > 0;)
+        bend = (m % 2 == 0 ? rest : theta) * (p->bend[m] + bend);
+    return p->end - p->h * (rest * (p->rise - theta * (p->first + theta * (p->twist + bend))));
+}
+
+/* Of variable i; only of explicit Runge-Kutta and Rosenbrock methods with a dense output of their own. */
+void method_polynomial(const struct method *method, const struct step *step, int i, struct dense_polynomial *out);
+
 /* ---- many steps of one size ----
  *
  * A march takes `count` steps of step->h; step i = first, first + 1, … begins at origin + i h. The states after them go

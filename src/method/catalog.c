@@ -2,6 +2,8 @@
 /* The table of methods, and what is the same for all of them. */
 #include "rows.h"
 
+#include <assert.h>
+
 /* clang-format off */
 static const struct method methods[] = {
 #define RUNGE_KUTTA(...) {.step = rk_step, .work = rk_work, __VA_ARGS__},
@@ -164,4 +166,13 @@ void method_dense(const struct method *method, const struct step *step, const do
         double bend = (1 - 2 * theta) * rise + (theta - 1) * h * f0[i] + theta * h * f1[i];
         y[i] = (1 - theta) * before[i] + theta * step->y[i] + theta * (theta - 1) * bend;
     }
+}
+
+void method_polynomial(const struct method *method, const struct step *step, int i, struct dense_polynomial *out)
+{
+    assert(method->dense && (method->tableau || method->rosenbrock));
+    if (method->tableau)
+        rk_polynomial(method, step, i, out);
+    else
+        rosenbrock_polynomial(method, step, i, out);
 }

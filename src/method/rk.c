@@ -58,19 +58,26 @@ static void add_stages(const struct tableau *tableau, const struct step *step)
     *ready = true;
 }
 
-void rk_dense(const struct method *method, const struct step *step, double theta, double *y)
+void rk_polynomial(const struct method *method, const struct step *step, int i, struct dense_polynomial *out)
 {
     const struct tableau *tableau = method->tableau;
-    int n = step->system->n, stages = tableau->stages, all = stages + tableau->extra;
-    const double *k = step->work, rest = 1 - theta;
-
+    const int n = step->system->n, stages = tableau->stages, all = stages + tableau->extra;
+    const double *k = step->work;
     add_stages(tableau, step);
-    for (int i = 0; i < n; i++) {
-        double rise = weighted_sum(tableau->b, stages, k, n, i), bend = 0;
-        for (int m = tableau->bends; m-- > 0;)
-            bend = (m % 2 == 0 ? rest : theta) * (weighted_sum(tableau->dense + m * all, all, k, n, i) + bend);
-        double first = k[i] - rise, last = rise - k[(stages - 1) * n + i];
-        y[i] = step->y[i] - step->h * (rest * (rise - theta * (first + theta * (last - first + bend))));
+    const double rise = weighted_sum(tableau->b, stages, k, n, i);
+    const double first = k[i] - rise, last = rise - k[(stages - 1) * n + i];
+    *out = (struct dense_polynomial){
+        .end = step->y[i], .h = step->h, .rise = rise, .first = first, .twist = last - first, .bends = tableau->bends};
+    for (int m = 0; m < tableau->bends; m++)
+        out->bend[m] = weighted_sum(tableau->dense + m * all, all, k, n, i);
+}
+
+void rk_dense(const struct method *method, const struct step *step, double theta, double *y)
+{
+    struct dense_polynomial polynomial;
+    for (int i = 0; i < step->system->n; i++) {
+        rk_polynomial(method, step, i, &polynomial);
+        y[i] = dense_polynomial_at(&polynomial, theta);
     }
 }
 

@@ -163,3 +163,24 @@ void rosenbrock_dense(const struct method *method, const struct step *step, doub
     for (int i = 0; i < n; i++)
         y[i] = step->y[i] + (1 - theta) * (theta * y[i] - sum[i]);
 }
+
+/*
+ * theta (1 - theta) (e_0 + e_1 theta + …), degree 4 at most, in the form of Hermite's: between the brackets
+ * e_0 + theta (twist + (1 - theta) (d_0 + theta d_1)).
+ */
+void rosenbrock_polynomial(const struct method *method, const struct step *step, int i, struct dense_polynomial *out)
+{
+    const struct rosenbrock *rosenbrock = method->rosenbrock;
+    const int n = step->system->n, stages = rosenbrock->stages;
+    double e[ROSENBROCK_DEGREE] = {0};
+    for (int m = 0; m < rosenbrock->degree; m++)
+        e[m] = weighted_sum(rosenbrock->dense + m * stages, stages, step->work, n, i);
+    const double last = -e[3], bend = last - e[2];
+    *out = (struct dense_polynomial){.end = step->y[i],
+                                     .h = 1,
+                                     .rise = weighted_sum(rosenbrock->m, stages, step->work, n, i),
+                                     .first = e[0],
+                                     .twist = e[1] - bend,
+                                     .bends = 2,
+                                     .bend = {bend, last}};
+}

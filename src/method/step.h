@@ -137,6 +137,8 @@ struct implicit_tableau {
     const double *left, *right; /* [stages][stages] */
 };
 
+enum { ROSENBROCK_DEGREE = 4 }; /* at most */
+
 /*
  * (1/(gamma h) - J) u_i = f(t + alpha_i h, y + sum_j a_ij u_j) + sum_j (c_ij/h) u_j + d_i h df/dt,
  * y' = y + sum_i m_i u_i (Hairer, Wanner 1996, IV.7),
@@ -180,6 +182,9 @@ march_function *any_kernel(const struct method *method);
 step_function *any_step_kernel(const struct method *method);
 size_t rk_work(const struct method *method, int n);
 void rk_dense(const struct method *method, const struct step *step, double theta, double *y);
+/* Variable i of the last step, as method_polynomial() has it. */
+void rk_polynomial(const struct method *method, const struct step *step, int i, struct dense_polynomial *out);
+void rosenbrock_polynomial(const struct method *method, const struct step *step, int i, struct dense_polynomial *out);
 /* |h| times an estimate of the Jacobian's norm from the last step's two stages at t + h; 0: there is no such pair. */
 double rk_stiffness(const struct method *method, const struct step *step);
 

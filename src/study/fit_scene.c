@@ -228,6 +228,7 @@ static bool add_held(struct fitting *f, struct scene_fit *fit, struct error *err
     both.last.value = both.last.slope = NULL;
     const bool there = scene_curve_evaluate(&both, at, series->t, series->n, value, slope);
     both.mesh = NULL; /* the other's */
+    both.linear = NULL;
     scene_curve_free(&both);
     for (int q = own; q < both.frees && there; q++) {
         double pull[CURVE_PARAMETERS] = {0}, moved[CURVE_PARAMETERS] = {0};

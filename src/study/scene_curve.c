@@ -2,7 +2,7 @@
 /*
  * The steps are chosen once and then stay where they are: the curve is then a smooth function of the parameters, and
  * the same steps of the variational equations give its derivatives exactly (internal numerical differentiation: Bock
- * 1981). The samples are read off the dense output.
+ * 1981). The samples are read off the dense output, one polynomial a step. A linear scene needs no steps.
  */
 #include "scene_curve.h"
 
@@ -30,38 +30,102 @@ static void take_sample(const struct scene_curve *c, const struct system *system
         derivative[c->frees] = 1;
 }
 
-/* Along the mesh. False: a step failed, the start lies behind a sample, or it was cancelled. */
-static bool march_curve(const struct scene_curve *c, const struct system *system, double offset, const double *t,
-                        size_t n, double *value, double *derivative)
+/* What samples are made of: the series' variable and its derivatives, or all where the rate is asked for. */
+struct wanted {
+    int count, index[LIMIT_VARIABLES];
+};
+
+static struct wanted wanted_of(const struct scene_curve *c, const struct system *system)
 {
-    const size_t size = (size_t)system->n * sizeof(double);
-    const size_t columns = (size_t)(c->frees + c->offset);
-    double y[LIMIT_VARIABLES], low[LIMIT_VARIABLES] = {0}, before[LIMIT_VARIABLES], inside[LIMIT_VARIABLES];
-    struct step step = {.system = system, .t = system->t0, .y = y, .low = low, .work = c->work};
-    size_t i = 0;
-    memcpy(y, system->start, size);
-    for (; i < n && t[i] <= system->t0; i++) {
-        if (t[i] < system->t0)
+    struct wanted w = {.count = 0};
+    const int n = c->variation->base.n;
+    for (int i = 0; i < system->n; i++)
+        if (c->rate || i % n == c->variable)
+            w.index[w.count++] = i;
+    return w;
+}
+
+/* Where a curve is written to. */
+struct sampling {
+    const double *t;
+    size_t n;
+    double offset, *value, *derivative; /* [n], [n][columns] or NULL */
+    size_t columns;
+};
+
+static void put_sample(const struct scene_curve *c, const struct system *system, const struct sampling *s, size_t i,
+                       const double *y)
+{
+    take_sample(c, system, s->t[i], y, s->offset, &s->value[i], s->derivative ? s->derivative + i * s->columns : NULL);
+}
+
+/* Those at the start. False: the start lies behind a sample. */
+static bool put_first(const struct scene_curve *c, const struct system *system, const struct sampling *s, size_t *i)
+{
+    for (*i = 0; *i < s->n && s->t[*i] <= system->t0; ++*i) {
+        if (s->t[*i] < system->t0)
             return false;
-        take_sample(c, system, t[i], y, offset, &value[i], derivative ? derivative + i * columns : NULL);
+        put_sample(c, system, s, *i, system->start);
     }
-    for (size_t k = 0; i < n; k++) {
+    return true;
+}
+
+/* The samples within a step, by its polynomials; those at its end are the state itself. */
+static void put_inside(const struct scene_curve *c, const struct step *step, const struct wanted *w,
+                       const struct sampling *s, double from, size_t *i)
+{
+    struct dense_polynomial polynomial[LIMIT_VARIABLES];
+    double inside[LIMIT_VARIABLES];
+    if (*i < s->n && s->t[*i] < step->t)
+        for (int k = 0; k < w->count; k++)
+            method_polynomial(c->method, step, w->index[k], &polynomial[k]);
+    for (; *i < s->n && s->t[*i] < step->t; ++*i) {
+        const double theta = (s->t[*i] - from) / step->h;
+        for (int k = 0; k < w->count; k++)
+            inside[w->index[k]] = dense_polynomial_at(&polynomial[k], theta);
+        put_sample(c, step->system, s, *i, inside);
+    }
+    for (; *i < s->n && s->t[*i] == step->t; ++*i)
+        put_sample(c, step->system, s, *i, step->y);
+}
+
+/* Along the mesh. False: a step failed, the start lies behind a sample, or it was cancelled. */
+static bool march_curve(const struct scene_curve *c, const struct system *system, const struct sampling *s)
+{
+    const struct wanted wanted = wanted_of(c, system);
+    double y[LIMIT_VARIABLES], low[LIMIT_VARIABLES] = {0};
+    struct step step = {.system = system, .t = system->t0, .y = y, .low = low, .work = c->work};
+    size_t i;
+    memcpy(y, system->start, (size_t)system->n * sizeof *y);
+    if (!put_first(c, system, s, &i))
+        return false;
+    for (size_t k = 0; i < s->n; k++) {
         const double from = step.t;
         if (k == c->points || !(c->mesh[k] > from) || ((k & 63) == 0 && cancelled(c->cancel)))
             return false;
-        memcpy(before, y, size);
         step.h = c->mesh[k] - from;
         if (method_step(c->method, &step) != STEP_OK)
             return false;
         step.t = c->mesh[k];
-        for (; i < n && t[i] <= step.t; i++) {
-            const double *at = y;
-            if (t[i] < step.t) {
-                method_dense(c->method, &step, before, (t[i] - from) / step.h, inside);
-                at = inside;
-            }
-            take_sample(c, system, t[i], at, offset, &value[i], derivative ? derivative + i * columns : NULL);
-        }
+        put_inside(c, &step, &wanted, s, from, &i);
+    }
+    return true;
+}
+
+/* Exactly, sample by sample. */
+static bool follow_linear(const struct scene_curve *c, const struct system *system, const struct sampling *s)
+{
+    double y[LIMIT_VARIABLES], at = system->t0;
+    size_t i;
+    memcpy(y, system->start, (size_t)system->n * sizeof *y);
+    linear_motion_bind(c->linear, c->variation, s->derivative ? c->variation->directions : 0);
+    if (!put_first(c, system, s, &i))
+        return false;
+    for (; i < s->n; i++) {
+        if ((i & 4095) == 0 && cancelled(c->cancel))
+            return false;
+        at = linear_motion_advance(c->linear, at, s->t[i], y);
+        put_sample(c, system, s, i, y);
     }
     return true;
 }
@@ -81,12 +145,13 @@ static bool compute(struct scene_curve *c, const double *parameter, const double
 {
     struct scene scene;
     struct error ignored;
-    const double offset = c->offset ? parameter[c->frees] : 0;
+    const struct sampling sampling = {t, n, c->offset ? parameter[c->frees] : 0, value, derivative,
+                                      (size_t)(c->frees + c->offset)};
     if (!scene_at(c, parameter, &scene) || !scene_bind_motion(&scene, &c->variation->base, &ignored) ||
         (derivative && !variation_bind(c->variation, &scene, c->place, c->frees)))
         return false;
     const struct system *system = derivative ? &c->variation->whole : &c->variation->base;
-    if (!march_curve(c, system, offset, t, n, value, derivative))
+    if (!(c->linear ? follow_linear : march_curve)(c, system, &sampling))
         return false;
     for (size_t i = 0; i < n; i++)
         if (!isfinite(value[i]))
@@ -145,6 +210,7 @@ bool scene_curve_evaluate(void *context, const double *parameter, const double *
 
 void scene_curve_free(struct scene_curve *c)
 {
+    free(c->linear);
     free(c->mesh);
     free(c->work);
     free(c->last.value);
@@ -201,6 +267,15 @@ bool scene_curve_mesh(struct scene_curve *c, const double *parameter, const stru
             return false;
     if (!scene_bind_motion(&scene, &system, error))
         return false;
+    free(c->linear);
+    c->linear = system.linear && system.autonomous && 2 * system.n < LIMIT_VARIABLES
+                    ? linear_motion_create(system.t0, series->t, series->n)
+                    : NULL;
+    if (c->linear) {
+        c->method = (const struct method *)(const void *)catalog_find(&method_catalog, TEXT("exact"));
+        c->points = series->n;
+        return true;
+    }
     enum meshing meshing = try_mesh(c, &system, "dop853", c->tol, 20000 + 2 * series->n, end);
     if (meshing == MESH_FAILED)
         meshing = try_mesh(c, &system, "rodas5p", fmax(c->tol, TOLERANCE_STIFF), STEPS_MOST, end);

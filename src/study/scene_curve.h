@@ -3,7 +3,7 @@
 #ifndef HOOKE_STUDY_SCENE_CURVE_H
 #define HOOKE_STUDY_SCENE_CURVE_H
 
-#include "variation.h"
+#include "scene_linear.h"
 
 struct scene_curve {
     struct scene scene;
@@ -13,7 +13,8 @@ struct scene_curve {
     bool rate;    /* or its derivative */
     double tol;
     const struct method *method;
-    double *mesh; /* [points] times of the steps' ends, ascending; owned */
+    struct linear_motion *linear; /* in place of steps; NULL: by steps; owned */
+    double *mesh;                 /* [points] times of the steps' ends, ascending; owned */
     size_t points;
     double *work;                /* of the method, for the variation; owned */
     struct variation *variation; /* where it is bound */
@@ -30,7 +31,8 @@ void scene_curve_free(struct scene_curve *curve);
 /* As struct fit_curve wants it, the curve being the context. */
 bool scene_curve_evaluate(void *context, const double *parameter, const double *t, size_t n, double *value,
                           double *derivative);
-/* Chooses the steps for these parameters, as far as the last sample: explicit unless these would be very many. */
+/* Chooses the steps for these parameters, as far as the last sample: explicit unless these would be very many; none
+ * where the scene is linear and the samples come at few different intervals. */
 bool scene_curve_mesh(struct scene_curve *curve, const double *parameter, const struct series *series,
                       struct error *error);
 
