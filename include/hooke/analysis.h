@@ -166,6 +166,9 @@ struct curve_options {
     const double *low, *high; /* [parameters] bounds, NULL: none; -INFINITY and INFINITY: none on that side */
     bool robust;    /* soft-L1, then bisquare (4.685 robust sigma): what is far off has no weight, and is counted */
     bool rough;     /* a start for another fit is wanted: neither the last digits nor what is determined */
+    /* robust: so many samples in a row are judged by their own scatter, where that is larger than that of all: what the
+     * curve misses for long is no outlier; 0: all together */
+    size_t stretch;
     int iterations; /* at most; 0: 500 */
     int bootstrap;  /* parametric bootstrap samples for the intervals, 0: none */
     uint64_t seed;  /* of the bootstrap */

@@ -110,8 +110,7 @@ static enum outcome descend(struct problem *p, double *u, bool accelerate, int m
     gsl_multifit_nlinear_parameters parameters = gsl_multifit_nlinear_default_parameters();
     parameters.trs = accelerate ? gsl_multifit_nlinear_trs_lmaccel : gsl_multifit_nlinear_trs_lm;
     parameters.scale = gsl_multifit_nlinear_scale_more;
-    /* Of very many samples GSL's QR takes minutes; products only lead the way there: polish() and judge() use QR. */
-    parameters.solver = p->n > MANY ? gsl_multifit_nlinear_solver_cholesky : gsl_multifit_nlinear_solver_qr;
+    parameters.solver = gsl_multifit_nlinear_solver_qr;
     parameters.avmax = 0.75;
     gsl_multifit_nlinear_fdf fdf = {.f = residuals, .df = derivatives, .n = p->n, .p = count, .params = p};
     gsl_multifit_nlinear_workspace *work =
@@ -168,12 +167,53 @@ static bool polish(struct problem *p, double *x, struct curve_fit *fit)
     return judge(p, x, true, fit);
 }
 
+/*
+ * Of very many samples, from a start that fits a part of them: Gauss-Newton steps, halved where they lead upwards. No
+ * matrix with a row for each sample but the derivatives themselves.
+ */
+static enum outcome descend_long(struct problem *p, double *x, int most, int *iterations, struct curve_fit *fit)
+{
+    enum { HALVINGS = 12 };
+    const int count = p->curve->parameters;
+    if (!judge(p, x, false, fit))
+        return OUTCOME_MEMORY;
+    if (!isfinite(fit->rss))
+        return OUTCOME_NO_VALUE;
+    for (int k = 0; k < most && !fit->converged && p->length > 1e-12; k++) {
+        double trial[CURVE_PARAMETERS], step[CURVE_PARAMETERS], part = 1;
+        const double before = fit->rss * (1 + 1e-12);
+        memcpy(step, p->step, sizeof step);
+        for (int halving = 0;; halving++, part /= 2) {
+            if (cancelled(p->cancel))
+                return OUTCOME_CANCELLED;
+            for (int j = 0; j < count; j++) {
+                trial[j] = x[j] + part * step[j];
+                trial[j] = p->low ? fmax(trial[j], p->low[j]) : trial[j];
+                trial[j] = p->high ? fmin(trial[j], p->high[j]) : trial[j];
+            }
+            if (!judge(p, trial, false, fit))
+                return OUTCOME_MEMORY;
+            if (fit->rss <= before)
+                break;
+            if (halving == HALVINGS)
+                return judge(p, x, false, fit) ? OUTCOME_DONE : OUTCOME_MEMORY;
+        }
+        memcpy(x, trial, (size_t)count * sizeof *x);
+        ++*iterations;
+    }
+    return OUTCOME_DONE;
+}
+
 /* Plain, then accelerated where that did not arrive: the better of the two. */
 static enum outcome minimise(struct problem *p, double *x, int most, int *iterations, struct curve_fit *fit)
 {
     struct curve_fit best = {.converged = false};
     double start[CURVE_PARAMETERS], slope;
     size_t bytes = (size_t)p->curve->parameters * sizeof *x;
+    if (p->n > MANY) {
+        const enum outcome outcome = descend_long(p, x, most, iterations, fit);
+        return outcome == OUTCOME_DONE && !judge(p, x, true, fit) ? OUTCOME_MEMORY : outcome;
+    }
     memcpy(start, x, bytes);
     for (int accelerate = 0; accelerate < (p->rough ? 1 : 2) && !best.converged; accelerate++) {
         double u[CURVE_PARAMETERS];
@@ -194,22 +234,49 @@ static enum outcome minimise(struct problem *p, double *x, int most, int *iterat
     return p->rough || polish(p, x, fit) ? OUTCOME_DONE : OUTCOME_MEMORY;
 }
 
+/* Robust standard deviation of the residuals [from, to) about `middle`. */
+static double robust_scale(struct problem *p, const double *residual, double middle, size_t from, size_t to)
+{
+    for (size_t i = from; i < to; i++)
+        p->scratch[i] = fabs(residual[i] - middle);
+    return MAD_TO_SIGMA * quantile(p->scratch + from, to - from, 0.5);
+}
+
 /* Weights of the residuals in robust standard deviations. Returns the largest change. */
 static double set_weights(struct problem *p, const double *residual, bool soft)
 {
+    const size_t stretches = p->stretch > 0 && p->n >= 2 * p->stretch ? p->n / p->stretch : 1;
     for (size_t i = 0; i < p->n; i++)
         p->scratch[i] = residual[i];
     double middle = quantile(p->scratch, p->n, 0.5), change = 0;
-    for (size_t i = 0; i < p->n; i++)
-        p->scratch[i] = fabs(residual[i] - middle);
-    p->scale = fmax(MAD_TO_SIGMA * quantile(p->scratch, p->n, 0.5), 4e-16 * p->size / sqrt((double)p->n));
-    for (size_t i = 0; i < p->n; i++) {
-        double z = residual[i] / (p->scale * (soft ? SOFT_L1 : BISQUARE));
-        double left = 1 - z * z, weight = soft ? 1 / sqrt(1 + z * z) : left > 0 ? left * left : 0;
-        change = fmax(change, fabs(weight - p->weight[i]));
-        p->weight[i] = weight;
+    p->scale = fmax(robust_scale(p, residual, middle, 0, p->n), 4e-16 * p->size / sqrt((double)p->n));
+    for (size_t k = 0; k < stretches; k++) {
+        const size_t from = p->n * k / stretches, to = p->n * (k + 1) / stretches;
+        const double local = stretches > 1 ? robust_scale(p, residual, middle, from, to) : 0;
+        const double width = fmax(p->scale, local) * (soft ? SOFT_L1 : BISQUARE);
+        for (size_t i = from; i < to; i++) {
+            double z = residual[i] / width;
+            double left = 1 - z * z, weight = soft ? 1 / sqrt(1 + z * z) : left > 0 ? left * left : 0;
+            change = fmax(change, fabs(weight - p->weight[i]));
+            p->weight[i] = weight;
+        }
     }
     return change;
+}
+
+/* A few steps towards the minimum, which is not asked for: the weights are about to change. */
+static enum outcome come_nearer(struct problem *p, double *x, int most, int *iterations, struct curve_fit *fit)
+{
+    enum { STEPS = 3 };
+    double u[CURVE_PARAMETERS], slope;
+    if (p->n > MANY)
+        return descend_long(p, x, STEPS, iterations, fit);
+    for (int j = 0; j < p->curve->parameters; j++)
+        u[j] = outside(p, j, x[j]);
+    enum outcome outcome = descend(p, u, false, most < STEPS ? most : STEPS, iterations);
+    for (int j = 0; j < p->curve->parameters && outcome == OUTCOME_DONE; j++)
+        x[j] = inside(p, j, u[j], &slope);
+    return outcome == OUTCOME_DONE && !judge(p, x, false, fit) ? OUTCOME_MEMORY : outcome;
 }
 
 static enum outcome minimise_robust(struct problem *p, double *x, int most, struct curve_fit *fit)
@@ -219,8 +286,11 @@ static enum outcome minimise_robust(struct problem *p, double *x, int most, stru
     bool settles = false;
     for (int round = 0; round < ROBUST_ROUNDS && outcome == OUTCOME_DONE && !settles; round++) {
         settles = set_weights(p, fit->residual, round < SOFT_ROUNDS) < 1e-3 && round >= SOFT_ROUNDS;
-        outcome = minimise(p, x, most, &iterations, fit);
+        if (!settles)
+            outcome = come_nearer(p, x, most, &iterations, fit);
     }
+    if (outcome == OUTCOME_DONE)
+        outcome = minimise(p, x, most, &iterations, fit);
     fit->iterations = iterations;
     fit->converged = fit->converged && settles;
     return outcome;
@@ -273,23 +343,58 @@ bool enough_samples(const struct series *series, int parameters, struct error *e
            error_set(error, ERROR_COMMAND, "%zu samples cannot determine %d parameters", series->n, parameters);
 }
 
+/*
+ * Of very many samples the start comes from a fit of every so manieth. False: an error that ends everything; a part that
+ * has no answer leaves the start as it was.
+ */
+static bool improve_by_part(const struct fit_curve *curve, const struct series *series, double *x,
+                            const struct curve_options *options, struct error *error)
+{
+    const size_t stride = series->n / MANY + 1, n = series->n / stride;
+    struct arena scratch = {0};
+    struct series part = {.n = n, .quantity = series->quantity};
+    struct curve_options plain = *options;
+    struct curve_fit fit;
+    struct error local = {0};
+    double *t = arena_array(&scratch, 2 * n, sizeof *t), *y = t + n;
+    plain.bootstrap = 0;
+    plain.stretch = options->stretch / stride;
+    for (size_t i = 0; i < n && t; i++) {
+        t[i] = series->t[i * stride];
+        y[i] = series->y[i * stride];
+    }
+    part.t = t;
+    part.y = y;
+    const bool ok = t && curve_fit(curve, &part, x, &plain, &scratch, &fit, &local);
+    for (int j = 0; j < curve->parameters && ok; j++)
+        x[j] = fit.value[j].value;
+    arena_reset(&scratch);
+    if (!ok && local.code != ERROR_COMMAND) {
+        *error = local;
+        return t || error_memory(error);
+    }
+    return true;
+}
+
 bool curve_fit(const struct fit_curve *curve, const struct series *series, const double *start,
                const struct curve_options *options, struct arena *arena, struct curve_fit *fit, struct error *error)
 {
     static const struct curve_options none;
     const struct curve_options *o = options ? options : &none;
     struct problem p = {.curve = curve, .low = o->low, .high = o->high, .robust = o->robust, .rough = o->rough,
-                        .cancel = o->cancel};
+                        .stretch = o->stretch, .cancel = o->cancel};
     double x[CURVE_PARAMETERS];
     int count = curve->parameters, most = o->iterations > 0 ? o->iterations : ITERATIONS, iterations = 0;
     *fit = (struct curve_fit){.parameters = count};
     gsl_set_error_handler_off(); /* GSL's default ends the program; statuses are checked here */
     if (!enough_samples(series, count, error))
         return false;
+    memcpy(x, start, (size_t)count * sizeof *x);
+    if (series->n > MANY && !improve_by_part(curve, series, x, o, error))
+        return false;
     fit->residual = arena_array(arena, series->n, sizeof(double));
     if (!fit->residual || !prepare(&p, series, start, arena))
         return error_memory(error);
-    memcpy(x, start, (size_t)count * sizeof *x);
     fit->weight = p.weight;
     enum outcome outcome = o->robust ? minimise_robust(&p, x, most, fit) : minimise(&p, x, most, &iterations, fit);
     if (outcome != OUTCOME_DONE)

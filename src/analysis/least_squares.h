@@ -15,6 +15,7 @@ struct problem {
     double size;                      /* length of y: rounding */
     double scale;                     /* robust standard deviation the weights were set with */
     bool robust, rough;
+    size_t stretch; /* see struct curve_options */
     /* what judge() leaves: the full Gauss-Newton step from there, and its length relative to value or uncertainty */
     double step[CURVE_PARAMETERS], length;
     double largest[CURVE_PARAMETERS]; /* of each column of the derivatives, by size */

@@ -118,6 +118,7 @@ struct fitting {
     double spread; /* standard deviation of the series */
     double sigma;  /* the same of the residuals of the last fit */
     double *at;    /* [parameters] */
+    size_t stretch; /* samples that are judged together, see struct curve_options */
 };
 
 static double spread_of(const struct series *series)
@@ -137,6 +138,7 @@ static bool fit_part(struct fitting *f, size_t n, bool last, struct curve_fit *f
     struct curve_options options = f->options;
     part.n = n;
     options.robust = last && f->request->robust && f->sigma > NOTHING * f->spread;
+    options.stretch = f->stretch;
     options.bootstrap = last ? f->request->bootstrap : 0;
     options.iterations = ITERATIONS;
     if (!scene_curve_mesh(f->curve, f->at, &part, error) ||
@@ -334,20 +336,34 @@ static void accept_simulation(const struct fitting *f, struct curve_fit *fit)
              fit->iterations, fit->sigma / f->spread);
 }
 
+/*
+ * Two periods: what the scene's law misses there for long, as in a loud start, is no outlier. Bad echoes are few among
+ * so many samples.
+ */
+static size_t stretch_of(const struct series *series, const struct overview *overview)
+{
+    enum { LEAST = 40, PARTS = 20 };
+    const double n = (double)series->n;
+    return (size_t)fmax(LEAST, overview->oscillates ? 2 * n / overview->periods : n / PARTS);
+}
+
 static bool fit_all(struct fitting *f, struct scene_fit *fit, struct error *error)
 {
     const struct series *series = f->request->series;
     struct overview overview;
     struct fit motion = {.model = NULL};
     struct error ignored = {0};
-    series_overview(series, f->arena, &overview);
+    struct arena scratch = {0}; /* of what is known of the motion beforehand: large, and not needed any more */
+    series_overview(series, &scratch, &overview);
+    f->stretch = stretch_of(series, &overview);
     f->curve->tol = tolerance(f, &overview);
     if (overview.oscillates) {
         const struct fit_model *row =
             (const struct fit_model *)(const void *)catalog_find(&fit_catalog, TEXT("damped"));
-        if (row->fit(series, f->arena, f->request->cancel, &motion, &ignored) && motion.converged)
+        if (row->fit(series, &scratch, f->request->cancel, &motion, &ignored) && motion.converged)
             improve_start(f->curve, &motion, f->at);
     }
+    arena_reset(&scratch);
     if (!approach(f, overview.oscillates ? overview.period : NAN, error) ||
         !fit_part(f, series->n, true, &fit->curve, error))
         return false;

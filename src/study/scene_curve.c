@@ -11,6 +11,7 @@
 
 #define TOLERANCE_STIFF 1e-8 /* of rodas5p, at least */
 #define STEPS_MOST 2000000
+#define REMEMBERED_MOST 65536 /* samples: of more the memory is not worth it */
 /* ---- the curve ---- */
 
 /* One sample from the state there; `system` has the curve's variables first. */
@@ -161,12 +162,13 @@ static bool compute(struct scene_curve *c, const double *parameter, const double
 
 /*
  * Fits ask for the same point again and again: at the end of an iteration, when they judge it, at the start of the
- * next. The times of one mesh are always those of one series, from its start.
+ * next.
  */
-static bool recall(const struct scene_curve *c, const double *parameter, size_t n, double *value, double *derivative)
+static bool recall(const struct scene_curve *c, const double *parameter, const double *t, size_t n, double *value,
+                   double *derivative)
 {
     const size_t columns = (size_t)(c->frees + c->offset);
-    if (c->last.n < n || memcmp(c->last.at, parameter, columns * sizeof *parameter) != 0)
+    if (c->last.n < n || c->last.t != t || memcmp(c->last.at, parameter, columns * sizeof *parameter) != 0)
         return false;
     memcpy(value, c->last.value, n * sizeof *value);
     if (derivative)
@@ -175,11 +177,13 @@ static bool recall(const struct scene_curve *c, const double *parameter, size_t 
 }
 
 /* Without memory for it nothing is remembered. */
-static void remember(struct scene_curve *c, const double *parameter, size_t n, const double *value,
+static void remember(struct scene_curve *c, const double *parameter, const double *t, size_t n, const double *value,
                      const double *derivative)
 {
     const size_t columns = (size_t)(c->frees + c->offset);
     c->last.n = 0;
+    if (n > REMEMBERED_MOST)
+        return;
     if (n > c->last.room) {
         free(c->last.value);
         free(c->last.slope);
@@ -192,6 +196,7 @@ static void remember(struct scene_curve *c, const double *parameter, size_t n, c
     memcpy(c->last.value, value, n * sizeof *value);
     memcpy(c->last.slope, derivative, n * columns * sizeof *derivative);
     memcpy(c->last.at, parameter, columns * sizeof *parameter);
+    c->last.t = t;
     c->last.n = n;
 }
 
@@ -199,12 +204,12 @@ bool scene_curve_evaluate(void *context, const double *parameter, const double *
                           double *derivative)
 {
     struct scene_curve *c = context;
-    if (recall(c, parameter, n, value, derivative))
+    if (recall(c, parameter, t, n, value, derivative))
         return true;
     if (!compute(c, parameter, t, n, value, derivative))
         return false;
     if (derivative)
-        remember(c, parameter, n, value, derivative);
+        remember(c, parameter, t, n, value, derivative);
     return true;
 }
 

@@ -21,6 +21,7 @@ struct scene_curve {
     struct {
         double *value, *slope; /* [n] [n][parameters], owned */
         double at[CURVE_PARAMETERS];
+        const double *t; /* [n] of which samples */
         size_t n;    /* 0: nothing is known */
         size_t room; /* samples */
     } last;          /* evaluation with derivatives */

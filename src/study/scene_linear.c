@@ -48,6 +48,15 @@ static int find_step(const struct linear_motion *m, double wanted, double t)
     return -1;
 }
 
+static void place_step(struct linear_motion *m, int k, double dt)
+{
+    struct propagator *p = &m->step[k];
+    p->dt = dt;
+    p->base = m->room + (size_t)k * room_each;
+    p->direction = p->base + m->n * (m->n + 1);
+    p->ready = false;
+}
+
 static bool collect_steps(struct linear_motion *m, double t0, const double *t, size_t n)
 {
     double at = t0;
@@ -60,7 +69,7 @@ static bool collect_steps(struct linear_motion *m, double t0, const double *t, s
             return false;
         if (k < 0) {
             k = m->steps++;
-            m->step[k].dt = wanted;
+            place_step(m, k, wanted);
         }
         at += m->step[k].dt;
         m->last = k;
@@ -75,8 +84,6 @@ struct linear_motion *linear_motion_create(double t0, const double *t, size_t n)
         free(m);
         return NULL;
     }
-    for (int k = 0; m && k < m->steps; k++)
-        m->step[k].base = m->room + (size_t)k * room_each;
     return m;
 }
 
@@ -101,10 +108,8 @@ void linear_motion_bind(struct linear_motion *m, const struct variation *v, int 
         for (int i = 0; i < n * directions; i++)
             m->by[i * n + j] = rate[n + i] - still[n + i];
     }
-    for (int k = 0; k < m->steps; k++) {
-        m->step[k].direction = m->step[k].base + n * (n + 1);
-        m->step[k].ready = false;
-    }
+    for (int k = 0; k < m->steps; k++)
+        place_step(m, k, m->step[k].dt);
 }
 
 /* ---- the exponential ---- */
@@ -214,7 +219,12 @@ double linear_motion_advance(struct linear_motion *m, double from, double t, dou
     const double wanted = t - from;
     if (!(wanted > ROUNDING * fabs(t)))
         return from;
-    m->last = find_step(m, wanted, t);
+    int k = find_step(m, wanted, t);
+    if (k < 0) { /* of other samples than were announced: takes a step's place */
+        k = m->steps < STEPS_MOST ? m->steps++ : (m->last + 1) % STEPS_MOST;
+        place_step(m, k, wanted);
+    }
+    m->last = k;
     struct propagator *p = &m->step[m->last];
     if (!p->ready)
         prepare(m, p);

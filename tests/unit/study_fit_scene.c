@@ -391,7 +391,7 @@ static void stiff_scenes_are_fitted(void **state)
 {
     (void)state;
     const struct scene truth = scene_with("prothero-robinson", SETTINGS({"lambda", -3}, {"y0", 1.7}));
-    struct scene stiff = scene_with("overdamped", SETTINGS({"gamma", 3e5}, {"k", 4e4}, {"y0", 0.05}));
+    struct scene stiff = scene_with("overdamped", SETTINGS({"gamma", 3e5}, {"k", 4e4}, {"y0", 0.05}, {"C", 1e-3}));
     struct recorded slow = record(&truth, 0, 50, 10, 1e-3, 0);
     struct fitted f = fit_to(&truth, &slow.series, "lambda y0", false);
     assert_converged(&f);
@@ -405,6 +405,80 @@ static void stiff_scenes_are_fitted(void **state)
     assert_converged(&f);
     assert_string_equal(f.fit.method->row.name, "rodas5p");
     assert_found(&f, "k", 4e4, 0.01);
+    arena_reset(&f.arena);
+    forget(&r);
+}
+
+/* ---- linear scenes: the exact solution, by steps that fit the times of the samples ---- */
+
+/* A term too small to be seen makes the same scene one that is not linear, which is integrated. */
+static void exact_and_integrated_curves_agree(void **state)
+{
+    (void)state;
+    const struct scene truth = scene_with("damped", SETTINGS({"k", 15.11}, {"gamma", 0.2}, {"v0", 0.1}));
+    const struct scene linear = scene_with("damped", SETTINGS({"m", 0.2}));
+    struct scene bent = scene_with("damped", SETTINGS({"m", 0.2}, {"k3", 1e-9}));
+    random_state = 77;
+    struct recorded r = record(&truth, 0, 60, 20, 1e-4, 0.2);
+    for (int rounded = 0; rounded < 2; rounded++) {
+        for (size_t i = 0; i < r.series.n && rounded; i++) /* as 1/60 s is printed; and a gap */
+            r.t[i] = (round(1000 * r.t[i]) + (i > 600 ? 777 : 0)) / 1000;
+        struct fitted exact = fit_to(&linear, &r.series, "k gamma y0 v0", true),
+                      steps = fit_to(&bent, &r.series, "k gamma y0 v0", true);
+        assert_true(exact.ok && steps.ok);
+        assert_string_equal(exact.fit.method->row.name, "exact");
+        assert_string_equal(steps.fit.method->row.name, "dop853");
+        for (int j = 0; j < exact.fit.curve.parameters; j++) {
+            const struct measured a = exact.fit.curve.value[j], b = steps.fit.curve.value[j];
+            if (!(fabs(a.value - b.value) <= 1e-3 * a.uncertainty) ||
+                !(fabs(a.uncertainty - b.uncertainty) <= 1e-3 * a.uncertainty))
+                fail_msg("%s: %.12g +- %g exactly, %.12g +- %g by steps", exact.fit.name[j], a.value, a.uncertainty,
+                         b.value, b.uncertainty);
+        }
+        arena_reset(&exact.arena);
+        arena_reset(&steps.arena);
+    }
+    forget(&r);
+}
+
+/* The disk's drag is not linear: a linear law misses most where the motion is loud, which is no outlier. */
+static void a_loud_start_is_not_rejected(void **state)
+{
+    (void)state;
+    const struct scene truth = scene_with(
+        "drag", SETTINGS({"m", 0.2166}, {"k", 15.1}, {"gamma", 0.005}, {"C", 6}, {"y0", 0.071}, {"v0", 0}));
+    const struct scene start = scene_with("damped", SETTINGS({"m", 0.2166}));
+    random_state = 12;
+    struct recorded r = record(&truth, 0, 60, 60, 1e-4, 0.25);
+    for (size_t i = 7; i < r.series.n; i += 97)
+        r.y[i] += 0.03;
+    struct fitted robust = fit_to(&start, &r.series, NULL, true);
+    assert_true(robust.ok);
+    assert_true(robust.fit.curve.rejected < r.series.n / 50);
+    const double y0 = fitted_value(&robust, "y0").value;
+    if (!(y0 > 0.055 && y0 < 0.071))
+        fail_msg("y0 = %g m of 0.071, %zu rejected", y0, robust.fit.curve.rejected);
+    arena_reset(&robust.arena);
+    forget(&r);
+}
+
+/* More than are fitted at once: the same answer as the exact law demands, within its uncertainty. */
+static void long_recordings_are_fitted(void **state)
+{
+    (void)state;
+    const struct scene truth = scene_with("damped", SETTINGS({"k", 15.11}, {"gamma", 0.01}, {"v0", 0.1}));
+    const struct scene start = scene_with("damped", SETTINGS({"m", 0.2}));
+    random_state = 41;
+    struct recorded r = record(&truth, 0, 200, 150, 2e-4, 0.2);
+    for (size_t i = 11; i < r.series.n; i += 50)
+        r.y[i] -= 0.02;
+    assert_true(r.series.n > 20000);
+    struct fitted f = fit_to(&start, &r.series, NULL, true);
+    assert_converged(&f);
+    assert_found(&f, "k", 15.11, 1e-3);
+    assert_found(&f, "gamma", 0.01, 0.1);
+    assert_found(&f, "v0", 0.1, 0.1);
+    assert_true(f.fit.curve.rejected >= r.series.n / 50 && f.fit.curve.rejected < r.series.n / 40);
     arena_reset(&f.arena);
     forget(&r);
 }
@@ -423,6 +497,9 @@ int main(void)
         cmocka_unit_test(spikes_do_not_pull),
         cmocka_unit_test(a_fit_can_be_stopped),
         cmocka_unit_test(stiff_scenes_are_fitted),
+        cmocka_unit_test(exact_and_integrated_curves_agree),
+        cmocka_unit_test(a_loud_start_is_not_rejected),
+        cmocka_unit_test(long_recordings_are_fitted),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
