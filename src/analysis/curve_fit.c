@@ -270,7 +270,7 @@ static enum outcome come_nearer(struct problem *p, double *x, int most, int *ite
     enum { STEPS = 3 };
     double u[CURVE_PARAMETERS], slope;
     if (p->n > MANY)
-        return descend_long(p, x, STEPS, iterations, fit);
+        return descend_long(p, x, 1, iterations, fit);
     for (int j = 0; j < p->curve->parameters; j++)
         u[j] = outside(p, j, x[j]);
     enum outcome outcome = descend(p, u, false, most < STEPS ? most : STEPS, iterations);
@@ -282,9 +282,11 @@ static enum outcome come_nearer(struct problem *p, double *x, int most, int *ite
 static enum outcome minimise_robust(struct problem *p, double *x, int most, struct curve_fit *fit)
 {
     int iterations = 0;
-    enum outcome outcome = minimise(p, x, most, &iterations, fit);
+    const bool is_long = p->n > MANY; /* then it starts from a robust fit already: nothing soft is needed */
+    enum outcome outcome =
+        is_long ? come_nearer(p, x, most, &iterations, fit) : minimise(p, x, most, &iterations, fit);
     bool settles = false;
-    for (int round = 0; round < ROBUST_ROUNDS && outcome == OUTCOME_DONE && !settles; round++) {
+    for (int round = is_long ? SOFT_ROUNDS : 0; round < ROBUST_ROUNDS && outcome == OUTCOME_DONE && !settles; round++) {
         settles = set_weights(p, fit->residual, round < SOFT_ROUNDS) < 1e-3 && round >= SOFT_ROUNDS;
         if (!settles)
             outcome = come_nearer(p, x, most, &iterations, fit);
