@@ -127,9 +127,12 @@ bool series_derivative(const struct series *series, int points, struct arena *ar
 /* By which part the velocities of an oscillation come out too small, because the parabola smooths. */
 double derivative_loss(const struct derivative *derivative, double omega);
 
-/* The period from the shifts at which the series is most like itself: a cross-check. False: it does not oscillate long
- * enough, or no memory. */
-bool series_correlation_period(const struct series *series, struct arena *arena, struct measured *period);
+/*
+ * The period from the shifts at which the series is most like itself, near the multiples of the known one: a cross-check;
+ * of a long recording from parts all along it. False: it does not oscillate long enough, or no memory.
+ */
+bool series_correlation_period(const struct series *series, const struct period *known, struct arena *arena,
+                               struct measured *period);
 
 /* ---- straight lines ---- */
 

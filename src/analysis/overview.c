@@ -12,7 +12,6 @@
 #define WEAKLY_DAMPED 0.01 /* gamma/omega: the amplitude changes by 6 % in two periods */
 #define SAMPLES_A_PERIOD 2.02
 #define REJECTED_MOST 0.2 /* of the samples: a fit that leaves out more is none */
-#define CLIPPED_MOST 0.35 /* of the samples: a sine is beyond half its amplitude for a third of the time */
 #define DRIFTS 3.0  /* standard deviations of the offset's slope from which on it is fitted */
 #define CHANCE 20.0 /* -ln of the chance that noise looks like it, per frequency; much for wandering records */
 
@@ -142,11 +141,10 @@ static void judge(struct motion *m)
     }
 }
 
-/* A model that many samples must leave is none; behind flat tops there may be more, but not most of the motion. */
+/* A model that many samples must leave is none, whether they are bad echoes or lie behind flat tops. */
 static bool leaves_out_much(const struct motion *m)
 {
-    const double n = (double)m->samples.n;
-    return (double)(m->rejected - m->clipped) > REJECTED_MOST * n || (double)m->clipped > CLIPPED_MOST * n;
+    return (double)m->rejected > REJECTED_MOST * (double)m->samples.n;
 }
 
 static void judge_rejected(struct motion *m)

@@ -90,7 +90,7 @@ static bool measure_period(struct measuring *m)
     buffer_format(&text, " (%g period%s, %s)", p.periods, p.periods == 1 ? "" : "s", p.how);
     if (!m->subject.energy && !m->subject.column)
         put_theory(&text, p.period.value, theory_period(m), QUANTITY_TIME);
-    if (m->subject.recording && series_correlation_period(&m->subject.series, m->given->arena, &alike))
+    if (m->subject.recording && series_correlation_period(&m->subject.series, &p, m->given->arena, &alike))
         put(&text, "\nautocorrelation: T", alike, QUANTITY_TIME);
     begin(m, p.period, QUANTITY_TIME, p.periods);
     reply_string(m->reply, "how", p.how);

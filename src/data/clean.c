@@ -30,7 +30,7 @@ static void find_gaps(struct cleaning *c)
     struct finding *gaps = &c->findings->of[FINDING_GAPS];
     for (size_t i = 0; i + 1 < c->n; i++)
         c->sorted[i] = c->t[i + 1] - c->t[i];
-    c->step = sorted_quantile(c->sorted, c->n - 1, 0.5);
+    c->step = selected_quantile(c->sorted, c->n - 1, 0.5);
     for (size_t i = 0; i + 1 < c->n; i++)
         if (c->t[i + 1] - c->t[i] > GAP * c->step) {
             clean_note(gaps, c->t[i], 1);
@@ -125,7 +125,7 @@ static double usual_fall(struct cleaning *c)
     for (size_t k = 0; k + 1 < c->locals; k++)
         if (c->local[k].fitted && c->local[k + 1].fitted && c->local[k].amplitude > 0)
             c->sorted[n++] = c->local[k + 1].amplitude / c->local[k].amplitude;
-    return n > 0 ? fmin(sorted_quantile(c->sorted, n, 0.5), 1) : 1;
+    return n > 0 ? fmin(selected_quantile(c->sorted, n, 0.5), 1) : 1;
 }
 
 static size_t far_off(const struct cleaning *c, const struct local *local)

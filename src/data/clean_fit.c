@@ -29,6 +29,11 @@ double sorted_quantile(double *value, size_t n, double q)
     return n > 0 ? value[(size_t)(q * (double)(n - 1))] : NAN;
 }
 
+double selected_quantile(double *value, size_t n, double q)
+{
+    return n > 0 ? gsl_stats_select(value, 1, n, (size_t)(q * (double)(n - 1))) : NAN;
+}
+
 /* Cholesky; a ridge that no determined parameter feels. */
 static bool solve(double a[TERMS][TERMS], double b[TERMS])
 {
@@ -93,7 +98,7 @@ static double residual_scale(const struct stretch *s, const double parameter[TER
         s->residual[i] = s->y[i] - value_of(parameter, s->term[i]);
         s->size[i] = fabs(s->residual[i]);
     }
-    return MAD_TO_SIGMA * gsl_stats_select(s->size, 1, s->n, (s->n - 1) / 2);
+    return MAD_TO_SIGMA * selected_quantile(s->size, s->n, 0.5);
 }
 
 static bool robust_fit(const struct stretch *s, double least, double parameter[TERMS], double *scale)
@@ -189,6 +194,6 @@ bool clean_fit(struct cleaning *c)
         if (c->local[k].fitted)
             c->sorted[fitted++] = c->local[k].scale;
     }
-    c->typical = fitted > 0 ? fmax(sorted_quantile(c->sorted, fitted, 0.5), c->quantum / sqrt(12.0)) : NAN;
+    c->typical = fitted > 0 ? fmax(selected_quantile(c->sorted, fitted, 0.5), c->quantum / sqrt(12.0)) : NAN;
     return true;
 }

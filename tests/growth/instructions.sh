@@ -42,6 +42,10 @@ export_json() { sprung damped 'verlet dt=1ms' "$1"; echo 'export rows.json --for
 measure_rows() { sprung damped 'rk4 dt=1ms' $((2000 + $1)); echo 'measure period; measure amplitude'; }
 load_rows() { recording $((400 + $1)) >rows.txt; echo 'load rows.txt'; }
 fit_rows() { recording $((400 + $1)) >rows.txt; echo 'load rows.txt; fit damped'; }
+fit_scene_rows() { recording $((400 + $1)) >rows.txt; echo 'load rows.txt; scene damped; fit scene'; }
+fit_drag_rows() { recording $((400 + $1)) >rows.txt; echo 'load rows.txt; fit drag'; }
+clean_rows() { recording $((400 + $1)) >rows.txt; echo 'load rows.txt; data clean'; }
+measure_recording() { recording $((400 + $1)) >rows.txt; echo 'load rows.txt; measure period'; }
 plot_rows() { sprung drag 'verlet dt=1ms' $((1000 + $1)); echo 'plot position; plot energy'; }
 sweep_points() { echo "scene driven; method rk4 dt=10ms; duration = 1 s"; [ "$1" -eq 0 ] || echo "sweep omega=1:$1:1 measure=max --threads 1"; }
 
@@ -50,7 +54,8 @@ rows='steps_linear:20000 steps:5000 steps_driven:5000 steps_thinned:20000 steps_
     step_lines:100 step_lines_linear:100 step_lines_driven:100 back_lines:10
     continue_lines:50 continue_lines_linear:50 continue_lines_driven:50
     change_lines:50 runs:20 set_lines:100
-    export_rows:500 export_json:500 measure_rows:2000 load_rows:1000 fit_rows:500 plot_rows:3000 sweep_points:50'
+    export_rows:500 export_json:500 measure_rows:2000 load_rows:1000 fit_rows:500 fit_scene_rows:500 fit_drag_rows:500
+    clean_rows:1000 measure_recording:1000 plot_rows:3000 sweep_points:50'
 
 # The instructions of a script on its standard input; what the script says is left in said.txt.
 instructions() {

@@ -39,7 +39,7 @@ static struct truth random_recording(void)
     truth.gamma = random_uniform() * 3 / truth.span;
     truth.noise = 0.01 * pow(30, random_uniform());
     truth.dropouts = one_in(2) ? 0 : random_between(0, 0.1);
-    truth.clip = one_in(4) ? truth.amplitude * random_between(0.6, 0.95) : 0;
+    truth.clip = one_in(4) ? truth.amplitude * random_between(truth.dropouts > 0 ? 0.93 : 0.85, 0.97) : 0;
     truth.drift = one_in(4) ? truth.amplitude * random_between(-0.2, 0.2) : 0;
     truth.sway = one_in(4) && truth.span > 16 * truth.period ? random_between(0.02, 0.1) : 0;
     truth.sway_period = truth.period * 3 * pow(truth.span / truth.period / 12, random_uniform());
@@ -139,6 +139,55 @@ static void clipped_tops_are_censored(void **state)
     assert_true(close_to(fit.amplitude.value, 5, 0.02) && close_to(fit.offset.value, 21, 0.02));
     assert_true(close_to(fit.period.value, 0.75, 4 * fit.period.uncertainty));
     synthetic_free(&s);
+}
+
+/* Tops cut so deep that more than a fifth of the samples lies behind them: no fit is made of the rest, and why. */
+static void deep_cuts_are_no_fit(void **state)
+{
+    (void)state;
+    random_state = 8;
+    struct truth truth = {.amplitude = 5,
+                          .offset = 21,
+                          .period = 0.75,
+                          .gamma = 0.005,
+                          .rate = 100,
+                          .span = 15,
+                          .noise = 0.02,
+                          .clip = 2.5};
+    struct synthetic s = synthetic_make(&truth);
+    struct fit fit;
+    struct error error = {0};
+    assert_false(fit_named("damped", &s.series, &fit, &error));
+    assert_false(fit.converged);
+    assert_non_null(strstr(error.text, "left out"));
+    synthetic_free(&s);
+}
+
+/* Steps of a fifth to a third of the amplitude are flat wherever the motion is slow: rounded, not cut. */
+static void coarse_steps_are_not_clipping(void **state)
+{
+    (void)state;
+    random_state = 31;
+    for (int run = 0; run < 20; run++) {
+        struct truth truth = {.amplitude = random_between(3, 6),
+                              .offset = random_between(15, 30),
+                              .period = random_between(0.4, 2),
+                              .gamma = random_between(0, 0.01),
+                              .phase = random_between(-3, 3),
+                              .rate = random_between(30, 100),
+                              .span = random_between(30, 120),
+                              .noise = run % 2 ? 0.01 : random_between(0.05, 0.4),
+                              .quantum = 1};
+        struct synthetic s = synthetic_make(&truth);
+        struct fit fit;
+        struct error error = {0};
+        if (!fit_named("damped", &s.series, &fit, &error))
+            fail_msg("run %d: %s", run, error.text);
+        if (200 * fit.rejected > s.series.n)
+            fail_msg("run %d: %zu of %zu rejected", run, fit.rejected, s.series.n);
+        assert_true(fit.converged && close_to(fit.period.value, truth.period, 1e-3 * truth.period));
+        synthetic_free(&s);
+    }
 }
 
 static void drift_of_the_offset(void **state)
@@ -446,7 +495,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(intervals_cover_the_truth),        cmocka_unit_test(dropouts_are_counted),
-        cmocka_unit_test(clipped_tops_are_censored),        cmocka_unit_test(drift_of_the_offset),
+        cmocka_unit_test(clipped_tops_are_censored),
+        cmocka_unit_test(deep_cuts_are_no_fit),     cmocka_unit_test(coarse_steps_are_not_clipping),        cmocka_unit_test(drift_of_the_offset),
         cmocka_unit_test(rest_before_release_is_seen),      cmocka_unit_test(exact_samples),
         cmocka_unit_test(stiffness_has_both_uncertainties), cmocka_unit_test(laws_of_drag),
         cmocka_unit_test(law_does_not_hang_on_the_windows), cmocka_unit_test(what_does_not_oscillate_is_refused),
