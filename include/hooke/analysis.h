@@ -423,4 +423,21 @@ struct modes_fit {
 bool series_modes(const struct series *series, int modes, struct arena *arena, const struct cancel *cancel,
                   struct modes_fit *fit, struct error *error);
 
+/* ---- the same quantity, measured several times ---- */
+
+struct repeat {
+    int n;
+    struct measured mean;     /* all alike; uncertainty: scatter/sqrt(n) */
+    double scatter;           /* standard deviation of one */
+    struct measured weighted; /* by the stated uncertainties, and what follows from these alone; NAN: one states none */
+    double birge;             /* sqrt(chi2/(n - 1)): how many times the scatter is what was stated */
+    double chance;            /* that stated uncertainties which are right scatter so much */
+    double between;           /* standard deviation to be added to each, so that they explain the scatter; 0: none */
+    struct measured quote;    /* weighted with both: what should be quoted */
+    double interval;          /* half of its 95 % interval (Student) */
+};
+
+/* Birge 1932, Paule and Mandel 1982. False: fewer than two. */
+bool repeat_values(const struct measured *x, int n, struct repeat *repeat);
+
 #endif

@@ -148,11 +148,18 @@ static int next_place(const struct progress *progress, struct text word)
         return progress->open;
     if (progress->open >= 0 && command->argument[progress->open].type == TYPE_CHOICE)
         return progress->open;
-    for (int i = 0; i < command->arguments; i++)
-        if (command->argument[i].form == FORM_PLACE &&
-            (!has(progress->arguments, i) || (command->argument[i].flags & ARG_MANY)))
+    int last = -1;
+    for (int i = 0; i < command->arguments; i++) {
+        if (command->argument[i].form != FORM_PLACE ||
+            (has(progress->arguments, i) && !(command->argument[i].flags & ARG_MANY)))
+            continue;
+        last = i;
+        /* What is no recording goes to the next place, if there is one. */
+        if (command->argument[i].type != TYPE_RECORDING ||
+            session_find_recording(progress->parser->session, word) >= 0)
             return i;
-    return -1;
+    }
+    return last;
 }
 
 static bool takes_rest(const struct argument *argument)

@@ -24,6 +24,7 @@ static const struct row quantities[] = {
     [MEASURE_K] = ROW("k", "spring constant from the period and the mass"),
     [MEASURE_SPRING] = ROW("spring", "k and the spring's effective mass from T^2 against m of several recordings"),
     [MEASURE_SPECTRUM] = ROW("spectrum", "frequency and amplitude of the lines that stand out"),
+    [MEASURE_REPEAT] = ROW("repeat", "mean, scatter and what to quote of several recordings or windows"),
 };
 const struct catalog quantity_catalog = CATALOG("quantity to measure", quantities);
 

@@ -405,7 +405,8 @@ HANDLER(measure)
         [MEASURE_AMPLITUDE] = measure_amplitude, [MEASURE_DECAY] = measure_decay,
         [MEASURE_ENERGY] = measure_energy,       [MEASURE_DRIFT] = measure_drift,
         [MEASURE_REYNOLDS] = measure_reynolds,   [MEASURE_K] = measure_k,
-        [MEASURE_SPRING] = measure_spring,     [MEASURE_SPECTRUM] = measure_spectrum};
+        [MEASURE_SPRING] = measure_spring,     [MEASURE_SPECTRUM] = measure_spectrum,
+        [MEASURE_REPEAT] = measure_repeat};
     const struct item *quantity = given_for(given, "QUANTITY")->item;
     const enum measurable which = (enum measurable)quantity->index;
     const bool energy = is_given(given, "energy") || which == MEASURE_ENERGY;
@@ -418,9 +419,14 @@ HANDLER(measure)
         snprintf(m.subject.name, sizeof m.subject.name, "the scene");
         return measures[which](&m);
     }
-    if (which == MEASURE_SPRING)
-        return measure_spring(&m);
-    return subject_open(session, given_for(given, "run"), given_for(given, "data"), given_for(given, "window"), energy,
+    if (which == MEASURE_SPRING || which == MEASURE_REPEAT)
+        return measures[which](&m);
+    const struct given *named = given_for(given, "RECORDING");
+    if (named->count > 1)
+        return error_at(error, named->where, "only 'measure repeat' takes several recordings");
+    if (is_given(given, "what"))
+        return error_at(error, given_for(given, "what")->where, "what= belongs to 'measure repeat'");
+    return subject_open(session, given_for(given, "run"), named->count ? named : given_for(given, "data"), given_for(given, "window"), energy,
                         2, given->arena, &m.subject, error) &&
            (!column->count ||
             subject_column(&m.subject, column, given_for(given, "window"), given->arena, error)) &&
@@ -436,12 +442,17 @@ COMMAND(measure, .row = {"measure", "", "measure a quantity of a run or a record
                 "'period windows=N' tells whether T depends on the amplitude. 'spring' takes every recording whose "
                 "mass is known ('data\n"
                 "mass'): T^2 against m gives k and the effective mass of the spring, and each k is held against the "
-                "first. 'spectrum' gives the lines that stand out.",
-        .examples = "run; measure period\nload disk.txt; measure amplitude windows=6", .see = "fit list plot",
+                "first. 'spectrum' gives the lines that stand out.\n"
+                "'repeat NAME NAME ..', or 'repeat NAME windows=N', compares the scatter of T (what= frequency, "
+                "amplitude, decay, k) with what each states, and says what to quote.",
+        .examples = "run; measure period\nload disk.txt; measure amplitude windows=6\nmeasure repeat swing1 swing2 swing3",
+        .see = "fit list plot",
         .flags = COMMAND_ANYTIME,
         ARGUMENTS(PLACE("QUANTITY", TYPE_CHOICE, .flags = ARG_REQUIRED, .choices = &quantity_catalog),
                   WORD("run", TYPE_RUN, .lead = "of", .group = 1),
                   WORD("data", TYPE_RECORDING, .lead = "of", .group = 1), WORD("energy", TYPE_NONE, .lead = "of"),
                   KEY("window", TYPE_RANGE, .quantity = QUANTITY_TIME),
                   KEY("at", TYPE_VALUE, .flags = ARG_MANY | ARG_NEGATIVE, .quantity = QUANTITY_TIME),
-                  KEY("windows", TYPE_INTEGER), PLACE("COLUMN", TYPE_COLUMN, .lead = "of")))
+                  KEY("windows", TYPE_INTEGER), KEY("what", TYPE_CHOICE, .choices = &quantity_catalog),
+                  PLACE("RECORDING", TYPE_RECORDING, .flags = ARG_MANY, .lead = "of"),
+                  PLACE("COLUMN", TYPE_COLUMN, .lead = "of")))

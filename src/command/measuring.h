@@ -28,6 +28,9 @@ bool measure_periods(struct measuring *m, int windows, struct buffer *text);
 /* T^2 against m over all recordings whose mass is known: k and the spring's effective mass; each k and the first. */
 bool measure_spring(struct measuring *m);
 
+/* A quantity of several recordings, or of windows of one: mean, scatter, what to quote. */
+bool measure_repeat(struct measuring *m);
+
 /* The lines of spectra in words and as records (cmd_plot.c); with names where there are several curves. */
 void spectrum_report(const struct figure_peaks *peaks, int curves, struct reply *reply);
 
