@@ -197,6 +197,8 @@ struct run_target {
     int events;
 };
 
+/* Since when dry friction holds the body, by the rows that were recorded [s]; NAN: it does not. */
+double run_rest(const struct run *run);
 /*
  * Advances until the target, a stop reason, cancellation or `budget_ns` (0: none). True while there is more to do. The
  * rows recorded do not depend on how the work is cut into calls. The last partial step is local: settings.dt is

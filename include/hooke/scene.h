@@ -336,7 +336,7 @@ struct system {
     struct bound_term typed; /* of a typed scene: all that was typed at once; row NULL: not there */
     bool linear;       /* every term TERM_LINEAR: y' = A y + b(t) */
     bool autonomous;   /* no TERM_TIME */
-    bool velocity;     /* some force depends on velocity */
+    bool velocity;     /* some force depends on velocity, but for dry friction that is located */
     bool conservative; /* every term has a potential: energy is constant */
     bool energy;       /* kinetic and potential; false: kinetic is all there is, of typed forces without a potential */
     int switches;      /* of typed equations, then that of dry friction: with branches that can be frozen */
@@ -357,6 +357,9 @@ bool scene_bind(const struct scene *scene, struct system *system, struct error *
 /* Without looking for the potential of typed forces, which takes about a thousand evaluations: for those who bind many
  * and ask for no energy. */
 bool scene_bind_motion(const struct scene *scene, struct system *system, struct error *error);
+
+/* As if methods did not step across kinks. */
+void system_turn_at_kinks(struct system *system);
 
 void system_acceleration(const struct system *system, double t, const double *y, double *a);  /* [n/2], order 2 only */
 void system_derivative(const struct system *system, double t, const double *y, double *dydt); /* [n] */
@@ -400,7 +403,8 @@ int model_state(const struct model *model, struct text name);
  *
  * For linear oscillators in every regime (under-, critically and overdamped, k = 0, k < 0, gamma < 0, constant force,
  * driven, resonance, with formulas that do not cancel), typed or not; for models that bring their own; by the matrix
- * exponential for other linear systems with constant coefficients and up to 16 variables. From `start` at t0 to t
+ * exponential for other linear systems with constant coefficients and up to 16 variables; for linear oscillators with dry
+ * friction, without a drive. From `start` at t0 to t
  * (before or after t0); growth beyond double ends as infinity. floor [n], or NULL: what one ulp in the coefficients (of
  * other models: in the start) does to the answer, about eps * omega * |t - t0| times the amplitude: no error below it
  * means anything.
@@ -529,6 +533,9 @@ bool system_slide(const struct system *system, const double *branch, const bool 
                   struct sliding *sliding, struct system *frozen);
 /* Puts the state back on the switches from which it is off by what steps leave; false: it is there. */
 bool sliding_return(const struct sliding *sliding, double t, double *y);
+
+/* A state that is on switch i but for rounding is put there, where it is known how: where dry friction turns. */
+void system_end_at_switch(const struct system *frozen, int i, double *y);
 
 /* Of switch i, beyond the guard that is 0 at (t, y). */
 double system_next_branch(const struct system *frozen, int i, double t, const double *y);

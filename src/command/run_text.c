@@ -52,6 +52,11 @@ void reply_run(const struct session *session, const struct run *run, struct repl
     if (run->cost.turns > 0)
         buffer_format(&text, ", %lld extra step%s to end at turning points", (long long)run->cost.turns,
                       run->cost.turns == 1 ? "" : "s");
+    const double rest = run_rest(run);
+    if (isfinite(rest)) {
+        buffer_put(&text, TEXT(", held by dry friction from "));
+        buffer_quantity(&text, rest, QUANTITY_TIME, 4);
+    }
     const struct data_distance data = run_data_distance(run, session_recording(session));
     if (isfinite(data.rms)) {
         const struct variable compared = run_derivative(run, data.derivative);
@@ -87,6 +92,7 @@ void reply_run(const struct session *session, const struct run *run, struct repl
         reply_real(reply, "kinetic", run_observable(run, observable_energy(&run->system)));
     reply_real(reply, "energy_error", ledger.error_max);
     reply_real(reply, "error", errors.max);
+    reply_real(reply, "rest_from", rest);
     reply_string(reply, "status", stop_name(run->stop));
     reply_real(reply, "time", run->seconds);
     reply_end(reply);
@@ -160,6 +166,9 @@ void reply_sliding(struct run *run, struct reply *reply)
     const struct switches_state *state = &run->controller.switches;
     const struct system *system = &run->system;
     const bool slides = state->slides + state->across > 0, piles = state->piles > 0;
+    const bool held = system->dry && state->slides > 0 && state->first == system->switches - 1 && state->across == 0;
+    if (held && !piles) /* as dry friction should: the run says so */
+        return;
     if ((run->warned_sliding || !slides) && (run->warned_piling || !piles))
         return;
     struct buffer text = {0};

@@ -366,6 +366,7 @@ void switch_next(struct step *step, struct switches_state *state, int ended)
     go_back(step, step->system);
     if (ended < 0)
         return;
+    system_end_at_switch(step->system, ended, step->y);
     double y[LIMIT_VARIABLES], f[LIMIT_VARIABLES];
     system_derivative(step->system, step->t, step->y, f);
     for (int i = 0; i < step->system->n; i++) /* a whole branch goes up or down by where the motion goes */

@@ -100,15 +100,6 @@ static void describe_scene(const struct scene *scene, const struct system *syste
         buffer_format(text, " (coefficient zero: not evaluated)\n");
 }
 
-/* Is there drag that a step has to treat? Dry friction is a constant force on each piece of one. */
-static bool drags(const struct system *system)
-{
-    for (int i = 0; i < system->terms; i++)
-        if (system->term[i].row->flags & TERM_VELOCITY && !(system->dry && system->term[i].row->flags & TERM_DRY))
-            return true;
-    return false;
-}
-
 static void describe_method(const struct system *system, const struct method *method,
                             const struct run_settings *settings, const struct plan *plan, struct buffer *text)
 {
@@ -132,7 +123,7 @@ static void describe_method(const struct system *system, const struct method *me
     enum drag drag = settings->drag;
     struct error ignored;
     key(text, "drag");
-    if (!drags(system))
+    if (!system->velocity)
         buffer_format(text, system->dry ? "none but dry friction\n" : "none: no force depends on velocity\n");
     else if (!method_applies(method, system, &drag, &ignored) || drag == DRAG_DEFAULT)
         buffer_format(text, "part of the force\n");

@@ -96,7 +96,8 @@ static bool allocate(struct run *run)
     run->trace = trace_create(run->system.n, run->plan.adaptive, run->settings.record, run->settings.memory);
     if (!p || !run->trace)
         return false;
-    const bool side = run->plan.adaptive && !run->method->dense;
+    /* What takes parts of steps again: cubics say too little, and none holds where dry friction turns. */
+    const bool side = run->plan.adaptive ? !run->method->dense : run->system.pieces;
     p->work = calloc((side ? 2 : 1) * work + 4 * n, sizeof *p->work);
     if (!p->work || !push_epoch(run, &run->system, run->y) || !trace_reserve_grids(run->trace, 1))
         return false;
@@ -191,6 +192,19 @@ static void use_system(struct run *run, const struct system *system)
     forget_rounding(run->private_state, system->n);
     set_bounds(run);
     choose_kernel(run);
+}
+
+double run_rest(const struct run *run)
+{
+    const struct trace *trace = run->trace;
+    double a[LIMIT_VARIABLES];
+    if (!run->system.dry || run->y[1] != 0)
+        return NAN;
+    system_acceleration(&run->system, run->t, run->y, a);
+    size_t row = trace_count(trace);
+    while (a[0] == 0 && row > 0 && trace_state(trace, row - 1)[1] == 0)
+        row--;
+    return a[0] != 0 ? NAN : row < trace_count(trace) ? trace_time(trace, row) : run->t;
 }
 
 bool run_back(struct run *run, int64_t rows)

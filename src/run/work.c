@@ -55,6 +55,9 @@ static void quintic_at(const struct quintic *p, double s, double *q, double *v)
          rs / 2 * h * (r * (2 - 5 * s) * p->a0 - s * (2 - 5 * r) * p->a1);
 }
 
+#define FINE 1e-11     /* tolerance of the steps in which a body turns under dry friction; */
+#define PARTS 64       /* so many at most, */
+#define STEP_MEMORY 64 /* with so much memory */
 #define NEAR_REST 1e-9 /* of the velocities: the power there goes with their square or cube */
 
 /* Where the velocity, of different signs at the ends, is 0: by secants and bisections (Illinois). */
@@ -92,8 +95,44 @@ static void add_part(const struct system *system, bool drags, const struct quint
     }
 }
 
+/*
+ * Dry friction jumps where the body turns, and a quintic does not: the motion over the step once more, from its start,
+ * in steps of high order that end there.
+ */
+static bool across_dry(const struct system *system, const struct quintic *p, double t, double *work, double *drag)
+{
+    const struct method *method = (const struct method *)(const void *)catalog_find(&method_catalog, TEXT("dopri5"));
+    double y[2] = {p->q0, p->v0}, memory[STEP_MEMORY];
+    struct step step = {.system = system, .y = y, .work = memory, .t = t};
+    struct controller controller = {.tol = FINE, .h = p->h};
+    const bool drags = drags_only(system), there = method && method_work_size(method, 2) <= STEP_MEMORY;
+    *work = *drag = 0;
+    for (int i = 0; there && i < PARTS && step.t != t + p->h; i++) {
+        struct sliding sliding;
+        struct system frozen;
+        const double from = step.t, q0 = y[0], v0 = y[1];
+        double a[2];
+        if (method_adapt(method, &step, &controller, t + p->h) != STEP_OK)
+            return false;
+        const struct system *smooth = method_adapted(system, &controller, &sliding, &frozen);
+        system_acceleration(smooth, from, (const double[]){q0, v0}, &a[0]);
+        system_acceleration(smooth, step.t, y, &a[1]);
+        const struct quintic part = {step.t - from, q0, v0, a[0], y[0], y[1], a[1]};
+        if (part.h != 0)
+            add_part(system, drags, &part, from, 0, 1, work, drag);
+    }
+    return there && step.t == t + p->h;
+}
+
 void work_across(const struct system *system, const struct quintic *p, double t, double *work, double *drag)
 {
+    if (system->dry && across_dry(system, p, t, work, drag))
+        return;
+    if (p->v0 * p->v1 >= 0) {
+        *work = *drag = 0;
+        add_part(system, drags_only(system), p, t, 0, 1, work, drag);
+        return;
+    }
     const double s = turning_point(p);
     const bool drags = drags_only(system);
     *work = *drag = 0;
@@ -150,7 +189,7 @@ static void work_of_any(const struct work *work, struct work_done *done)
         p[to] = power_at(system, drags, work_time(work, k + 1), y[to]);
         if (h == 0)
             continue;
-        if (system->kinks && y[from][1] * y[to][1] < 0) {
+        if (work_turns(system, y[from][1], y[to][1])) {
             const struct quintic quintic = {h, y[from][0], y[from][1], a[from][0], y[to][0], y[to][1], a[to][0]};
             work_across(system, &quintic, t, &done->work[k], &done->drag[k]);
             continue;

@@ -34,11 +34,11 @@ enum {
 };
 
 #define HAS(name) (1u << PLACE_##name)
-/* What block_work() knows. Dry friction is not among it: a body at rest is held by what pulls at it. */
+/* What block_work() knows. */
 #define OSCILLATOR_TERMS                                                                                               \
-    (HAS(spring) | HAS(damping) | HAS(drag) | HAS(gravity) | HAS(drive) | HAS(cubic) | HAS(vanderpol))
+    (HAS(spring) | HAS(damping) | HAS(drag) | HAS(gravity) | HAS(drive) | HAS(cubic) | HAS(vanderpol) | HAS(friction))
 #define PENDULUM_TERMS (HAS(weight) | HAS(damping) | HAS(drive))
-#define POWERED (HAS(damping) | HAS(drag) | HAS(drive) | HAS(vanderpol))
+#define POWERED (HAS(damping) | HAS(drag) | HAS(drive) | HAS(vanderpol) | HAS(friction))
 
 /* Coefficients of the terms that are there; those of the others are 0. */
 struct line {
@@ -143,6 +143,8 @@ ALWAYS_INLINE double acceleration(unsigned terms, const struct line *line, doubl
         cubic_add(line->c[PLACE_cubic], 0, y, &a);
     if (terms & HAS(vanderpol))
         vanderpol_add(line->c[PLACE_vanderpol], 0, y, &a);
+    if (terms & HAS(friction)) /* the last, as in terms.def: at rest it holds against all others */
+        friction_add(line->c[PLACE_friction], 0, y, &a);
     return a;
 }
 
@@ -156,6 +158,8 @@ ALWAYS_INLINE double drag_power_of(unsigned terms, const struct line *line, doub
         power += drag_power(line->c[PLACE_drag], 0, y);
     if (terms & HAS(vanderpol))
         power += vanderpol_power(line->c[PLACE_vanderpol], 0, y);
+    if (terms & HAS(friction))
+        power += friction_power(line->c[PLACE_friction], 0, y);
     return power;
 }
 
@@ -259,6 +263,7 @@ ALWAYS_INLINE void block_work(unsigned terms, const struct line *line, const str
     K(dragged, HAS(spring) | HAS(damping) | HAS(gravity) | HAS(drag))                                                  \
     K(driven, HAS(spring) | HAS(damping) | HAS(gravity) | HAS(drive) | HAS(cubic))                                     \
     K(vanderpol, HAS(spring) | HAS(vanderpol))                                                                         \
+    K(rubbed, HAS(spring) | HAS(damping) | HAS(gravity) | HAS(drag) | HAS(friction))                                   \
     K(all, OSCILLATOR_TERMS)                                                                                           \
     K(swinging, HAS(weight))                                                                                           \
     K(pendulum, PENDULUM_TERMS)
@@ -320,7 +325,7 @@ static void cosines(const struct work *work, const double *c, struct block *b)
 static void turn_across(const struct work *work, const struct block *b, struct work_done *done)
 {
     for (int k = 0; k < work->count; k++)
-        if (b->v[k] * b->v[k + 1] < 0 && b->h[k] != 0) {
+        if (work_turns(work->system, b->v[k], b->v[k + 1]) && b->h[k] != 0) {
             const struct quintic p = {b->h[k], b->q[k], b->v[k], b->a[k], b->q[k + 1], b->v[k + 1], b->a[k + 1]};
             work_across(work->system, &p, work_time(work, k), &done->work[k], &done->drag[k]);
         }

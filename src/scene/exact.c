@@ -84,7 +84,8 @@ static bool is_oscillator(const struct system *system)
 
 bool system_has_exact(const struct system *system)
 {
-    return (system->model && system->model->exact) || is_oscillator(system) || linear_has_exact(system);
+    return (system->model && system->model->exact) || is_oscillator(system) || dry_has_exact(system) ||
+           linear_has_exact(system);
 }
 
 /* The roots; a is the one of lesser magnitude where they are real. */
@@ -160,11 +161,16 @@ void system_exact(const struct system *system, double t0, const double *start, d
         system->model->exact(system, t0, start, t, y, floor);
         return;
     }
-    if (!is_oscillator(system)) {
+    if (is_oscillator(system))
+        oscillator_exact(&system->oscillator, t0, start, t, y, floor);
+    else if (dry_has_exact(system))
+        dry_exact(system, t0, start, t, y, floor);
+    else
         linear_exact(system, t0, start, t, y, floor);
-        return;
-    }
-    const struct oscillator *o = &system->oscillator;
+}
+
+void oscillator_exact(const struct oscillator *o, double t0, const double *start, double t, double *y, double *floor)
+{
     const struct roots z = roots_of(o);
     const struct parts made = solve(o, &z, t0, start, t);
     y[0] = (double)(made.q + creall(made.p));

@@ -1,9 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Linear systems with constant coefficients that are not one oscillator (exact_linear.c). */
+/* Exact solutions by kinds of systems: the oscillator (exact.c), with dry friction (exact_dry.c), other linear systems with
+ * constant coefficients (exact_linear.c). */
 #ifndef HOOKE_SCENE_EXACT_H
 #define HOOKE_SCENE_EXACT_H
 
 #include <hooke/scene.h>
+
+/* Without quadratic drag and friction, whatever they are. */
+void oscillator_exact(const struct oscillator *o, double t0, const double *start, double t, double *y, double *floor);
+
+bool dry_has_exact(const struct system *system);
+void dry_exact(const struct system *system, double t0, const double *start, double t, double *y, double *floor);
 
 bool linear_has_exact(const struct system *system);
 void linear_exact(const struct system *system, double t0, const double *start, double t, double *y, double *floor);

@@ -169,6 +169,12 @@ bool system_switch_sees(const struct system *system, int i, double t, const doub
     return a[i] != b[i];
 }
 
+void system_end_at_switch(const struct system *frozen, int i, double *y)
+{
+    if (is_dry(frozen, i))
+        y[1] = 0;
+}
+
 /* ---- at rest ---- */
 
 bool sliding_rests(const struct sliding *sliding)

@@ -201,7 +201,7 @@ void system_sum_up(struct system *system)
     unsigned all = ~0u, any = 0;
     for (int i = 0; i < system->terms; i++) {
         all &= system->term[i].row->flags;
-        any |= system->term[i].row->flags;
+        any |= system->term[i].row->flags & (system->dry && i == system->terms - 1 ? ~(unsigned)TERM_VELOCITY : ~0u);
     }
     system->linear = all & TERM_LINEAR;
     system->conservative = system->order == 2 && all & TERM_CONSERVATIVE;
@@ -210,6 +210,17 @@ void system_sum_up(struct system *system)
     system->kinks = system->order == 2 && system->n == 2 && (any & TERM_KINK || system->oscillator.quadratic != 0);
     if (system->n > 2 && system->oscillator.quadratic != 0) /* |v| is not that of each coordinate */
         system->oscillator.drag_whole = false;
+}
+
+void system_turn_at_kinks(struct system *system)
+{
+    const bool dry = !system->dry && system->terms > 0 && system->term[system->terms - 1].row->flags & TERM_DRY;
+    system->across = false;
+    if (!dry)
+        return;
+    system->dry = system->pieces = true;
+    system->switches++;
+    system_sum_up(system);
 }
 
 /* Dry friction is the last of all terms, and its switch that of all switches. */
@@ -224,6 +235,7 @@ static void bind_dry(struct system *system)
         system->term[system->terms - 1] = dry;
         system->dry = system->pieces = !system->across;
         system->switches += system->dry;
+        system_sum_up(system);
         if (system->across)
             system->oscillator.drag_whole = false;
         return;

@@ -221,7 +221,7 @@ static double fastest(const struct system *system)
     return most;
 }
 
-static void explain(const struct system *system, struct order *order)
+static void explain(const struct system *system, bool rests, struct order *order)
 {
     const bool beside = order->verdict == ORDER_LOWER || order->verdict == ORDER_ERRATIC;
     const bool none = order->verdict == ORDER_NO_RANGE, over = none && !(order->by.method->flags & METHOD_IMPLICIT);
@@ -236,6 +236,16 @@ static void explain(const struct system *system, struct order *order)
     if (order->by.drag == DRAG_EXPLICIT && order->by.method->drag != DRAG_EXPLICIT && system->velocity)
         snprintf(out, size, "with drag=explicit %s is of first order, not %d", order->by.method->row.name,
                  order->by.method->order);
+    else if (order->verdict != ORDER_AGREES && rests)
+        snprintf(out, size,
+                 "the body is at rest at the end: all that is left is the error of where, which may be of another "
+                 "order; a duration that ends before shows that of the motion");
+    else if ((beside || none) && system->oscillator.friction != 0 && system->across)
+        snprintf(out, size,
+                 "dry friction jumps where the velocity is 0: each turning point that is crossed spoils the order");
+    else if (order->verdict == ORDER_AGREES && system->pieces)
+        snprintf(out, size,
+                 "dry friction jumps where the velocity is 0: the order holds because steps end at the turning points");
     else if ((beside || none) && system->oscillator.quadratic != 0 && order->claimed > 2)
         snprintf(out, size,
                  "quadratic drag is smooth only up to its first derivative where the velocity is 0: each "
@@ -298,9 +308,9 @@ bool study_order(const struct order_request *request, struct order *order, struc
         if (!(target.size[i] > 1e-18 * system.scale[i]))
             target.size[i] = system.scale[i];
     }
-    const bool ok = order_sweep(&target, order, error);
+    const bool ok = order_sweep(&target, order, error), rests = system.oscillator.friction != 0 && target.end[1] == 0;
     reference_free(&reference);
     if (ok)
-        explain(&system, order);
+        explain(&system, rests, order);
     return ok;
 }

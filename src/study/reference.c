@@ -242,7 +242,7 @@ bool study_reference(const struct system *system, double span, const struct canc
     if (!refuse_singular(system, reference, error))
         return false;
     struct system smooth = *system; /* the reference keeps its order, whatever is compared with it */
-    smooth.across = false;
+    system_turn_at_kinks(&smooth);
     struct search search = {.system = &smooth, .reference = reference, .cancel = cancel, .size = size};
     search.grid = calloc((KIND_COUNT + 1) * size, sizeof *search.grid);
     if (!search.grid) {

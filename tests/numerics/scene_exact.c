@@ -292,8 +292,8 @@ static void test_semigroup(void **state)
         if (i % 3 == 0)
             o.gravity = 9.81;
         if (i % 4 == 0)
-            o = (struct oscillator){o.stiffness, o.damping, 0,   o.gravity, 1, random_between(&seed, 0, 9),
-                                    0.5,         true,      true};
+            o = (struct oscillator){.stiffness = o.stiffness, .damping = o.damping, .gravity = o.gravity, .drive = 1,
+                                    .omega = random_between(&seed, 0, 9), .phase = 0.5, .whole = true};
         struct system system = oscillating(o, random_between(&seed, -1, 1), random_between(&seed, -1, 1), -1);
         double t1 = random_between(&seed, -1, 4), t2 = random_between(&seed, -1, 4);
         double half[2], whole[2], twice[2], back[2], floor[2];
@@ -331,7 +331,8 @@ static void test_floor(void **state)
         struct oscillator o = {.stiffness = pow(10, random_between(&seed, -2, 4))};
         o.damping = i % 2 ? 0 : random_between(&seed, 0, 4) * sqrt(o.stiffness);
         if (i % 3 == 0)
-            o = (struct oscillator){o.stiffness, o.damping, 0, 0, 1, random_between(&seed, 0, 50), 0, true, true};
+            o = (struct oscillator){.stiffness = o.stiffness, .damping = o.damping, .drive = 1,
+                                    .omega = random_between(&seed, 0, 50), .whole = true};
         double turn = sqrt(o.stiffness), t = random_between(&seed, 0, 40) / turn;
         struct system system = oscillating(o, random_between(&seed, -1, 1), turn * random_between(&seed, -1, 1), 0);
         struct system other = system;
@@ -457,9 +458,10 @@ static void test_reference_table(void **state)
         const char *p = field[1];
         struct oscillator o = {.stiffness = keyed(p, "Omega0^2=", 1), .damping = keyed(p, "gamma=", 0)};
         if (forced)
-            o = (struct oscillator){o.stiffness, o.damping, 0, 0, 0.5, 1.2, 0, true, true};
+            o = (struct oscillator){.stiffness = o.stiffness, .damping = o.damping, .drive = 0.5, .omega = 1.2,
+                                    .whole = true};
         if (resonance)
-            o = (struct oscillator){1, 0, 0, 0, 1, 1, 0, true, true};
+            o = (struct oscillator){.stiffness = 1, .drive = 1, .omega = 1, .whole = true};
         struct system system = oscillating(o, keyed(p, "q0=", NAN), keyed(p, "v0=", NAN), 0);
         double t = 0, wanted = 0, y[2], floor[2];
         size_t used;
