@@ -193,6 +193,7 @@ struct kept_fit {
     struct fit fit;
     enum quantity quantity; /* of what was fitted */
     struct measured k;      /* NAN: nobody had said what the mass is */
+    bool exact_mass;        /* k is as if the mass had no uncertainty */
     char of[LIMIT_NAME + 16];
 };
 

@@ -116,6 +116,17 @@ static bool stands_against(const struct law_evidence *e, int best, int other, st
     return false;
 }
 
+/* Among the laws that the data do not tell from the best, one with fewer terms. */
+static int simplest(const struct law_evidence *e, int best, struct fit *out)
+{
+    int simple = best;
+    for (int i = 0; i < DRAG_LAWS; i++)
+        if (i != best && terms(law_at(i)) < terms(law_at(simple)) && physical(&out->drag.candidate[i]) &&
+            !stands_against(e, best, i, out))
+            simple = i;
+    return simple;
+}
+
 /* The law with the least BIC among `others`, -1: none. */
 static int next_best(const struct drag_fit *drag, int best, bool parts)
 {
@@ -138,6 +149,7 @@ int law_choose(const struct law_evidence *e, struct fit *out)
             best = i;
     if (best < 0)
         best = LAW_LINEAR - 1;
+    best = simplest(e, best, out);
     const struct drag_candidate *c = &drag->candidate[best];
     drag->best = c->law;
     for (int i = 0; i < DRAG_LAWS && !undecided; i++)

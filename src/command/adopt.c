@@ -6,15 +6,6 @@
 #include <stdio.h>
 #include <string.h>
 
-static void put(struct buffer *text, const char *name, struct measured value, enum quantity quantity)
-{
-    buffer_format(text, "%s = ", name);
-    if (isfinite(value.value))
-        buffer_measured(text, value, quantity, 6);
-    else
-        buffer_put(text, TEXT("unknown"));
-}
-
 /* ---- what was taken ---- */
 
 enum { ADOPTED_MOST = LIMIT_VARIABLES + 16, LEFT_OUT_MOST = 4 };
@@ -142,7 +133,7 @@ static void put_taken(const struct adoption *a, struct buffer *text)
 {
     for (int i = 0; i < a->count; i++) {
         buffer_put(text, i ? TEXT("  ") : TEXT(""));
-        put(text, a->taken[i].name, a->taken[i].value, a->taken[i].quantity);
+        put_value(text, a->taken[i].name, a->taken[i].value, a->taken[i].quantity, a->data >= 0);
     }
 }
 
@@ -205,8 +196,8 @@ static bool adopt_curve(struct session *session, const struct arguments *given, 
     if (a.data >= 0 && session->fit.offset.value != 0) {
         struct recording *recording = session->recording[a.data]->recording;
         recording->zero = session->fit_zero + session->fit.offset.value;
-        put(&text, "\nzero of the recording", (struct measured){recording->zero, 0},
-            recording->column[recording->value].quantity);
+        put_value(&text, "\nzero of the recording", (struct measured){recording->zero, 0},
+            recording->column[recording->value].quantity, true);
         buffer_put(&text, TEXT(" (the offset of the fit)"));
     }
     session_changed(session);
@@ -306,7 +297,7 @@ bool adopt_fit(struct session *session, const struct arguments *given, struct re
     struct buffer text = {0};
     put_taken(&a, &text);
     if (a.data >= 0) {
-        put(&text, "\nzero of the recording", (struct measured){zero, 0}, fitted.quantity);
+        put_value(&text, "\nzero of the recording", (struct measured){zero, 0}, fitted.quantity, true);
         buffer_put(&text, TEXT(" (the offset of the fit)"));
     }
     if (fit->drag.candidates > 0 && fit->preferred == LAW_UNDECIDED)

@@ -37,6 +37,7 @@ static void keep_fit(struct session *session, const struct subject *subject, con
     session->has_fit = true;
     session->fit_zero = subject->recording ? subject->recording->zero : 0;
     struct kept_fit kept = {.fit = *fit, .quantity = quantity, .k = k ? *k : unknown};
+    kept.exact_mass = k && !(session->setup.scene.uncertainty[scene_param(&session->setup.scene, "m")] > 0);
     memcpy(kept.of, subject->name, sizeof kept.of);
     session_keep_fit(session, &kept);
     memcpy(session->fit_of, subject->name, sizeof session->fit_of);
@@ -101,6 +102,7 @@ static bool fit_motion(const struct asked_fit *asked, const char *name, struct e
     if (fit.converged)
         keep_fit(session, subject, &fit, with_k ? &stiffness : NULL);
     struct told_fit told = {.subject = subject, .model = fit.model, .motion = &fit, .k = stiffness, .spring = spring};
+    told.exact_mass = with_k && !(mass.uncertainty > 0);
     for (int i = 0; i < fit.warnings; i++)
         fit_tell_warning(&told, "%s", fit.warning[i]);
     reply_fit(&told, arena, asked->reply);

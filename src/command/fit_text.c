@@ -11,6 +11,7 @@
 #define STRONG 0.95    /* correlation of two parameters from which it is named */
 #define SAME 0.999999  /* from which the data cannot tell them apart */
 #define CORRELATED 0.3 /* of neighbouring residuals */
+#define EXACT_DIGITS 12 /* what a measurement is uncertain by is shown down to here; a simulation's is rounding */
 
 void fit_tell_warning(struct told_fit *told, const char *format, ...)
 {
@@ -40,11 +41,11 @@ void fit_tell_residuals(struct told_fit *told)
             fit_tell_warning(told, "%s lies on the edge of what is allowed: it has no uncertainty", told->name[j]);
 }
 
-static void put(struct buffer *text, const char *name, struct measured value, enum quantity quantity)
+void put_value(struct buffer *text, const char *name, struct measured value, enum quantity quantity, bool measured)
 {
     buffer_format(text, "%s = ", name);
     if (isfinite(value.value))
-        buffer_measured(text, value, quantity, 6);
+        buffer_measured(text, value, quantity, measured && value.uncertainty > 0 ? EXACT_DIGITS : 6);
     else
         buffer_put(text, TEXT("unknown"));
 }
@@ -85,13 +86,13 @@ static void put_law(const struct fit *fit, struct buffer *text)
     buffer_char(text, ')');
 }
 
-static void cell_rate(struct text_table *table, struct measured value, const char *unit)
+static void cell_rate(struct text_table *table, struct measured value, const char *unit, bool measured)
 {
     struct buffer cell = {0};
     if (!isfinite(value.value) || (value.value == 0 && !(value.uncertainty > 0)))
         buffer_char(&cell, '-');
     else
-        buffer_measured(&cell, value, QUANTITY_OTHER, 4);
+        buffer_measured(&cell, value, QUANTITY_OTHER, measured && value.uncertainty > 0 ? EXACT_DIGITS : 4);
     if (cell.len > 1)
         buffer_format(&cell, " %s", unit);
     cell_take(table, &cell);
@@ -118,7 +119,7 @@ static void put_laws(const struct told_fit *told, struct arena *arena, struct bu
         struct buffer bic = {0};
         cell_text(&table, drag_law_name(c->law));
         for (int k = 0; k < DRAG_RATES; k++)
-            cell_rate(&table, c->rate[k], rate_unit(told, k));
+            cell_rate(&table, c->rate[k], rate_unit(told, k), told->subject->recording);
         buffer_format(&bic, isfinite(c->bic) ? "%.1f" : "-", c->bic);
         cell_take(&table, &bic);
         cell_text(&table, !c->converged                         ? "did not converge"
@@ -137,29 +138,29 @@ static void put_motion(const struct told_fit *told, struct arena *arena, struct 
 {
     const struct fit *fit = told->motion;
     const enum quantity quantity = told->subject->series.quantity;
-    put(text, "\n  T", fit->period, QUANTITY_TIME);
-    put(text, "   omega", fit->omega, QUANTITY_ANGULAR_FREQUENCY);
+    put_value(text, "\n  T", fit->period, QUANTITY_TIME, told->subject->recording);
+    put_value(text, "   omega", fit->omega, QUANTITY_ANGULAR_FREQUENCY, told->subject->recording);
     if (isfinite(fit->gamma.value)) {
-        put(text, "\n  gamma", fit->gamma, QUANTITY_RATE);
+        put_value(text, "\n  gamma", fit->gamma, QUANTITY_RATE, told->subject->recording);
         buffer_put(text, TEXT("   (amplitude falls as exp(-gamma t/2), energy as exp(-gamma t))\n  "));
         if (fit->gamma.value > 0) {
-            put(text, "tau", quotient(2, fit->gamma), QUANTITY_TIME);
-            put(text, "   Q", quality(fit), QUANTITY_NUMBER);
+            put_value(text, "tau", quotient(2, fit->gamma), QUANTITY_TIME, told->subject->recording);
+            put_value(text, "   Q", quality(fit), QUANTITY_NUMBER, told->subject->recording);
         } else {
             const bool decays = fit->drag.best & (LAW_QUADRATIC | LAW_DRY);
             buffer_put(text, decays ? TEXT("no linear damping: the law below has another term") : TEXT("no decay"));
         }
     }
-    put(text, "\n  A", fit->amplitude, quantity);
-    put(text, "   phase", fit->phase, QUANTITY_ANGLE);
+    put_value(text, "\n  A", fit->amplitude, quantity, told->subject->recording);
+    put_value(text, "   phase", fit->phase, QUANTITY_ANGLE, told->subject->recording);
     buffer_format(text, " at t = %.6g s", fit->t0);
-    put(text, "   offset", fit->offset, quantity);
+    put_value(text, "   offset", fit->offset, quantity, told->subject->recording);
     if (isfinite(told->k.value))
-        put(text, "\n  k", told->k, QUANTITY_STIFFNESS);
+        put_value(text, "\n  k", told->k, QUANTITY_STIFFNESS, told->subject->recording);
     buffer_put(text, isfinite(told->k.value) ? TEXT("   rms ") : TEXT("\n  rms "));
     buffer_quantity(text, fit->rms, quantity, 3);
     if (isfinite(fit->halves[0].value) && isfinite(fit->halves[1].value)) {
-        put(text, "\n  halves: gamma", fit->halves[0], QUANTITY_RATE);
+        put_value(text, "\n  halves: gamma", fit->halves[0], QUANTITY_RATE, told->subject->recording);
         buffer_put(text, TEXT(" and "));
         buffer_measured(text, fit->halves[1], QUANTITY_RATE, 4);
     }
@@ -167,6 +168,8 @@ static void put_motion(const struct told_fit *told, struct arena *arena, struct 
         put_laws(told, arena, text);
     else
         put_law(fit, text);
+    if (told->exact_mass)
+        buffer_put(text, TEXT("\n  (the mass is taken as exact; m = 200 +- 1 g, for example, says how well it is known)"));
     if (!isfinite(told->k.value) && told->spring)
         buffer_put(text, TEXT("\n  (set the mass, for example m = 200 g, to get k)"));
 }
@@ -353,6 +356,10 @@ static void reply_record(const struct told_fit *told, struct reply *reply)
     if (told->modes)
         reply_modes(told, reply);
     reply_bool(reply, "converged", told->motion ? fit->converged : told->curve->converged);
+    reply_array(reply, "exact");
+    if (told->exact_mass)
+        reply_string(reply, NULL, "m");
+    reply_close(reply);
     reply_array(reply, "warnings");
     for (int i = 0; i < told->warnings; i++)
         reply_string(reply, NULL, told->warning[i]);

@@ -19,10 +19,13 @@ struct told_fit {
     const char *held;              /* what was not fitted: "m = 0.2 kg, k = 15 N/m"; NULL: nothing to say */
     struct measured k;             /* NAN: not known */
     bool spring;                   /* k could be known */
+    bool exact_mass;               /* k was computed with a mass that has no uncertainty */
     char warning[FIT_WARNINGS][200];
     int warnings;
 };
 
+/* "name = value"; measured: an uncertainty is shown however small it is. */
+void put_value(struct buffer *text, const char *name, struct measured value, enum quantity quantity, bool measured);
 void fit_tell_warning(struct told_fit *told, const char *format, ...) PRINTF_LIKE(2, 3);
 /* What the residuals of a curve say against it. */
 void fit_tell_residuals(struct told_fit *told);

@@ -82,6 +82,26 @@ static void sort_material(const struct report *report, struct material *m)
 
 /* ---- sections ---- */
 
+/* The laws that were compared, and what came of it. */
+static void put_laws(struct document *document, const struct fit *fit)
+{
+    static const enum drag_law envelope[] = {LAW_LINEAR, LAW_QUADRATIC, LAW_LINEAR | LAW_QUADRATIC};
+    const char *law = drag_law_name(fit->preferred);
+    if (!law)
+        return;
+    document_open(document, BLOCK_PARAGRAPH);
+    document_say(document, fit->drag.candidates > 0 ? "Law of damping (fit %s, integrated): %s; BIC"
+                                                    : "Drag law of the envelope (fit %s): %s; BIC",
+                 fit->model, law);
+    for (int i = 0; i < fit->drag.candidates; i++)
+        document_say(document, "%s %s %.6g", i ? "," : "", drag_law_name(fit->drag.candidate[i].law),
+                     fit->drag.candidate[i].bic);
+    for (size_t i = 0; i < COUNT_OF(envelope) && fit->drag.candidates == 0; i++)
+        document_say(document, "%s %s %.6g", i ? "," : "", drag_law_name(envelope[i]), fit->evidence[i]);
+    document_say(document, ".");
+    document_close(document, BLOCK_PARAGRAPH);
+}
+
 static bool put_recording(struct report *report, int place, enum section section, struct error *error)
 {
     struct document *document = &report->document;
@@ -111,14 +131,16 @@ static bool put_recording(struct report *report, int place, enum section section
                                   : error_memory(error);
     buffer_free(&about);
     put_values(report, of, false);
+    bool exact = false;
     for (int i = 0; i < report->session->kept_fits; i++) {
         const struct kept_fit *kept = &report->session->kept_fit[i];
-        const char *law = drag_law_name(kept->fit.preferred);
-        if (!law || strcmp(kept->of, of) != 0 || section != SECTION_DAMPED_RECORDING)
-            continue;
+        if (strcmp(kept->of, of) == 0 && section == SECTION_DAMPED_RECORDING)
+            put_laws(document, &kept->fit);
+        exact = exact || (strcmp(kept->of, of) == 0 && kept->exact_mass);
+    }
+    if (exact) {
         document_open(document, BLOCK_PARAGRAPH);
-        document_say(document, "Drag law of the envelope (fit %s): %s; BIC linear %.6g, quadratic %.6g, linear+quadratic %.6g.",
-                     kept->fit.model, law, kept->fit.evidence[0], kept->fit.evidence[1], kept->fit.evidence[2]);
+        document_say(document, "The mass was given without an uncertainty and is taken as exact: that of k is the fit's alone.");
         document_close(document, BLOCK_PARAGRAPH);
     }
     return ok;
