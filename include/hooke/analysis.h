@@ -62,6 +62,17 @@ bool series_period(const struct series *series, struct arena *arena, struct peri
  */
 bool series_clean_period(const struct series *series, double centre, struct arena *arena, struct period *period);
 
+struct period_reading {
+    double from, to, t;         /* [s] the window, and its middle */
+    struct measured amplitude;  /* half the swing; of a simulation with its overtones */
+    struct measured period;     /* [s] */
+    double periods;
+};
+
+/* Of so many equal windows, one after the other. */
+bool series_period_readings(const struct series *series, int windows, struct arena *arena,
+                            struct period_reading *reading, struct error *error);
+
 /* ---- amplitude and decay ---- */
 
 struct reading {

@@ -399,6 +399,8 @@ bool needs_spring(const struct scene *scene, const char *what, struct error *err
 /* [s] of the oscillation with its linear damping, of another model as wide as it starts; NAN: it does not oscillate, or
  * there is no scene. */
 double scene_period(const struct scene *scene);
+/* [s] of a pendulum that swings so far [rad], without damping: complete elliptic integral; NAN: another scene. */
+double scene_period_at(const struct scene *scene, double amplitude);
 double derived_value(const struct scene *scene, const char *name); /* NAN: no scene, or not defined */
 /* Keeps it as a row of `list measurements` and as the result measured_NAME. */
 bool session_keep_measurement(struct session *session, const char *name, const char *of, struct measured value,

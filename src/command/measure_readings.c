@@ -115,34 +115,41 @@ static void say_dependence(struct measuring *m, const double *a, const struct me
     reply_end(m->reply);
 }
 
+static void say_reading(struct measuring *m, const struct period_reading *r, bool first, struct buffer *text)
+{
+    const enum quantity unit = m->subject.series.quantity;
+    const struct scene *scene = m->subject.energy || m->subject.column ? NULL
+                                                                       : subject_scene(m->session, m->subject.run);
+    const double theory = scene_period_at(scene, r->amplitude.value);
+    put_measured(text, first ? "T" : "\nT", r->period, QUANTITY_TIME);
+    put_measured(text, " at A", r->amplitude, unit);
+    buffer_format(text, "   (%.6g..%.6g s)", r->from, r->to);
+    if (isfinite(theory))
+        buffer_format(text, "   theory %.6g s (%+.3f %%)", theory, 100 * (r->period.value / theory - 1));
+    measure_begin(m, m->quantity, r->period, QUANTITY_TIME, r->periods);
+    reply_measured(m->reply, "amplitude", r->amplitude, unit);
+    reply_real(m->reply, "t", r->t);
+    reply_real(m->reply, "theory", theory);
+    reply_end(m->reply);
+}
+
 bool measure_periods(struct measuring *m, int windows, struct buffer *text)
 {
-    const struct series *s = &m->subject.series;
     struct arena *arena = m->given->arena;
     double *a = arena_array(arena, (size_t)windows, sizeof *a);
     struct measured *period = arena_array(arena, (size_t)windows, sizeof *period);
-    const double from = s->t[0], width = (s->t[s->n - 1] - from) / windows;
-    if (!a || !period)
+    struct period_reading *reading = arena_array(arena, (size_t)windows, sizeof *reading);
+    if (!a || !period || !reading)
         return error_memory(m->error);
+    if (!series_period_readings(&m->subject.series, windows, arena, reading, m->error))
+        return false;
     for (int i = 0; i < windows; i++) {
-        const struct series part = series_window(*s, from + i * width, from + (i + 1) * width);
-        const double middle = from + (i + 0.5) * width;
-        struct period p;
-        struct reading reading;
-        if (!series_period(&part, arena, &p, m->error) ||
-            !series_amplitudes(&part, arena, &middle, 1, width, &reading, m->error) ||
-            !session_keep_measurement(m->session, m->quantity, m->subject.name, p.period, QUANTITY_TIME, p.periods,
-                                      m->error))
+        if (!session_keep_measurement(m->session, m->quantity, m->subject.name, reading[i].period, QUANTITY_TIME,
+                                      reading[i].periods, m->error))
             return false;
-        a[i] = reading.amplitude.value;
-        period[i] = p.period;
-        put_measured(text, i ? "\nT" : "T", p.period, QUANTITY_TIME);
-        put_measured(text, " at A", reading.amplitude, s->quantity);
-        buffer_format(text, "   (%.6g..%.6g s)", from + i * width, from + (i + 1) * width);
-        measure_begin(m, m->quantity, p.period, QUANTITY_TIME, p.periods);
-        reply_measured(m->reply, "amplitude", reading.amplitude, s->quantity);
-        reply_real(m->reply, "t", middle);
-        reply_end(m->reply);
+        a[i] = reading[i].amplitude.value;
+        period[i] = reading[i].period;
+        say_reading(m, &reading[i], i == 0, text);
     }
     say_dependence(m, a, period, windows, text);
     return true;

@@ -281,6 +281,17 @@ double scene_period(const struct scene *scene)
     return period;
 }
 
+double scene_period_at(const struct scene *scene, double amplitude)
+{
+    const int angle = scene ? scene_param(scene, "theta0") : -1, rate = scene ? scene_param(scene, "rate0") : -1;
+    if (angle < 0 || rate < 0)
+        return NAN;
+    struct scene turned = *scene;
+    turned.value[angle] = amplitude;
+    turned.value[rate] = 0;
+    return derived_value(&turned, "period");
+}
+
 bool session_keep_measurement(struct session *session, const char *name, const char *of, struct measured value,
                               enum quantity unit, double periods, struct error *error)
 {
