@@ -522,6 +522,7 @@ enum plot_kind {
     PLOT_RESIDUAL,
     PLOT_SPECTRUM,
     PLOT_ENVELOPE,  /* amplitudes read window by window */
+    PLOT_PERIOD,    /* against the amplitude, window by window */
     PLOT_PRECISION, /* of the last precision study, not of runs */
 };
 

@@ -276,7 +276,7 @@ HANDLER(plot)
 COMMAND(
     plot,
     .row = {"plot", "",
-            "draw position, velocity, phase, orbit, energy, error, residual, spectrum, precision; or any columns", "",
+            "draw position, velocity, phase, orbit, energy, error, residual, spectrum, period, precision; or any columns", "",
             "p"},
     .group = "PLOT",
     .text =

@@ -85,6 +85,9 @@ bool drawing_run_spectrum(struct drawing *d, const struct run *run, struct curve
 struct axis spectrum_axis(const struct drawing *d);
 void spectrum_note(const struct drawing *d, struct buffer *text); /* names the line; nothing: there is none */
 
+/* The period against the amplitude (figure_period.c). */
+bool period_figure(struct drawing *d, struct figure *figure);
+
 /* [s] that the scene, or the sizes of what moves, lead to expect of a run; NAN: none. */
 double run_rhythm(const struct run *run);
 bool run_goes_back(const struct run *run); /* time falls from row to row */

@@ -35,7 +35,7 @@ int figure_recording(const struct session *session, enum plot_kind kind)
     const bool own = recording_shows(recording, run, kind);
     /* Without a run the plot of positions shows whatever was recorded. */
     const bool alone = kind == PLOT_POSITION || kind == PLOT_SPECTRUM || kind == PLOT_ENVELOPE ||
-                       kind == PLOT_RESIDUAL;
+                       kind == PLOT_PERIOD || kind == PLOT_RESIDUAL;
     const bool derived =
         plot_needs_motion(kind) && recording->column[recording->value].quantity == QUANTITY_LENGTH;
     if (!run)

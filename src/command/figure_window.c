@@ -37,6 +37,9 @@ const struct plot_row plot_rows[] = {
     [PLOT_ENVELOPE] = {.row = {"envelope", "", "amplitude of successive windows against t", "", NULL},
                        .label = "A",
                        .positive = true},
+    [PLOT_PERIOD] = {.row = {"period", "", "period against amplitude, window by window; a pendulum's closed form", "",
+                             NULL},
+                     .label = "T"},
     [PLOT_PRECISION] = {.row = {"precision", "", "error against run time, of the last 'precision'", "", NULL},
                         .label = "error"},
 };
@@ -49,7 +52,7 @@ bool plot_needs_motion(enum plot_kind kind)
 
 bool plot_is_timed(enum plot_kind kind)
 {
-    return !plot_is_plane(kind) && kind != PLOT_SPECTRUM && kind != PLOT_PRECISION;
+    return !plot_is_plane(kind) && kind != PLOT_SPECTRUM && kind != PLOT_PERIOD && kind != PLOT_PRECISION;
 }
 
 bool plot_is_plane(enum plot_kind kind)

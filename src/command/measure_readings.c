@@ -6,6 +6,7 @@
 
 #define READINGS_LEAST 3
 #define SEEN 3.0 /* standard deviations */
+#define SAME_AMPLITUDE 1e-6 /* of it: less is no change that T could depend on */
 
 void put_measured(struct buffer *text, const char *name, struct measured value, enum quantity unit)
 {
@@ -96,7 +97,7 @@ static void say_dependence(struct measuring *m, const double *a, const struct me
         low = fmin(low, a[i]);
         high = fmax(high, a[i]);
     }
-    if (count < READINGS_LEAST || !line_fit(a, period, count, &line))
+    if (count < READINGS_LEAST || !(high - low > SAME_AMPLITUDE * high) || !line_fit(a, period, count, &line))
         return;
     const double at_low = line.intercept.value + line.slope.value * low, percent = 100 * (high - low) / at_low;
     const struct measured change = {percent * line.slope.value, percent * line.slope.uncertainty};

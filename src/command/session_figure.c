@@ -315,9 +315,11 @@ bool session_figure(const struct session *session, const struct figure_request *
         .coordinates = 1, .omega0 = 1, .period = NAN};
     if (request->kind == PLOT_PRECISION)
         return precision_figure(session->precision, arena, figure, error);
-    d.curve = arena_array(arena, (size_t)request->runs + LIMIT_OVERLAY + 1, sizeof *d.curve);
+    d.curve = arena_array(arena, (size_t)request->runs + LIMIT_OVERLAY + 2, sizeof *d.curve);
     if (!d.curve)
         return error_memory(error);
+    if (request->kind == PLOT_PERIOD)
+        return period_figure(&d, figure);
     if (request->runs > 0 && !find_model(&d))
         return false;
     const bool phase = request->kind == PLOT_PHASE, plane = plot_is_plane(request->kind);
