@@ -22,7 +22,13 @@ enum step_status {
 
 typedef enum step_status step_function(const struct method *method, struct step *step);
 
+/* The force at a displacement: towards rest, none, away from it. */
+enum restoring { RESTORING, FREE, REPELLING };
+
+double restoring_stiffness(enum restoring restoring); /* 1, 0, -1 */
+
 /* How drag (forces that depend on velocity) enters a step; which of them a method knows, its row says. */
+
 enum drag { DRAG_DEFAULT, DRAG_EXACT, DRAG_IMPLICIT, DRAG_EXPLICIT, DRAG_COUNT };
 
 extern const struct catalog drag_catalog; /* struct row: "exact", "implicit", "explicit" at their enum's place - 1 */
@@ -100,7 +106,7 @@ struct method {
     /* State at t + theta h (0 <= theta <= 1) after a successful step; NULL: cubic Hermite through both ends. */
     void (*dense)(const struct method *method, const struct step *step, double theta, double *y);
     /* Growth a step (spectral radius) on q'' + 2 zeta q' + q = 0 at x = dt; NULL: that of the one-step matrix. */
-    double (*growth)(const struct method *method, double x, double zeta);
+    double (*growth)(const struct method *method, double x, double zeta, enum restoring restoring);
     /* Yardsticks only: the memory that their library owns (NULL: there is none left), and a step of its own control. */
     void *(*begin)(const struct method *method, const struct step *step);
     void (*end)(void *library);
@@ -274,18 +280,20 @@ const struct system *method_adapted(const struct system *system, const struct co
 
 /* ---- linear stability ----
  *
- * q'' + gamma q' + omega^2 q = 0 in the scaled state (q, v/omega), with x = omega dt, zeta = gamma / (2 omega).
+ * q'' + gamma q' + omega^2 q = 0 in the scaled state (q, v/omega), with x = omega dt, zeta = gamma / (2 omega). Where
+ * nothing pulls back the last term is 0 or - omega^2 q, and omega is no more than a unit of frequency.
  */
+
 
 /* One-step matrix, row-major, found by stepping the two unit vectors. False: the method does not apply. */
 bool method_amplification(const struct method *method, enum drag drag, double x, double zeta, double matrix[4]);
 double matrix_spectral_radius(const double matrix[4]);
 /* Amplitude factor a step, the spectral radius: also for methods that have no one-step matrix. NAN: does not apply. */
-double method_growth(const struct method *method, enum drag drag, double x, double zeta);
+double method_growth(const struct method *method, enum drag drag, double x, double zeta, enum restoring restoring);
 /*
  * Supremum of the x with growth <= 1 counted from 0: HUGE_VAL where every step is stable, 0 where none is, NAN where
  * the method or variant does not apply. Growth of up to 1e-12 is taken for rounding, unless it rises as a power of x.
  */
-double method_stable_limit(const struct method *method, enum drag drag, double zeta);
+double method_stable_limit(const struct method *method, enum drag drag, double zeta, enum restoring restoring);
 
 #endif

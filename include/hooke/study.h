@@ -285,9 +285,13 @@ bool study_order(const struct order_request *request, struct order *order, struc
  */
 
 struct mode {
-    double omega, zeta; /* [1/s]; zeta > 1: a pair of real eigenvalues */
+    double omega, zeta; /* [1/s]; zeta > 1: a pair of real eigenvalues; < 0: it grows */
     double t;           /* [s] where it was met */
+    enum restoring restoring; /* of y'' + 2 zeta omega y' +, 0, - omega^2 y = 0: where it is not the first, omega is a unit */
 };
+
+/* [1/s] The two eigenvalues, that with the larger real part first; im of the first, the second is conjugate. */
+void mode_eigenvalues(const struct mode *mode, double re[2], double *im);
 
 struct stability_request {
     const struct scene *scene;
@@ -316,7 +320,8 @@ struct stability {
     int modes, at_start;
     struct mode worst;  /* grows most at dt */
     struct mode tightest; /* sets dt_max */
-    double dt_max; /* [s] supremum of the stable steps; HUGE_VAL: every, 0: none, NAN: nothing decides it */
+    double dt_max; /* [s] supremum of the steps in which nothing grows but what does so by itself; HUGE_VAL: every, 0:
+                    * none, NAN: nothing decides it */
     double growth_predicted, growth_measured, growth_exact; /* a step of dt, of the worst mode */
     double energy_factor;                                   /* a step */
     struct stability_check check[3];                        /* dt, a little below dt_max, a little above */

@@ -72,10 +72,20 @@ static void put_weakness(struct buffer *out, const struct stability *s)
             s->window[0] * s->tightest.omega, s->window[1] * s->tightest.omega, s->window[2]);
 }
 
+static void put_eigenvalues(struct buffer *out, const struct stability *s)
+{
+    double re[2], im;
+    mode_eigenvalues(&s->worst, re, &im);
+    buffer_format(out, "  %s: eigenvalues %.6g and %.6g 1/s\n",
+                  s->worst.restoring == FREE ? "no force pulls back" : "the force pushes away from rest", re[0], re[1]);
+}
+
 static void put_scene(struct buffer *out, const struct session *session, const struct stability *s)
 {
     const double seconds = session->setup.settings.duration;
-    if (s->modes && s->linear)
+    if (s->modes && s->linear && s->worst.restoring != RESTORING)
+        put_eigenvalues(out, s);
+    else if (s->modes && s->linear)
         buffer_format(out, "  omega = %.6g 1/s, zeta = %.6g: omega dt = %.6g\n", s->worst.omega, s->worst.zeta,
                       s->worst.omega * s->dt);
     else if (s->modes)
@@ -85,7 +95,10 @@ static void put_scene(struct buffer *out, const struct session *session, const s
                       seconds, s->tightest.t, s->tightest.omega, s->tightest.zeta);
     else
         buffer_put(out, TEXT("  nothing in this scene pulls back: no step is unstable\n"));
-    if (s->grows)
+    if (s->grows && s->linear && s->modes)
+        buffer_format(out, "  the scene itself grows, by %.7g in a step of dt: judged is what comes on top\n",
+                      s->growth_exact);
+    else if (s->grows)
         buffer_put(out, TEXT("  the scene itself grows (eigenvalues with a positive real part): the others are "
                              "judged\n"));
     if (s->linear)
@@ -111,11 +124,11 @@ static double finite_or(double value, double otherwise)
 /* Upper half of the z plane, the lower one is its mirror image: # where |R(z)| <= 1. */
 static void put_region(struct buffer *out, const struct stability *s)
 {
-    const double real = finite_or(method_stable_limit(s->by.method, s->by.drag, 1), 6),
-                 high = finite_or(method_stable_limit(s->by.method, s->by.drag, 0), 0);
+    const double real = finite_or(method_stable_limit(s->by.method, s->by.drag, 1, RESTORING), 6),
+                 high = finite_or(method_stable_limit(s->by.method, s->by.drag, 0, RESTORING), 0);
     const double left = -1.25 * real, right = 0.45 * real;
     const double top =
-        1.25 * fmax(fmax(high, real * 0.7), finite_or(method_stable_limit(s->by.method, s->by.drag, 0.3), 0));
+        1.25 * fmax(fmax(high, real * 0.7), finite_or(method_stable_limit(s->by.method, s->by.drag, 0.3, RESTORING), 0));
     const double dx = (right - left) / REGION_COLUMNS, dy = top / (REGION_ROWS - 1);
     char line[REGION_COLUMNS + 1];
     bool shown = false;
@@ -127,11 +140,10 @@ static void put_region(struct buffer *out, const struct stability *s)
             line[column] = stability_growth(&s->by, re, im) <= 1 + 1e-7 ? '#' : fabs(re) <= dx / 2 ? '|' : '.';
         }
         for (int i = 0; i < s->at_start; i++) {
-            const double split = (s->mode[i].zeta - 1) * (s->mode[i].zeta + 1), x = s->mode[i].omega * s->dt;
-            const double re[2] = {x * (-s->mode[i].zeta + sqrt(fmax(0, split))),
-                                  x * (-s->mode[i].zeta - sqrt(fmax(0, split)))};
+            double rate[2], turn;
+            mode_eigenvalues(&s->mode[i], rate, &turn);
             for (int k = 0; k < 2; k++) {
-                const double column = (re[k] - left) / dx, at = (top - x * sqrt(fmax(0, -split))) / dy;
+                const double column = (rate[k] * s->dt - left) / dx, at = (top - turn * s->dt) / dy;
                 if (lround(fmin(at, 1e3)) == row && column >= 0 && column < REGION_COLUMNS) {
                     line[(int)column] = 'o';
                     shown = true;
@@ -152,7 +164,7 @@ static bool put_growth_figure(struct buffer *out, const struct session *session,
 {
     enum { POINTS = 400, BETWEEN = 16 };
     double *x = arena_array(arena, POINTS, sizeof *x), *y = arena_array(arena, POINTS, sizeof *y);
-    const double limit = finite_or(method_stable_limit(s->by.method, s->by.drag, 0), 4);
+    const double limit = finite_or(method_stable_limit(s->by.method, s->by.drag, 0, RESTORING), 4);
     int width, height;
     if (!x || !y)
         return false;
@@ -160,7 +172,7 @@ static bool put_growth_figure(struct buffer *out, const struct session *session,
         x[i] = 1.3 * limit * (i + 1) / POINTS;
         for (int k = 0; k < BETWEEN; k++) { /* a resonance is narrower than a point */
             const double at = 1.3 * limit * (i + (double)(k + 1) / BETWEEN) / POINTS;
-            y[i] = fmax(y[i], method_growth(s->by.method, s->by.drag, at, 0) - 1);
+            y[i] = fmax(y[i], method_growth(s->by.method, s->by.drag, at, 0, RESTORING) - 1);
         }
     }
     const struct curve curve = {.label = s->by.method->row.name, .x = x, .y = y, .n = POINTS};
@@ -205,7 +217,7 @@ static void put_table(struct buffer *out, const struct stability *rows, int coun
         cell_take(&table, &measured);
         cell_quantity(&table, s->energy_factor, QUANTITY_NUMBER, 6);
         cell_text(&table, verdict_name(s));
-        cell_text(&table, s->agrees ? "agrees" : "DOES NOT AGREE");
+        cell_text(&table, !s->agrees ? "DOES NOT AGREE" : s->checks || !s->linear ? "agrees" : "");
     }
     text_table_put(&table, out);
 }
@@ -225,8 +237,9 @@ static void reply_stability(const struct stability *s, struct reply *reply)
     reply_string(reply, "verdict", verdict_name(s));
     reply_bool(reply, "agrees", s->agrees);
     reply_bool(reply, "linear", s->linear);
-    reply_real(reply, "omega", s->modes ? s->worst.omega : NAN);
-    reply_real(reply, "zeta", s->modes ? s->worst.zeta : NAN);
+    const bool oscillates = s->modes && s->worst.restoring == RESTORING;
+    reply_real(reply, "omega", oscillates ? s->worst.omega : NAN);
+    reply_real(reply, "zeta", oscillates ? s->worst.zeta : NAN);
     reply_real(reply, "doubling_steps", s->doubling);
     reply_array(reply, "checks");
     for (int i = 0; i < s->checks; i++) {

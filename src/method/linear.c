@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Linear stability: the one-step matrix of a method on q'' + 2 zeta q' + q = 0 and the largest step that does not grow.
- * The frequency is 1, so that h is x = omega dt and the state is already the scaled one.
+ * Linear stability: the one-step matrix of a method on q'' + 2 zeta q' + q = 0 (or + 0, or - q) and the largest step
+ * that does not grow. The frequency is 1, so that h is x = omega dt and the state is already the scaled one.
  */
 #include "step.h"
 
@@ -24,15 +24,23 @@ enum { WORK_MAX = 4096 };
 struct oscillation {
     const struct method *method;
     enum drag drag;
+    double zeta;
+    enum restoring restoring;
     struct system system;
 };
 
-static bool oscillation_init(struct oscillation *oscillation, const struct method *method, enum drag drag, double zeta)
+double restoring_stiffness(enum restoring restoring)
+{
+    return restoring == RESTORING ? 1 : restoring == FREE ? 0 : -1;
+}
+
+static bool oscillation_init(struct oscillation *oscillation, const struct method *method, enum drag drag, double zeta,
+                             enum restoring restoring)
 {
     const struct {
         const char *name;
         double value;
-    } given[] = {{"m", 1}, {"k", 1}, {"gamma", 2 * zeta}};
+    } given[] = {{"m", 1}, {"k", restoring_stiffness(restoring)}, {"gamma", 2 * zeta}};
     struct scene scene;
     struct error ignored;
     scene_init(&scene, NULL);
@@ -43,6 +51,8 @@ static bool oscillation_init(struct oscillation *oscillation, const struct metho
         return false;
     oscillation->method = method;
     oscillation->drag = drag;
+    oscillation->zeta = zeta;
+    oscillation->restoring = restoring;
     return !(method->flags & METHOD_YARDSTICK) &&
            method_applies(method, &oscillation->system, &oscillation->drag, &ignored);
 }
@@ -64,7 +74,7 @@ static void amplify(const struct oscillation *oscillation, double x, double matr
 bool method_amplification(const struct method *method, enum drag drag, double x, double zeta, double matrix[4])
 {
     struct oscillation oscillation;
-    if (method->growth || !oscillation_init(&oscillation, method, drag, zeta))
+    if (method->growth || !oscillation_init(&oscillation, method, drag, zeta, RESTORING))
         return false;
     amplify(&oscillation, x, matrix);
     return !isnan(matrix[0]) && !isnan(matrix[1]);
@@ -80,16 +90,16 @@ double matrix_spectral_radius(const double m[4])
 static double growth_factor(const struct oscillation *oscillation, double x)
 {
     if (oscillation->method->growth)
-        return oscillation->method->growth(oscillation->method, x, oscillation->system.oscillator.damping / 2);
+        return oscillation->method->growth(oscillation->method, x, oscillation->zeta, oscillation->restoring);
     double matrix[4];
     amplify(oscillation, x, matrix);
     return matrix_spectral_radius(matrix);
 }
 
-double method_growth(const struct method *method, enum drag drag, double x, double zeta)
+double method_growth(const struct method *method, enum drag drag, double x, double zeta, enum restoring restoring)
 {
     struct oscillation oscillation;
-    return oscillation_init(&oscillation, method, drag, zeta) ? growth_factor(&oscillation, x) : NAN;
+    return oscillation_init(&oscillation, method, drag, zeta, restoring) ? growth_factor(&oscillation, x) : NAN;
 }
 
 /* Above 0: this step grows. */
@@ -99,10 +109,10 @@ static double growth(const struct oscillation *oscillation, double x)
     return isnan(radius) ? HUGE_VAL : radius - 1;
 }
 
-double method_stable_limit(const struct method *method, enum drag drag, double zeta)
+double method_stable_limit(const struct method *method, enum drag drag, double zeta, enum restoring restoring)
 {
     struct oscillation oscillation;
-    if (!oscillation_init(&oscillation, method, drag, zeta))
+    if (!oscillation_init(&oscillation, method, drag, zeta, restoring))
         return NAN;
     double low = 0, high = X_FIRST / fmax(1, fabs(zeta));
     while (growth(&oscillation, high) <= MARGIN) {

@@ -225,11 +225,13 @@ static double growth_of(const struct multistep *multistep, double complex z)
     return largest_root(steps, p);
 }
 
-double multistep_growth(const struct method *method, double x, double zeta)
+double multistep_growth(const struct method *method, double x, double zeta, enum restoring restoring)
 {
-    double split = (zeta - 1) * (zeta + 1);
+    const double product = restoring_stiffness(restoring), /* of the two eigenvalues, and what parts them */
+        split = product > 0 ? (zeta - 1) * (zeta + 1) : zeta * zeta - product;
     if (split < 0) /* a complex pair */
         return growth_of(method->multistep, x * (-zeta + sqrt(-split) * (double complex)_Complex_I));
-    double fast = -copysign(fabs(zeta) + sqrt(split), zeta);
-    return fmax(growth_of(method->multistep, x * fast), growth_of(method->multistep, x / fast));
+    const double fast = -copysign(fabs(zeta) + sqrt(split), zeta);
+    return fmax(growth_of(method->multistep, x * fast),
+                growth_of(method->multistep, fast != 0 ? x * (product / fast) : 0));
 }

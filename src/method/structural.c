@@ -168,13 +168,13 @@ enum step_status wilson_theta_step(const struct method *method, struct step *ste
 static void oscillator_add(const double *c, double t, const double *y, double *a)
 {
     (void)t;
-    a[0] -= y[0] + c[0] * y[1];
+    a[0] -= c[1] * y[0] + c[0] * y[1];
 }
 
 static void oscillator_jacobian(const double *c, double t, const double *y, double *jac)
 {
     (void)t, (void)y;
-    jac[0] -= 1;
+    jac[0] -= c[1];
     jac[1] -= c[0];
 }
 
@@ -196,14 +196,14 @@ static double spectral_radius(const double m[9])
     return fmax(fabs(low), split >= 0 ? fabs(sum) / 2 + sqrt(split) : sqrt(product));
 }
 
-double structural_growth(const struct method *method, double x, double zeta)
+double structural_growth(const struct method *method, double x, double zeta, enum restoring restoring)
 {
     static const struct term_row row = {
         .flags = TERM_LINEAR | TERM_VELOCITY, .add = oscillator_add, .jacobian = oscillator_jacobian};
     const struct system system = {.n = 2,
                                   .order = 2,
                                   .terms = 1,
-                                  .term = {{&row, {2 * zeta}}},
+                                  .term = {{&row, {2 * zeta, restoring_stiffness(restoring)}}},
                                   .linear = true,
                                   .autonomous = true,
                                   .velocity = true,

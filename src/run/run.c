@@ -296,9 +296,9 @@ void run_unbind(struct run *run)
         run_rebind(run, &run->scene, &ignored); /* was accepted when it began */
         return;
     }
+    /* The balance has not entered what begins here; the present step need not be a row to go back to. */
     p->epochs--;
     use_system(run, &p->epoch[p->epochs - 1].system);
-    ledger_back(run);
 }
 
 static bool reserve_kick(struct run_private *p)

@@ -191,6 +191,31 @@ static void test_extreme_amplitudes(void **state)
     assert_true(isnan(ledger_of(&scene, "rk4", 0.001, 1).error));
 }
 
+/* A change of the scene that is taken back between two recorded rows leaves the balance of that step. */
+static void test_change_taken_back(void **state)
+{
+    (void)state;
+    static const enum record_rule rules[] = {RECORD_ALL, RECORD_EVERY};
+    for (size_t i = 0; i < COUNT_OF(rules); i++) {
+        struct scene scene = spring();
+        set(&scene, "gamma", 0.5);
+        struct run *run = start(&scene, "rk4",
+                                (struct run_settings){.dt = 1e-3, .record = {.rule = rules[i], .every = 20}}, 1);
+        struct ledger now;
+        struct error error;
+        go_steps(run, 438);
+        set(&scene, "k", 30);
+        assert_true(run_rebind(run, &scene, &error));
+        run_unbind(run);
+        go_steps(run, 12);
+        assert_true(run_rebind(run, &scene, &error));
+        go_steps(run, 300);
+        run_ledger(run, &now);
+        assert_true(now.error_max < 1e-7);
+        run_destroy(run);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -201,6 +226,7 @@ int main(void)
         cmocka_unit_test(test_power_of_position),
         cmocka_unit_test(test_running_balance),
         cmocka_unit_test(test_extreme_amplitudes),
+        cmocka_unit_test(test_change_taken_back),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -117,10 +117,10 @@ static void test_every_method_agrees(void **state)
 }
 
 /* A growth formula that is wrong by half a per cent does not agree with the runs. */
-static double off(const struct method *method, double x, double zeta)
+static double off(const struct method *method, double x, double zeta, enum restoring restoring)
 {
     (void)method;
-    return method_growth(method_named("ab3"), DRAG_DEFAULT, x, zeta) * 1.005;
+    return method_growth(method_named("ab3"), DRAG_DEFAULT, x, zeta, restoring) * 1.005;
 }
 
 static void test_a_wrong_formula_is_found_out(void **state)
@@ -170,6 +170,50 @@ static void test_a_scene_that_grows(void **state)
     assert_false(s.grows);
     assert_int_equal(s.modes, 0);
     assert_int_equal(s.verdict, STABILITY_STABLE);
+    assert_true(s.agrees);
+}
+
+/* Negative damping, no force, a force that pushes away: the growth of each method beside the eigenvalues of the scene,
+ * and measured. */
+static void test_growth_of_scenes_that_grow(void **state)
+{
+    (void)state;
+    static const struct {
+        double k, gamma, exact; /* [1/s] the larger real part of the eigenvalues, m = 1 */
+        bool repelling;
+    } cases[] = {{1, -0.2, 0.1, false},
+                 {1, -4, 3.7320508075688773, false},
+                 {-1, 0, 1, true},
+                 {-1, 1, 0.61803398874989485, true},
+                 {-1, -1, 1.6180339887498949, true},
+                 {0, 1, 0, true},
+                 {0, -1, 1, true}};
+    int studied = 0;
+    for (size_t c = 0; c < COUNT_OF(cases); c++) {
+        const struct scene scene =
+            scene_with("spring", SETTINGS({"m", 1}, {"k", cases[c].k}, {"gamma", cases[c].gamma}, {"y0", 1}));
+        for (size_t m = 0; m < method_catalog.count; m++) {
+            const struct method *method = method_at(m);
+            const struct stability_request request = {.scene = &scene, .by = {method, 0}, .dt = 0.01, .duration = 10};
+            struct stability s;
+            struct error error;
+            if (!study_stability(&request, &s, &error))
+                continue;
+            studied++;
+            close_to(s.growth_exact, exp(0.01 * cases[c].exact), 1e-12);
+            assert_int_equal(s.grows, cases[c].exact > 0);
+            assert_int_equal(s.worst.restoring != RESTORING, cases[c].repelling);
+            if (isnan(s.growth_predicted)) /* no amplification matrix: an adaptive-only method */
+                continue;
+            if (!s.agrees || s.checks < 1)
+                fail_msg("%s, k %g, gamma %g: growth %.10g predicted, %.10g measured", method->row.name, cases[c].k,
+                         cases[c].gamma, s.growth_predicted, s.growth_measured);
+            if (fabs(s.growth_predicted - s.growth_exact) > 1e-3)
+                fail_msg("%s, k %g, gamma %g: growth %.10g a step, %.10g exactly", method->row.name, cases[c].k,
+                         cases[c].gamma, s.growth_predicted, s.growth_exact);
+        }
+    }
+    assert_true(studied > 300);
 }
 
 /* omega dt = 1e148: what grows, overflows at once; what decays, vanishes. */
@@ -226,6 +270,7 @@ int main(void)
         cmocka_unit_test(test_a_wrong_formula_is_found_out),
         cmocka_unit_test(test_not_linear),
         cmocka_unit_test(test_a_scene_that_grows),
+        cmocka_unit_test(test_growth_of_scenes_that_grow),
         cmocka_unit_test(test_extremes_of_scale),
         cmocka_unit_test(test_region),
         cmocka_unit_test(test_refusals),
