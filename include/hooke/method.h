@@ -23,9 +23,9 @@ enum step_status {
 typedef enum step_status step_function(const struct method *method, struct step *step);
 
 /* The force at a displacement: towards rest, none, away from it. */
-enum restoring { RESTORING, FREE, REPELLING };
+enum stiffness_sign { STIFFNESS_POSITIVE, STIFFNESS_ZERO, STIFFNESS_NEGATIVE };
 
-double restoring_stiffness(enum restoring restoring); /* 1, 0, -1 */
+double stiffness_sign_value(enum stiffness_sign sign); /* 1, 0, -1 */
 
 /* How drag (forces that depend on velocity) enters a step; which of them a method knows, its row says. */
 
@@ -106,7 +106,7 @@ struct method {
     /* State at t + theta h (0 <= theta <= 1) after a successful step; NULL: cubic Hermite through both ends. */
     void (*dense)(const struct method *method, const struct step *step, double theta, double *y);
     /* Growth a step (spectral radius) on q'' + 2 zeta q' + q = 0 at x = dt; NULL: that of the one-step matrix. */
-    double (*growth)(const struct method *method, double x, double zeta, enum restoring restoring);
+    double (*growth)(const struct method *method, double x, double zeta, enum stiffness_sign sign);
     /* Yardsticks only: the memory that their library owns (NULL: there is none left), and a step of its own control. */
     void *(*begin)(const struct method *method, const struct step *step);
     void (*end)(void *library);
@@ -289,11 +289,11 @@ const struct system *method_adapted(const struct system *system, const struct co
 bool method_amplification(const struct method *method, enum drag drag, double x, double zeta, double matrix[4]);
 double matrix_spectral_radius(const double matrix[4]);
 /* Amplitude factor a step, the spectral radius: also for methods that have no one-step matrix. NAN: does not apply. */
-double method_growth(const struct method *method, enum drag drag, double x, double zeta, enum restoring restoring);
+double method_growth(const struct method *method, enum drag drag, double x, double zeta, enum stiffness_sign sign);
 /*
  * Supremum of the x with growth <= 1 counted from 0: HUGE_VAL where every step is stable, 0 where none is, NAN where
  * the method or variant does not apply. Growth of up to 1e-12 is taken for rounding, unless it rises as a power of x.
  */
-double method_stable_limit(const struct method *method, enum drag drag, double zeta, enum restoring restoring);
+double method_stable_limit(const struct method *method, enum drag drag, double zeta, enum stiffness_sign sign);
 
 #endif

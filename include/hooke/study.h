@@ -287,7 +287,7 @@ bool study_order(const struct order_request *request, struct order *order, struc
 struct mode {
     double omega, zeta; /* [1/s]; zeta > 1: a pair of real eigenvalues; < 0: it grows */
     double t;           /* [s] where it was met */
-    enum restoring restoring; /* of y'' + 2 zeta omega y' +, 0, - omega^2 y = 0: where it is not the first, omega is a unit */
+    enum stiffness_sign sign; /* of y'' + 2 zeta omega y' +, 0, - omega^2 y = 0: where it is not the first, omega is a unit */
 };
 
 /* [1/s] The two eigenvalues, that with the larger real part first; im of the first, the second is conjugate. */

@@ -25,22 +25,22 @@ struct oscillation {
     const struct method *method;
     enum drag drag;
     double zeta;
-    enum restoring restoring;
+    enum stiffness_sign sign;
     struct system system;
 };
 
-double restoring_stiffness(enum restoring restoring)
+double stiffness_sign_value(enum stiffness_sign sign)
 {
-    return restoring == RESTORING ? 1 : restoring == FREE ? 0 : -1;
+    return sign == STIFFNESS_POSITIVE ? 1 : sign == STIFFNESS_ZERO ? 0 : -1;
 }
 
 static bool oscillation_init(struct oscillation *oscillation, const struct method *method, enum drag drag, double zeta,
-                             enum restoring restoring)
+                             enum stiffness_sign sign)
 {
     const struct {
         const char *name;
         double value;
-    } given[] = {{"m", 1}, {"k", restoring_stiffness(restoring)}, {"gamma", 2 * zeta}};
+    } given[] = {{"m", 1}, {"k", stiffness_sign_value(sign)}, {"gamma", 2 * zeta}};
     struct scene scene;
     struct error ignored;
     scene_init(&scene, NULL);
@@ -52,7 +52,7 @@ static bool oscillation_init(struct oscillation *oscillation, const struct metho
     oscillation->method = method;
     oscillation->drag = drag;
     oscillation->zeta = zeta;
-    oscillation->restoring = restoring;
+    oscillation->sign = sign;
     return !(method->flags & METHOD_YARDSTICK) &&
            method_applies(method, &oscillation->system, &oscillation->drag, &ignored);
 }
@@ -74,7 +74,7 @@ static void amplify(const struct oscillation *oscillation, double x, double matr
 bool method_amplification(const struct method *method, enum drag drag, double x, double zeta, double matrix[4])
 {
     struct oscillation oscillation;
-    if (method->growth || !oscillation_init(&oscillation, method, drag, zeta, RESTORING))
+    if (method->growth || !oscillation_init(&oscillation, method, drag, zeta, STIFFNESS_POSITIVE))
         return false;
     amplify(&oscillation, x, matrix);
     return !isnan(matrix[0]) && !isnan(matrix[1]);
@@ -90,16 +90,16 @@ double matrix_spectral_radius(const double m[4])
 static double growth_factor(const struct oscillation *oscillation, double x)
 {
     if (oscillation->method->growth)
-        return oscillation->method->growth(oscillation->method, x, oscillation->zeta, oscillation->restoring);
+        return oscillation->method->growth(oscillation->method, x, oscillation->zeta, oscillation->sign);
     double matrix[4];
     amplify(oscillation, x, matrix);
     return matrix_spectral_radius(matrix);
 }
 
-double method_growth(const struct method *method, enum drag drag, double x, double zeta, enum restoring restoring)
+double method_growth(const struct method *method, enum drag drag, double x, double zeta, enum stiffness_sign sign)
 {
     struct oscillation oscillation;
-    return oscillation_init(&oscillation, method, drag, zeta, restoring) ? growth_factor(&oscillation, x) : NAN;
+    return oscillation_init(&oscillation, method, drag, zeta, sign) ? growth_factor(&oscillation, x) : NAN;
 }
 
 /* Above 0: this step grows. */
@@ -109,10 +109,10 @@ static double growth(const struct oscillation *oscillation, double x)
     return isnan(radius) ? HUGE_VAL : radius - 1;
 }
 
-double method_stable_limit(const struct method *method, enum drag drag, double zeta, enum restoring restoring)
+double method_stable_limit(const struct method *method, enum drag drag, double zeta, enum stiffness_sign sign)
 {
     struct oscillation oscillation;
-    if (!oscillation_init(&oscillation, method, drag, zeta, restoring))
+    if (!oscillation_init(&oscillation, method, drag, zeta, sign))
         return NAN;
     double low = 0, high = X_FIRST / fmax(1, fabs(zeta));
     while (growth(&oscillation, high) <= MARGIN) {

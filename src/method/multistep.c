@@ -225,9 +225,9 @@ static double growth_of(const struct multistep *multistep, double complex z)
     return largest_root(steps, p);
 }
 
-double multistep_growth(const struct method *method, double x, double zeta, enum restoring restoring)
+double multistep_growth(const struct method *method, double x, double zeta, enum stiffness_sign sign)
 {
-    const double product = restoring_stiffness(restoring), /* of the two eigenvalues, and what parts them */
+    const double product = stiffness_sign_value(sign), /* of the two eigenvalues, and what parts them */
         split = product > 0 ? (zeta - 1) * (zeta + 1) : zeta * zeta - product;
     if (split < 0) /* a complex pair */
         return growth_of(method->multistep, x * (-zeta + sqrt(-split) * (double complex)_Complex_I));

@@ -196,7 +196,7 @@ size_t implicit_work(const struct method *method, int n);
 void implicit_dense(const struct method *method, const struct step *step, double theta, double *y);
 size_t avf_work(const struct method *method, int n);
 size_t structural_work(const struct method *method, int n);
-double structural_growth(const struct method *method, double x, double zeta, enum restoring restoring);
+double structural_growth(const struct method *method, double x, double zeta, enum stiffness_sign sign);
 
 enum step_status rosenbrock_step(const struct method *method, struct step *step);
 size_t rosenbrock_work(const struct method *method, int n);
@@ -204,7 +204,7 @@ void rosenbrock_dense(const struct method *method, const struct step *step, doub
 
 enum step_status multistep_step(const struct method *method, struct step *step);
 size_t multistep_work(const struct method *method, int n);
-double multistep_growth(const struct method *method, double x, double zeta, enum restoring restoring);
+double multistep_growth(const struct method *method, double x, double zeta, enum stiffness_sign sign);
 
 void *cvode_begin(const struct method *method, const struct step *step);
 void cvode_end(void *library);

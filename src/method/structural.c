@@ -196,14 +196,14 @@ static double spectral_radius(const double m[9])
     return fmax(fabs(low), split >= 0 ? fabs(sum) / 2 + sqrt(split) : sqrt(product));
 }
 
-double structural_growth(const struct method *method, double x, double zeta, enum restoring restoring)
+double structural_growth(const struct method *method, double x, double zeta, enum stiffness_sign sign)
 {
     static const struct term_row row = {
         .flags = TERM_LINEAR | TERM_VELOCITY, .add = oscillator_add, .jacobian = oscillator_jacobian};
     const struct system system = {.n = 2,
                                   .order = 2,
                                   .terms = 1,
-                                  .term = {{&row, {2 * zeta, restoring_stiffness(restoring)}}},
+                                  .term = {{&row, {2 * zeta, stiffness_sign_value(sign)}}},
                                   .linear = true,
                                   .autonomous = true,
                                   .velocity = true,

@@ -32,24 +32,24 @@ const struct catalog stability_verdict_catalog = CATALOG("verdict", verdicts);
 /* A step so large that it overflows grows beyond all bounds. */
 double mode_growth(const struct contender *by, const struct mode *mode, double dt)
 {
-    const double x = mode->omega * dt, growth = method_growth(by->method, by->drag, x, mode->zeta, mode->restoring);
+    const double x = mode->omega * dt, growth = method_growth(by->method, by->drag, x, mode->zeta, mode->sign);
     return isnan(growth) && x > HUGE_STEP ? HUGE_VAL : growth;
 }
 
 double mode_limit(const struct contender *by, const struct mode *mode)
 {
-    return method_stable_limit(by->method, by->drag, mode->zeta, mode->restoring) / mode->omega;
+    return method_stable_limit(by->method, by->drag, mode->zeta, mode->sign) / mode->omega;
 }
 
 double stability_growth(const struct contender *by, double re, double im)
 {
     const double size = hypot(re, im);
-    return size > 0 ? method_growth(by->method, by->drag, size, fmax(-1, fmin(1, -re / size)), RESTORING) : 1;
+    return size > 0 ? method_growth(by->method, by->drag, size, fmax(-1, fmin(1, -re / size)), STIFFNESS_POSITIVE) : 1;
 }
 
 void mode_eigenvalues(const struct mode *mode, double re[2], double *im)
 {
-    const double zeta = mode->zeta, product = restoring_stiffness(mode->restoring),
+    const double zeta = mode->zeta, product = stiffness_sign_value(mode->sign),
                  split = product > 0 ? (zeta - 1) * (zeta + 1) : zeta * zeta - product;
     *im = mode->omega * sqrt(fmax(0, -split));
     re[0] = re[1] = -zeta * mode->omega;
@@ -81,7 +81,7 @@ static bool mode_system(const struct mode *mode, double omega, struct system *sy
         const char *name;
         double value;
     } set[] = {{"m", 1},
-               {"k", restoring_stiffness(mode->restoring) * omega * omega},
+               {"k", stiffness_sign_value(mode->sign) * omega * omega},
                {"gamma", 2 * mode->zeta * omega},
                {"y0", 1}};
     struct scene scene;
@@ -148,10 +148,10 @@ double mode_aside(const struct contender *by, const struct mode *mode, double li
 /* ---- the scene's modes ---- */
 
 static void add_mode(struct mode *mode, int *count, int most, double omega, double zeta, double t,
-                     enum restoring restoring)
+                     enum stiffness_sign sign)
 {
     if (*count < most && omega > 0 && isfinite(omega) && isfinite(zeta))
-        mode[(*count)++] = (struct mode){omega, zeta, t, restoring};
+        mode[(*count)++] = (struct mode){omega, zeta, t, sign};
 }
 
 /* Of an eigenvalue: rounding leaves a little of what is none. */
@@ -179,9 +179,9 @@ static int modes_of_matrix(const struct system *system, double t, const double *
         if (value[i].re > rounding) {
             grows++;
             if (system->linear)
-                add_mode(mode, count, most, size, fmax(-1, -value[i].re / size), t, RESTORING);
+                add_mode(mode, count, most, size, fmax(-1, -value[i].re / size), t, STIFFNESS_POSITIVE);
         } else
-            add_mode(mode, count, most, size, damping_ratio(-value[i].re / size), t, RESTORING);
+            add_mode(mode, count, most, size, damping_ratio(-value[i].re / size), t, STIFFNESS_POSITIVE);
     }
     return grows;
 }
@@ -194,20 +194,20 @@ int modes_at(const struct system *system, double t, const double *y, struct mode
         return modes_of_matrix(system, t, jac, mode, count, most);
     const double stiffness = 0 - jac[2], damping = 0 - jac[3], omega = sqrt(fabs(stiffness));
     if (stiffness > 0 && (damping >= 0 || system->linear)) {
-        add_mode(mode, count, most, omega, damping / (2 * omega), t, RESTORING);
+        add_mode(mode, count, most, omega, damping / (2 * omega), t, STIFFNESS_POSITIVE);
         return damping < 0;
     }
     if (system->linear) {
         if (stiffness < 0)
-            add_mode(mode, count, most, omega, damping / (2 * omega), t, REPELLING);
+            add_mode(mode, count, most, omega, damping / (2 * omega), t, STIFFNESS_NEGATIVE);
         else
-            add_mode(mode, count, most, fabs(damping), copysign(0.5, damping), t, FREE);
+            add_mode(mode, count, most, fabs(damping), copysign(0.5, damping), t, STIFFNESS_ZERO);
         return stiffness < 0 || damping < 0;
     }
     /* y'' = - damping y' + |stiffness| y: a part that grows, and one that decays. */
     const double s = damping / 2, root = hypot(s, omega), fast = s + root;
     if (stiffness <= 0 && fast > 0)
-        add_mode(mode, count, most, fast, 1, t, RESTORING);
+        add_mode(mode, count, most, fast, 1, t, STIFFNESS_POSITIVE);
     return stiffness < 0 || damping < 0;
 }
 

@@ -36,10 +36,10 @@ static void fails(struct method method, enum selftest_check check)
         fail_msg("%s passes %s", method.row.name, catalog_row(&selftest_catalog, check)->name);
 }
 
-static double too_tame(const struct method *method, double x, double zeta, enum restoring restoring)
+static double too_tame(const struct method *method, double x, double zeta, enum stiffness_sign sign)
 {
     (void)method;
-    return method_growth(method_named("ab3"), DRAG_DEFAULT, x / 1.1, zeta, restoring);
+    return method_growth(method_named("ab3"), DRAG_DEFAULT, x / 1.1, zeta, sign);
 }
 
 static void test_false_claims(void **state)

@@ -117,10 +117,10 @@ static void test_every_method_agrees(void **state)
 }
 
 /* A growth formula that is wrong by half a per cent does not agree with the runs. */
-static double off(const struct method *method, double x, double zeta, enum restoring restoring)
+static double off(const struct method *method, double x, double zeta, enum stiffness_sign sign)
 {
     (void)method;
-    return method_growth(method_named("ab3"), DRAG_DEFAULT, x, zeta, restoring) * 1.005;
+    return method_growth(method_named("ab3"), DRAG_DEFAULT, x, zeta, sign) * 1.005;
 }
 
 static void test_a_wrong_formula_is_found_out(void **state)
@@ -202,7 +202,7 @@ static void test_growth_of_scenes_that_grow(void **state)
             studied++;
             close_to(s.growth_exact, exp(0.01 * cases[c].exact), 1e-12);
             assert_int_equal(s.grows, cases[c].exact > 0);
-            assert_int_equal(s.worst.restoring != RESTORING, cases[c].repelling);
+            assert_int_equal(s.worst.sign != STIFFNESS_POSITIVE, cases[c].repelling);
             if (isnan(s.growth_predicted)) /* no amplification matrix: an adaptive-only method */
                 continue;
             if (!s.agrees || s.checks < 1)
