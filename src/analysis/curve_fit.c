@@ -212,7 +212,7 @@ static enum outcome minimise(struct problem *p, double *x, int most, int *iterat
     size_t bytes = (size_t)p->curve->parameters * sizeof *x;
     if (p->n > MANY) {
         const enum outcome outcome = descend_long(p, x, most, iterations, fit);
-        return outcome == OUTCOME_DONE && !judge(p, x, true, fit) ? OUTCOME_MEMORY : outcome;
+        return outcome == OUTCOME_DONE && !p->rough && !judge(p, x, true, fit) ? OUTCOME_MEMORY : outcome;
     }
     memcpy(start, x, bytes);
     for (int accelerate = 0; accelerate < (p->rough ? 1 : 2) && !best.converged; accelerate++) {
@@ -283,6 +283,8 @@ static enum outcome minimise_robust(struct problem *p, double *x, int most, stru
 {
     int iterations = 0;
     const bool is_long = p->n > MANY; /* then it starts from a robust fit already: nothing soft is needed */
+    const bool wanted = p->rough;
+    p->rough = true; /* until the weights stay */
     enum outcome outcome =
         is_long ? come_nearer(p, x, most, &iterations, fit) : minimise(p, x, most, &iterations, fit);
     bool settles = false;
@@ -291,6 +293,7 @@ static enum outcome minimise_robust(struct problem *p, double *x, int most, stru
         if (!settles)
             outcome = come_nearer(p, x, most, &iterations, fit);
     }
+    p->rough = wanted;
     if (outcome == OUTCOME_DONE)
         outcome = minimise(p, x, most, &iterations, fit);
     fit->iterations = iterations;

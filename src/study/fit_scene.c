@@ -138,11 +138,15 @@ static bool fit_part(struct fitting *f, size_t n, bool last, struct curve_fit *f
     struct curve_options options = f->options;
     part.n = n;
     options.robust = last && f->request->robust && f->sigma > NOTHING * f->spread;
+    options.rough = !last;
     options.stretch = f->stretch;
     options.bootstrap = last ? f->request->bootstrap : 0;
     options.iterations = ITERATIONS;
-    if (!scene_curve_mesh(f->curve, f->at, &part, error) ||
-        !curve_fit(&f->as_curve, &part, f->at, &options, f->arena, fit, error))
+    struct arena scratch = {0}; /* nothing but values is wanted of what is not the last */
+    const bool ok = scene_curve_mesh(f->curve, f->at, &part, error) &&
+                    curve_fit(&f->as_curve, &part, f->at, &options, last ? f->arena : &scratch, fit, error);
+    arena_reset(&scratch);
+    if (!ok)
         return false;
     for (int j = 0; j < fit->parameters; j++)
         f->at[j] = fit->value[j].value;
