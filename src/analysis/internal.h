@@ -143,6 +143,11 @@ double peak_frequency(const struct samples *samples, struct arena *arena, bool *
 /* The highest peaks of the whole and of the mean over its parts (a frequency that drifts) [rad/s]; returns how many. */
 int spectrum_candidates(const struct samples *samples, struct arena *arena, double *omega, int most, bool *memory);
 
+/* ---- crossing.c ---- */
+
+/* Without noise: interpolation is better than averaging. */
+bool overview_is_exact(const struct overview *overview);
+
 /* ---- peak.c ---- */
 
 /* Variance of one sample in white noise that has as much power as the residuals have about omega, where a line is. */

@@ -13,7 +13,10 @@
 #define SAMPLES_A_PERIOD 2.02
 #define REJECTED_MOST 0.2 /* of the samples: a fit that leaves out more is none */
 #define DRIFTS 3.0  /* standard deviations of the offset's slope from which on it is fitted */
-#define CHANCE 20.0 /* -ln of the chance that noise looks like it, per frequency; much for wandering records */
+#define CHANCE 20.0 /* -ln of the chance that noise looks like it, per frequency; much for wandering records, */
+#define WHITE_CHANCE 11.0 /* less where the residuals do not hang together */
+#define WHITE 0.2
+#define GONE 6.0 /* gamma times span: the amplitude has fallen to a twentieth */
 
 static void refuse(struct overview *overview, const char *format, ...) PRINTF_LIKE(2, 3);
 
@@ -70,10 +73,10 @@ static double centre(const struct samples *x, double gamma)
     return x->t[0] + at * span;
 }
 
-/* The damping rate to start from: the best of a few, from none to gone within a thirtieth of the record. */
+/* The damping rate to start from: the best of a few, from none to gone within a hundredth of the record. */
 static bool start_gamma(struct motion *m, double omega)
 {
-    static const double rates[] = {0, 2, 6, 18, 54};
+    static const double rates[] = {0, 2, 6, 18, 54, 162};
     double span = m->samples.t[m->samples.n - 1] - m->samples.t[0];
     bool found = false;
     for (size_t i = 0; i < COUNT_OF(rates); i++) {
@@ -95,7 +98,7 @@ static bool start_gamma(struct motion *m, double omega)
  * Could noise have done this? Variance ratio of the damped sine against the residuals about a straight line; residuals
  * that hang together count as fewer.
  */
-static bool significant(const struct motion *m)
+static void require_significant(struct motion *m)
 {
     const struct samples *x = &m->samples;
     double n = 0, st = 0, sy = 0, stt = 0, sty = 0, syy = 0, t0 = m->harmonic.origin, y0 = m->harmonic.c;
@@ -110,14 +113,16 @@ static bool significant(const struct motion *m)
     }
     double vt = stt - st * st / n, vy = syy - sy * sy / n, c = sty - st * sy / n, total = vy - c * c / vt;
     double explained = total - m->harmonic.rss, independent = n / autocorrelation_factor(m->autocorrelation);
-    if (m->autocorrelation >
-        0.5) { /* no white noise: a wandering offset, which has 1/k^2 of its variance in k periods */
+    const bool wanders = m->autocorrelation > 0.5;
+    const double chance = m->autocorrelation < WHITE ? WHITE_CHANCE : CHANCE;
+    if (wanders) { /* no white noise: a wandering offset, which has 1/k^2 of its variance in k periods */
         independent = fmax(independent, m->overview.periods * m->overview.periods);
-        if (explained < m->harmonic.rss) { /* steps, jumps */
-            return false;
-        }
     }
-    return 0.5 * independent * explained > (log(0.5 * n) + CHANCE) * m->harmonic.rss;
+    if (wanders && explained < m->harmonic.rss) {
+        refuse(&m->overview, "one damped sine explains less of it than it leaves (steps, drift, several frequencies)");
+    } else if (!(0.5 * independent * explained > (log(0.5 * n) + chance) * m->harmonic.rss)) {
+        refuse(&m->overview, "no oscillation stands out of the noise");
+    }
 }
 
 static void judge(struct motion *m)
@@ -131,13 +136,12 @@ static void judge(struct motion *m)
         refuse(o, "it does not repeat: the window of %.3g s holds only %.2g periods, two are needed", span, o->periods);
     } else if (o->period < SAMPLES_A_PERIOD * m->samples.dt) {
         refuse(o, "fewer than %.2g samples a period", SAMPLES_A_PERIOD);
-    } else if (!significant(m)) {
-        refuse(o, "no oscillation stands out of the noise");
     } else if (fabs(decrement) > DECREMENT_MOST) {
         refuse(o, "it dies out within one cycle");
     } else {
         o->oscillates = true;
         o->mean = h->c;
+        require_significant(m);
     }
 }
 
@@ -241,6 +245,46 @@ static bool fit_tracked(struct motion *m, double noise, struct arena *arena)
     return true;
 }
 
+/* What is gone within a few periods has no peak in the spectrum of the whole: the frequency of its first part. */
+static bool fit_beginning(struct motion *m, size_t part, double noise, struct arena *arena)
+{
+    struct samples beginning = samples_part(&m->samples, 0, m->samples.n / part);
+    bool memory;
+    const double omega = peak_frequency(&beginning, arena, &memory);
+    if (!memory || !isfinite(omega)) {
+        return memory;
+    }
+    struct overview *o = &m->overview;
+    char reason[sizeof o->reason];
+    memcpy(reason, o->reason, sizeof reason);
+    o->noise = fmax(noise, m->quantum / sqrt(12.0));
+    memory = fit_whole(m, omega, arena);
+    if (o->oscillates && !(m->harmonic.gamma * (m->samples.t[m->samples.n - 1] - m->samples.t[0]) > GONE)) {
+        refuse(o, "%s", reason);
+    }
+    if (!o->oscillates) {
+        memcpy(o->reason, reason, sizeof reason);
+    }
+    return memory;
+}
+
+/* What the spectrum of the whole did not show; use [n]: as before the first try. False: no memory. */
+static bool look_closer(struct motion *m, const unsigned char *use, struct arena *arena)
+{
+    const double noise = samples_noise(&m->samples, m->scratch);
+    for (size_t part = 2; part <= 16 && !m->overview.oscillates; part *= 2) {
+        memcpy(m->samples.use, use, m->samples.n);
+        if (!fit_beginning(m, part, noise, arena)) {
+            return false;
+        }
+    }
+    if (m->overview.oscillates || cancelled(m->samples.cancel)) {
+        return true;
+    }
+    memcpy(m->samples.use, use, m->samples.n);
+    return fit_tracked(m, fmax(noise, m->quantum / sqrt(12.0)), arena);
+}
+
 bool motion_init(struct motion *m, const struct series *series, struct arena *arena, const struct cancel *cancel)
 {
     *m = (struct motion){.overview = {.period = NAN, .periods = NAN, .noise = NAN}};
@@ -274,12 +318,7 @@ bool motion_init(struct motion *m, const struct series *series, struct arena *ar
     if (!memory || !fit_whole(m, omega, arena)) {
         return false;
     }
-    if (!o->oscillates && !cancelled(cancel)) {
-        const double noise = o->noise;
-        memcpy(m->samples.use, use, m->samples.n);
-        return fit_tracked(m, noise, arena);
-    }
-    return true;
+    return o->oscillates || cancelled(cancel) || look_closer(m, use, arena);
 }
 
 bool motion_require(struct motion *m, const struct series *series, struct arena *arena, const struct cancel *cancel,

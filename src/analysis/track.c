@@ -10,6 +10,7 @@ enum { COLUMNS = 5, WINDOW_SAMPLES = 10, CANDIDATES = 15, PERIODS_MOST = 32, FEW
 #define CLEAR_AT 5.0     /* explained over residual variance, per degree of freedom */
 #define PIVOT_LEAST 1e-8 /* squared sine of the angle between a column and those before it */
 #define FOLLOW 0.5       /* how much of a window's news about the frequency is believed at once */
+#define FILLED 0.6       /* of a window: less is beside a gap, too short for a phase */
 #define STRAY 0.35       /* relative: so far the frequency may be from where it started */
 
 /* Of the columns 1, s, s^2, cos, sin and y. */
@@ -123,7 +124,8 @@ static bool divide(const struct samples *x, double width, struct arena *arena, s
         struct track_window w = {.from = at};
         const double end = x->t[0] + span * (double)(k + 1) / (double)count;
         const size_t to = k + 1 < count ? samples_index(x, end) : x->n;
-        if (to < at + COLUMNS + 2) {
+        if (to < at + COLUMNS + 2 || x->t[to - 1] - x->t[at] < FILLED * span / (double)count) {
+            at = to;
             continue; /* a gap */
         }
         w.to = at = to;

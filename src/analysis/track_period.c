@@ -8,11 +8,14 @@
 #include <gsl/gsl_cdf.h>
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 enum { PHASES_LEAST = 4, POWERS = 3 };
 
 #define FAR_OFF 6.0   /* robust standard deviations */
+#define GAP 2.5       /* of the usual distance between phases */
 #define NORMAL 1.96   /* of a 95 % interval */
+#define RARELY 1e-5   /* the chance of scatter so small that it is none */
 #define BENDS_AT 4.0  /* standard deviations of the curvature */
 #define BENDS_LEAST 1e-4 /* relative change of the period over the recording that is worth a word */
 
@@ -75,36 +78,45 @@ static double scatter(const struct phases *p, const unsigned char *use, int term
     return variance * (rho > chance ? autocorrelation_factor(rho) : 1);
 }
 
+/* Least squares through the phases in use; scratch [n]: the size of the residuals in their standard deviations. */
+static bool weigh_polynomial(const struct phases *p, int terms, double *scratch, const unsigned char *use,
+                             struct polynomial *out)
+{
+    double a[POWERS][POWERS + 1] = {{0}}, inverse[POWERS];
+    out->used = 0;
+    for (size_t i = 0; i < p->n; i++) {
+        const double w = use[i] / (p->sigma[i] * p->sigma[i]), x[POWERS] = {1, p->t[i], p->t[i] * p->t[i]};
+        for (int j = 0; j < terms; j++) {
+            for (int k = 0; k < terms; k++) {
+                a[j][k] += w * x[j] * x[k];
+            }
+            a[j][POWERS] += w * x[j] * p->phase[i];
+        }
+        out->used += use[i];
+    }
+    if (out->used < (size_t)terms + 1 || !solve_polynomial(a, terms, inverse)) {
+        return false;
+    }
+    for (size_t i = 0; i < p->n; i++) {
+        const double t = p->t[i];
+        p->residual[i] = p->phase[i] - a[0][POWERS] - t * (a[1][POWERS] + (terms > 2 ? t * a[2][POWERS] : 0));
+        scratch[i] = fabs(p->residual[i] / p->sigma[i]);
+    }
+    out->variance = scatter(p, use, terms);
+    for (int j = 0; j < terms; j++) {
+        out->coefficient[j] = a[j][POWERS];
+        out->sigma[j] = sqrt(inverse[j] * out->variance);
+    }
+    return true;
+}
+
+/* The same without those that are far off. */
 static bool fit_polynomial(const struct phases *p, int terms, double *scratch, unsigned char *use,
                            struct polynomial *out)
 {
     for (int pass = 0; pass < 3; pass++) {
-        double a[POWERS][POWERS + 1] = {{0}}, inverse[POWERS];
-        out->used = 0;
-        for (size_t i = 0; i < p->n; i++) {
-            const double w = use[i] / (p->sigma[i] * p->sigma[i]), x[POWERS] = {1, p->t[i], p->t[i] * p->t[i]};
-            for (int j = 0; j < terms; j++) {
-                for (int k = 0; k < terms; k++) {
-                    a[j][k] += w * x[j] * x[k];
-                }
-                a[j][POWERS] += w * x[j] * p->phase[i];
-            }
-            out->used += use[i];
-        }
-        if (out->used < (size_t)terms + 1 || !solve_polynomial(a, terms, inverse)) {
+        if (!weigh_polynomial(p, terms, scratch, use, out)) {
             return false;
-        }
-        for (int j = 0; j < terms; j++) {
-            out->coefficient[j] = a[j][POWERS];
-        }
-        for (size_t i = 0; i < p->n; i++) {
-            const double t = p->t[i];
-            p->residual[i] = p->phase[i] - a[0][POWERS] - t * (a[1][POWERS] + (terms > 2 ? t * a[2][POWERS] : 0));
-            scratch[i] = fabs(p->residual[i] / p->sigma[i]);
-        }
-        out->variance = scatter(p, use, terms);
-        for (int j = 0; j < terms; j++) {
-            out->sigma[j] = sqrt(inverse[j] * out->variance);
         }
         const double limit = FAR_OFF * MAD_TO_SIGMA * quantile(scratch, p->n, 0.5);
         for (size_t i = 0; i < p->n; i++) {
@@ -147,10 +159,57 @@ static bool gather(const struct track *track, struct arena *arena, struct phases
     return true;
 }
 
+/* The variance of all phases about a straight line, with so many turns more from phase `at` on; NAN: no line. */
+static double variance_with(const struct phases *p, size_t at, int turns, double *scratch, unsigned char *use)
+{
+    struct polynomial line;
+    memset(use, 1, p->n);
+    for (size_t i = at; i < p->n; i++) {
+        p->phase[i] += turns * TWO_PI;
+    }
+    const bool fitted = weigh_polynomial(p, 2, scratch, use, &line);
+    for (size_t i = at; i < p->n; i++) {
+        p->phase[i] -= turns * TWO_PI;
+    }
+    return fitted ? line.variance : NAN;
+}
+
+/* Across a gap the frequency before it may not be good enough to count the periods: the count that makes the line
+ * straightest. */
+static void count_across_gaps(struct phases *p, double *scratch, unsigned char *use)
+{
+    enum { TURNS = 4 };
+    for (size_t i = 1; i < p->n && p->n > PHASES_LEAST; i++) {
+        const double width = 2.0 / (double)(p->n - 1); /* at least that of a window: gaps take some of the time */
+        double least = HUGE_VAL;
+        int best = 0;
+        for (int turns = -TURNS; turns <= TURNS && p->t[i] - p->t[i - 1] > GAP * width; turns++) {
+            const double variance = variance_with(p, i, turns, scratch, use);
+            best = variance < least ? turns : best;
+            least = fmin(least, variance);
+        }
+        for (size_t j = i; j < p->n; j++) {
+            p->phase[j] += best * TWO_PI;
+        }
+    }
+}
+
 /* The up-crossing of the baseline nearest to a window's middle [s]. */
 static double crossing_near(const struct track_window *w)
 {
     return w->t - remainder(w->phase + 0.5 * PI, TWO_PI) / w->omega;
+}
+
+/*
+ * Half a 95 % interval of the slope, over 1.96. A few phases lie closer to their line by chance than they should; so
+ * close as chance does not bring them they lie where the windows' residuals repeat (harmonics), and are believed.
+ */
+static double slope_sigma(const struct polynomial *line)
+{
+    const double freedom = (double)line->used - 2;
+    const double widen = gsl_cdf_tdist_Pinv(0.975, freedom) / NORMAL;
+    const bool chance = line->variance * freedom > gsl_cdf_chisq_Pinv(RARELY, freedom);
+    return line->sigma[1] * fmax(widen, chance ? 1 / sqrt(line->variance) : 0);
 }
 
 bool track_period(const struct track *track, struct arena *arena, struct period *out)
@@ -166,9 +225,8 @@ bool track_period(const struct track *track, struct arena *arena, struct period 
     if (!scratch || !use) {
         return false;
     }
-    for (size_t i = 0; i < p.n; i++) {
-        use[i] = 1;
-    }
+    count_across_gaps(&p, scratch, use);
+    memset(use, 1, p.n);
     const bool bends = p.n > PHASES_LEAST && fit_polynomial(&p, 3, scratch, use, &bent) &&
                        fabs(bent.coefficient[2]) > BENDS_AT * bent.sigma[2];
     for (size_t i = 0; i < p.n; i++) {
@@ -187,9 +245,8 @@ bool track_period(const struct track *track, struct arena *arena, struct period 
             weight += (double)w->used;
         }
     }
-    const double omega = line.coefficient[1] / p.half, freedom = (double)line.used - 2;
-    const double widen = gsl_cdf_tdist_Pinv(0.975, freedom) / NORMAL, period = TWO_PI / omega;
-    *out = (struct period){.period = {period, widen * period * line.sigma[1] / p.half / omega},
+    const double omega = line.coefficient[1] / p.half, period = TWO_PI / omega;
+    *out = (struct period){.period = {period, period * slope_sigma(&line) / p.half / omega},
                            .first = crossing_near(first),
                            .last = crossing_near(last),
                            .level = level / weight,

@@ -6,7 +6,9 @@
 #include <stdio.h>
 
 #define SWAY_LEAST 0.03 /* relative modulation of the amplitude that is worth a word */
-#define POOR_LEAST 0.10 /* residuals over signal (rms): the model misses something */
+#define POOR_LEAST 0.10 /* residuals over signal (rms): the model misses something, */
+#define POOR_NOISES 1.5   /* where they are more than noise */
+#define POOR_TOGETHER 0.3 /* or hang together (autocorrelation) */
 
 void fit_warn(struct fit *fit, const char *format, ...)
 {
@@ -87,23 +89,27 @@ static void warn_halves(struct fit *fit)
     }
 }
 
-/* Two lines clear of the noise beat; what else modulates the amplitude is mostly a swing sideways. poor: residuals over
- * signal. */
-static void warn_sway(const struct motion *m, double sway, double poor, struct fit *fit)
+/* Two lines clear of the noise beat: true; what else modulates the amplitude is mostly a swing sideways. poor: residuals
+ * over signal. */
+static bool warn_sway(const struct motion *m, double sway, double poor, struct fit *fit)
 {
     struct mode_pair pair;
     if (!(sway > SWAY_LEAST) && !(poor > POOR_LEAST)) {
-        return;
+        return false;
     }
     if (two_lines(&m->samples, &pair)) {
         fit_warn(fit, "two frequencies: T = %.5g and %.5g s, which beat every %.4g s: try 'fit modes 2'",
                  pair.period[0], pair.period[1], pair.beat);
-    } else if (sway > SWAY_LEAST) {
+        return true;
+    }
+    if (sway > SWAY_LEAST) {
         fit_warn(fit, "the amplitude is modulated by about %.0f %% (rms): does it sway sideways?", 100 * sway);
     }
+    return false;
 }
 
-/* Residuals over signal, both rms: of the law that the fit's values are those of. */
+/* Residuals over signal, both rms, of the law that the fit's values are those of; 0: they are noise, no fault of the
+ * model. */
 static double poorness(const struct motion *m, const struct fit *fit)
 {
     double signal = 0;
@@ -113,7 +119,8 @@ static double poorness(const struct motion *m, const struct fit *fit)
         double model = m->samples.use[i] ? m->samples.y[i] - m->residual[i] - m->harmonic.c : 0;
         signal += model * model;
     }
-    return sqrt(m->harmonic.rss / signal);
+    const bool noise = fit->rms < POOR_NOISES * m->overview.noise && m->autocorrelation < POOR_TOGETHER;
+    return noise ? 0 : fit->rms * sqrt((double)m->harmonic.used / signal);
 }
 
 void fit_diagnose(const struct motion *m, double sway, struct fit *fit)
@@ -125,7 +132,10 @@ void fit_diagnose(const struct motion *m, double sway, struct fit *fit)
     if (fit->gamma.value < -2 * fit->gamma.uncertainty) {
         fit_warn(fit, "gamma is negative: the amplitude grows; is the window free of hands and of a drive?");
     }
-    warn_ends(m, fit);
+    const double poor = poorness(m, fit);
+    if (!warn_sway(m, sway, poor, fit)) { /* which an envelope that beats looks like at its ends */
+        warn_ends(m, fit);
+    }
     if (h->gamma != 0) {
         warn_halves(fit);
     }
@@ -144,8 +154,6 @@ void fit_diagnose(const struct motion *m, double sway, struct fit *fit)
                  "the offset drifts, by %.2g %% of the amplitude over the window: a line of its own was fitted to it",
                  100 * fabs(h->d) * span / fit->amplitude.value);
     }
-    const double poor = poorness(m, fit);
-    warn_sway(m, sway, poor, fit);
     if (poor > POOR_LEAST) {
         fit_warn(fit, "the model is poor: the residuals of %s are %.0f %% of the signal (rms)",
                  fit->drag.candidates > 0 ? drag_law_name(fit->drag.best) : "a damped sine", 100 * poor);
