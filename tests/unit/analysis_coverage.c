@@ -244,7 +244,7 @@ static struct verdict fitted_gamma(const struct series *series, const struct rec
 
 static bool cover_or_warn(struct verdict (*measure)(const struct series *series, const struct recorded *r))
 {
-    const int runs = is_long() ? 120 : 24;
+    const int runs = is_long() ? 120 : 16;
     bool all_well = true;
     random_state = 71;
     for (size_t k = 0; k < COUNT_OF(rows); k++) {
