@@ -76,6 +76,12 @@ static void local_mean(const struct samples *x, size_t from, size_t to, struct r
     reading->amplitude = (struct measured){sum / weight, 0};
 }
 
+/* By how much such a mean of an exponential is larger than the exponential at its middle; x: gamma times half the width. */
+static double mean_gain(double x)
+{
+    return fabs(x) < 1e-4 ? 1 : sinh(x) / x * (PI * PI) / (PI * PI + x * x);
+}
+
 static int read_energy(const struct samples *x, int count, struct reading *out)
 {
     for (int k = 0; k < count; k++) {
@@ -140,7 +146,9 @@ bool series_decay(const struct series *series, struct arena *arena, bool energy,
         return error_set(error, ERROR_COMMAND, "no decay: fewer than two readings stand out of the noise");
     }
     decay->gamma = (struct measured){rate * line.slope, fabs(rate) * line.slope_sigma};
-    decay->initial = (struct measured){exp(line.intercept), exp(line.intercept) * line.intercept_sigma};
+    const double span = series->t[series->n - 1] - t0;
+    const double initial = exp(line.intercept) / (energy ? mean_gain(0.5 * decay->gamma.value * span / count) : 1);
+    decay->initial = (struct measured){initial, initial * line.intercept_sigma};
     decay->tau = quotient(2, decay->gamma);
     decay->quality = quotient(omega, decay->gamma);
     decay->decrement = (struct measured){PI / omega * decay->gamma.value, PI / omega * decay->gamma.uncertainty};

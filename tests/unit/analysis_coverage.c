@@ -144,7 +144,7 @@ static const struct disturbance rows[] = {{"white noise", DECAYING, white, false
                                   {"2.3 periods", SHORT, white, false},
                                   {"Q 1.5 to 300", DAMPED, white, false},
                                   {"chirp", CHIRP, white, true},
-                                  {"beats", BEATS, white, false},
+                                  {"beats", BEATS, white, true},
                                   {"Coulomb friction", COULOMB, white, false}};
 
 static bool is_long(void)

@@ -249,6 +249,15 @@ static void position_and_energy_agree(void **state)
     assert_true(close_to(p.quality.value, omega / gamma, 1e-3) &&
                 close_to(p.decrement.value, gamma * TWO_PI / 2 / omega, 1e-8));
     assert_true(close_to(p.halves[0], gamma, 1e-6) && close_to(q.halves[1], gamma, 1e-4));
+    /* The means over parts of the record lie above the exponential; a quarter of the part's ripple is left. */
+    const double whole = 0.5 * (omega * omega + 0.25 * gamma * gamma) * 0.05 * 0.05;
+    assert_true(close_to(q.initial.value, whole, 1e-4 * whole));
+    for (int fast = 1; fast <= 3; fast++) {
+        for (size_t i = 0; i < N; i++)
+            e[i] = 18.75 * exp(-0.02 * fast * t[i]);
+        assert_true(series_decay(&energy, &arena, true, 0, &q, &error));
+        assert_true(close_to(q.initial.value, 18.75, 1e-3) && close_to(q.gamma.value, 0.02 * fast, 1e-6));
+    }
     /* the classic mix-up would be a factor of two */
     assert_false(series_decay(&position, &arena, false, 2, &p, &error));
     arena_reset(&arena);
