@@ -112,14 +112,15 @@ static const struct {
     const char *name;
     double least, most; /* apart */
     void (*disturb)(struct beat *b);
-} rows[] = {{"white, 1.5 to 2 line widths apart", 1.5, 2, white},
-            {"white, 2 to 12", 2, 12, white},
-            {"white, 0.5 to 1.4: too near", 0.5, 1.4, white},
-            {"AR(1), 1.6 to 8", 1.6, 8, autoregressive},
-            {"random walk, 1.6 to 8", 1.6, 8, walking},
-            {"gap, 1.6 to 8", 1.6, 8, gaps},
-            {"missed echoes, 1.6 to 8", 1.6, 8, echoes},
-            {"steps of 5 %, 1.6 to 8", 1.6, 8, stepped}};
+    int runs; /* of the quick form */
+} rows[] = {{"white, 1.5 to 2 line widths apart", 1.5, 2, white, 60},
+            {"white, 2 to 12", 2, 12, white, 60},
+            {"white, 0.5 to 1.4: too near", 0.5, 1.4, white, 20},
+            {"AR(1), 1.6 to 8", 1.6, 8, autoregressive, 30},
+            {"random walk, 1.6 to 8", 1.6, 8, walking, 30},
+            {"gap, 1.6 to 8", 1.6, 8, gaps, 20},
+            {"missed echoes, 1.6 to 8", 1.6, 8, echoes, 20},
+            {"steps of 5 %, 1.6 to 8", 1.6, 8, stepped, 20}};
 
 static bool is_long(void)
 {
@@ -155,10 +156,10 @@ static void judge(const struct beat *b, const struct modes_fit *fit, int covered
 static void intervals_cover_or_a_warning_says_why_not(void **state)
 {
     (void)state;
-    const int runs = is_long() ? 240 : 60;
     bool all_well = true;
     random_state = 12;
     for (size_t k = 0; k < COUNT_OF(rows); k++) {
+        const int runs = is_long() ? 240 : rows[k].runs;
         int covered[QUANTITIES] = {0}, warned = 0, refused = 0, sum = 0, least = runs;
         for (int run = 0; run < runs; run++) {
             struct beat b = beat_make(random_between(rows[k].least, rows[k].most));
@@ -345,9 +346,57 @@ static void a_sway_is_not_called_two_frequencies(void **state)
     assert_true(said <= 0.05 * runs);
 }
 
+/* ---- lines of a spectrum ---- */
+
+static bool holds(const struct spectrum_peak *peak, double f, double amplitude, double width)
+{
+    return fabs(peak->frequency.value - f) <= width * peak->frequency.uncertainty &&
+           fabs(peak->amplitude.value - amplitude) <= width * peak->amplitude.uncertainty;
+}
+
+/* Steady tones with their frequencies and amplitudes; nearer to each other than four bins they are one line. */
+static void lines_are_where_the_tones_are(void **state)
+{
+    (void)state;
+    enum { RUNS = 100 };
+    int both = 0, covered = 0, near = 0;
+    random_state = 21;
+    for (int run = 0; run < 2 * RUNS; run++) {
+        struct beat b = beat_make(run < RUNS ? random_between(6, 15) : random_between(2, 3.5));
+        for (size_t i = 0; i < b.n; i++) {
+            const double s = (double)i * b.dt;
+            b.y[i] = 20 + 0.02 * random_normal();
+            for (int k = 0; k < 2; k++)
+                b.y[i] += b.amplitude[k] * cos(2 * PI * b.f[k] * s + b.phase[k]);
+        }
+        const struct series series = {.t = b.t, .y = b.y, .n = b.n, .quantity = QUANTITY_LENGTH};
+        struct arena arena = {0};
+        struct spectrum_peak peak[2];
+        const int count = series_peaks(&series, &arena, peak, 2);
+        const int first = count == 2 && peak[0].frequency.value > peak[1].frequency.value;
+        if (run >= RUNS) { /* one of the two, no further off than it says, or between both */
+            near += count >= 1 && (holds(&peak[0], b.f[0], b.amplitude[0], 3) || holds(&peak[0], b.f[1], b.amplitude[1], 3) ||
+                                   (peak[0].frequency.value > b.f[0] && peak[0].frequency.value < b.f[1]));
+        } else if (count == 2) {
+            both++;
+            covered += holds(&peak[first], b.f[0], b.amplitude[0], 1.96);
+            covered += holds(&peak[1 - first], b.f[1], b.amplitude[1], 1.96);
+        }
+        arena_reset(&arena);
+        free(b.t);
+        free(b.y);
+    }
+    print_message("both lines in %d of %d, covered %d of %d; near ones %d of %d\n", both, RUNS, covered, 2 * both, near,
+                  RUNS);
+    assert_true(both >= 0.95 * RUNS);
+    assert_true(covered >= 0.9 * 2 * both);
+    assert_true(near >= 0.9 * RUNS);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(intervals_cover_or_a_warning_says_why_not),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(lines_are_where_the_tones_are),
+                                       cmocka_unit_test(intervals_cover_or_a_warning_says_why_not),
                                        cmocka_unit_test(one_frequency_is_not_two),
                                        cmocka_unit_test(noise_has_no_frequency),
                                        cmocka_unit_test(three_modes_are_found_to_rounding),
