@@ -6,18 +6,18 @@
 #include <math.h>
 #include <string.h>
 
-#define REJECTED 5.0 /* robust standard deviations */
-#define ROUNDING 1e-9 /* of an amplitude: what is nearer is no outlier of a simulation */
+#define REJECTED 5.0      /* robust standard deviations */
+#define ROUNDING 1e-9     /* of an amplitude: what is nearer is no outlier of a simulation */
 #define REJECTED_MOST 0.2 /* of the samples */
-#define SURE 3.0     /* standard deviations of an amplitude */
-#define CLEAR 6.0    /* of the noise beside its line */
-#define DECIDES 6.0  /* BIC */
-#define RESOLVED 1.5 /* line widths 1/span between two frequencies */
-#define LEFT 8.0     /* standard deviations of a line that is left */
-#define LEFT_LEAST 0.02 /* of the smallest amplitude */
-#define POOR 0.10    /* rms of the residuals over that of the signal */
+#define SURE 3.0          /* standard deviations of an amplitude */
+#define CLEAR 6.0         /* of the noise beside its line */
+#define DECIDES 6.0       /* BIC */
+#define RESOLVED 1.5      /* line widths 1/span between two frequencies */
+#define LEFT 8.0          /* standard deviations of a line that is left */
+#define LEFT_LEAST 0.02   /* of the smallest amplitude */
+#define POOR 0.10         /* rms of the residuals over that of the signal */
 #define PERIODS 3.0
-#define OVERTONE 0.1 /* line widths from a multiple of a slower frequency */
+#define OVERTONE 0.1   /* line widths from a multiple of a slower frequency */
 #define TWO_RATHER 0.3 /* of the sum of squares is left by a second line: a sway leaves more */
 
 struct fitting {
@@ -34,7 +34,8 @@ struct fitting {
 /* The samples in use, as a series of their own. */
 static bool used_series(struct fitting *f, struct series *used)
 {
-    double *t = arena_array(f->arena, f->series->n, sizeof *t), *y = arena_array(f->arena, f->series->n, sizeof *y);
+    double *t = arena_array(f->arena, f->series->n, sizeof *t),
+           *y = arena_array(f->arena, f->series->n, sizeof *y);
     if (!t || !y)
         return false;
     *used = (struct series){.t = t, .y = y, .quantity = f->series->quantity};
@@ -114,7 +115,8 @@ static double covariance(const struct fitting *f, const double *widen, int i, in
 }
 
 /* Of the linear combination by[] of the parameters from `first` on. */
-static double deviation(const struct fitting *f, const double *widen, int first, const double by[MODE_PARAMETERS])
+static double deviation(const struct fitting *f, const double *widen, int first,
+                        const double by[MODE_PARAMETERS])
 {
     double sum = 0;
     for (int i = 0; i < MODE_PARAMETERS; i++)
@@ -130,8 +132,8 @@ static void widen_all(const struct fitting *f, double widen[CURVE_PARAMETERS])
     for (int k = 0; k < f->curve.modes; k++) {
         const int first = MODES_FIRST + k * MODE_PARAMETERS;
         const struct measured *x = f->fit.value + first;
-        const struct oscillation o = {x[MODE_A].value, x[MODE_B].value, x[MODE_OMEGA].value, x[MODE_GAMMA].value,
-                                      f->curve.origin};
+        const struct oscillation o = {x[MODE_A].value, x[MODE_B].value, x[MODE_OMEGA].value,
+                                      x[MODE_GAMMA].value, f->curve.origin};
         const struct widening w = residual_widening(&f->samples, f->residual, &o, 2);
         widen[first + MODE_OMEGA] = w.phase;
         widen[first + MODE_GAMMA] = w.amplitude;
@@ -143,19 +145,23 @@ static struct normal_mode mode_of(const struct fitting *f, const double *widen, 
 {
     const int first = MODES_FIRST + k * MODE_PARAMETERS;
     const struct measured *x = f->fit.value + first;
-    const double a = x[MODE_A].value, b = x[MODE_B].value, amplitude = hypot(a, b), square = amplitude * amplitude;
+    const double a = x[MODE_A].value, b = x[MODE_B].value, amplitude = hypot(a, b),
+                 square = amplitude * amplitude;
     const double phase = atan2(-b, a);
     const double one[2][MODE_PARAMETERS] = {{[MODE_OMEGA] = 1 / TWO_PI}, {[MODE_GAMMA] = 1}};
-    const double of_amplitude[MODE_PARAMETERS] = {[MODE_A] = a / amplitude, [MODE_B] = b / amplitude};
+    const double of_amplitude[MODE_PARAMETERS] = {
+        [MODE_A] = a / amplitude, [MODE_B] = b / amplitude};
     const double of_phase[MODE_PARAMETERS] = {[MODE_A] = b / square, [MODE_B] = -a / square};
-    return (struct normal_mode){.frequency = {x[MODE_OMEGA].value / TWO_PI, deviation(f, widen, first, one[0])},
-                         .gamma = {x[MODE_GAMMA].value, deviation(f, widen, first, one[1])},
-                         .amplitude = {amplitude, deviation(f, widen, first, of_amplitude)},
-                         .phase = {phase <= -PI ? PI : phase, deviation(f, widen, first, of_phase)}};
+    return (struct normal_mode){
+        .frequency = {x[MODE_OMEGA].value / TWO_PI, deviation(f, widen, first, one[0])},
+        .gamma = {x[MODE_GAMMA].value, deviation(f, widen, first, one[1])},
+        .amplitude = {amplitude, deviation(f, widen, first, of_amplitude)},
+        .phase = {phase <= -PI ? PI : phase, deviation(f, widen, first, of_phase)}};
 }
 
 /* Of what depends on the frequency and the damping of two modes, by its slopes. */
-static double of_both(const struct fitting *f, const double *widen, const int mode[2], double by[2][2])
+static double of_both(const struct fitting *f, const double *widen, const int mode[2],
+                      double by[2][2])
 {
     double sum = 0;
     for (int p = 0; p < 4; p++)
@@ -167,10 +173,12 @@ static double of_both(const struct fitting *f, const double *widen, const int mo
 }
 
 /*
- * Two equal oscillators, each k/m alone, coupled by kc: omega0^2 = k/m where they move alike, (k + 2 kc)/m against each
- * other (French, Vibrations and Waves (1971), chapter 5). omega0^2 = omega^2 + gamma^2/4.
+ * Two equal oscillators, each k/m alone, coupled by kc: omega0^2 = k/m where they move alike, (k +
+ * 2 kc)/m against each other (French, Vibrations and Waves (1971), chapter 5). omega0^2 = omega^2 +
+ * gamma^2/4.
  */
-static void couple(const struct fitting *f, const double *widen, const int order[2], struct modes_fit *modes)
+static void couple(const struct fitting *f, const double *widen, const int order[2],
+                   struct modes_fit *modes)
 {
     const struct measured *x[2];
     double square[2];
@@ -191,8 +199,10 @@ static void couple(const struct fitting *f, const double *widen, const int order
             stiff[i][p] = (i ? 0.5 : -0.5) * slope;
         }
     }
-    modes->coupling = (struct measured){0.5 * (square[1] / square[0] - 1), of_both(f, widen, order, ratio)};
-    modes->stiffness = (struct measured){0.5 * (square[1] - square[0]), of_both(f, widen, order, stiff)};
+    modes->coupling =
+        (struct measured){0.5 * (square[1] / square[0] - 1), of_both(f, widen, order, ratio)};
+    modes->stiffness =
+        (struct measured){0.5 * (square[1] - square[0]), of_both(f, widen, order, stiff)};
 }
 
 /* ---- what should be known about it ---- */
@@ -210,21 +220,27 @@ static void warn_lines(const struct modes_fit *modes, double span, struct fit *f
         const struct normal_mode *a = &modes->mode[k], *b = a + 1;
         const double apart = (b->frequency.value - a->frequency.value) * span;
         if (apart < RESOLVED)
-            fit_warn(fit,
-                     "%.5g and %.5g Hz are %.2g line widths 1/%.3g s apart, too near to be told apart for certain: a "
-                     "sway, a drift of the period or another law of drag look like this; record longer",
-                     a->frequency.value, b->frequency.value, apart, span);
+            fit_warn(
+                fit,
+                "%.5g and %.5g Hz are %.2g line widths 1/%.3g s apart, too near to be told apart "
+                "for certain: a "
+                "sway, a drift of the period or another law of drag look like this; record longer",
+                a->frequency.value, b->frequency.value, apart, span);
         for (int j = k + 1; j < modes->modes; j++) {
             const struct measured f = modes->mode[j].frequency;
             const double n = nearbyint(f.value / a->frequency.value);
-            const double doubt = 2 * hypot(f.uncertainty, n * a->frequency.uncertainty) + OVERTONE / span;
+            const double doubt =
+                2 * hypot(f.uncertainty, n * a->frequency.uncertainty) + OVERTONE / span;
             if (overtone(a->frequency.value, f.value, doubt))
-                fit_warn(fit, "%.5g Hz is %g times %.5g Hz: an overtone of that oscillation, not a mode of its own",
+                fit_warn(fit,
+                         "%.5g Hz is %g times %.5g Hz: an overtone of that oscillation, not a mode "
+                         "of its own",
                          f.value, n, a->frequency.value);
         }
     }
     if (modes->mode[0].frequency.value * span < PERIODS)
-        fit_warn(fit, "only %.2g periods of the slowest mode: it and the offset are poorly separated",
+        fit_warn(fit,
+                 "only %.2g periods of the slowest mode: it and the offset are poorly separated",
                  modes->mode[0].frequency.value * span);
     for (int k = 0; k < modes->modes; k++)
         if (modes->mode[k].gamma.value < -2 * modes->mode[k].gamma.uncertainty)
@@ -249,9 +265,12 @@ static void warn_rest(const struct fitting *f, const struct modes_fit *modes, st
     }
     const double poor = sqrt(f->fit.rss / signal);
     if (poor > POOR)
-        fit_warn(fit, "the model is poor: its residuals are %.0f %% of the signal (rms)", 100 * poor);
+        fit_warn(fit, "the model is poor: its residuals are %.0f %% of the signal (rms)",
+                 100 * poor);
     if (fit->rejected > 0)
-        fit_warn(fit, "%zu of %zu samples rejected (missed echoes, spikes): more than 5 robust standard deviations off",
+        fit_warn(fit,
+                 "%zu of %zu samples rejected (missed echoes, spikes): more than 5 robust standard "
+                 "deviations off",
                  fit->rejected, f->series->n);
 }
 
@@ -266,7 +285,8 @@ static void report(struct fitting *f, size_t rejected, struct modes_fit *modes)
         x[j] = f->fit.value[j].value;
     ascending(x, f->curve.modes, order);
     widen_all(f, widen);
-    *modes = (struct modes_fit){.modes = f->curve.modes, .splitting = none, .coupling = none, .stiffness = none};
+    *modes = (struct modes_fit){
+        .modes = f->curve.modes, .splitting = none, .coupling = none, .stiffness = none};
     *fit = (struct fit){.model = "modes",
                         .period = none,
                         .omega = none,
@@ -286,7 +306,8 @@ static void report(struct fitting *f, size_t rejected, struct modes_fit *modes)
     fit->rms = sqrt(f->fit.rss / (double)f->fit.used);
     fit->offset =
         (struct measured){x[MODES_OFFSET], sqrt(covariance(f, widen, MODES_OFFSET, MODES_OFFSET))};
-    fit->drift = (struct measured){x[MODES_SLOPE], sqrt(covariance(f, widen, MODES_SLOPE, MODES_SLOPE))};
+    fit->drift =
+        (struct measured){x[MODES_SLOPE], sqrt(covariance(f, widen, MODES_SLOPE, MODES_SLOPE))};
     for (int k = 0; k < modes->modes; k++)
         modes->mode[k] = mode_of(f, widen, order[k]);
     if (modes->modes == 2)
@@ -304,13 +325,16 @@ static bool too_many(int wanted, int found, struct error *error)
         return error_set(error, ERROR_NUMERICAL, "no oscillation stands out of the noise");
     error_set(error, ERROR_NUMERICAL, "%d frequenc%s of the noise, not %d", found,
               found == 1 ? "y stands out" : "ies stand out", wanted);
-    return found == 1 ? error_hint(error, "type: fit damped") : error_hint(error, "type: fit modes %d", found);
+    return found == 1 ? error_hint(error, "type: fit damped")
+                      : error_hint(error, "type: fit modes %d", found);
 }
 
-/* Standard deviation of an amplitude at its rms over the window, in noise as strong as that beside its line. */
+/* Standard deviation of an amplitude at its rms over the window, in noise as strong as that beside
+ * its line. */
 static double noise_beside(const struct fitting *f, const struct normal_mode *mode)
 {
-    const double variance = variance_beside(&f->samples, f->residual, TWO_PI * mode->frequency.value);
+    const double variance =
+        variance_beside(&f->samples, f->residual, TWO_PI * mode->frequency.value);
     const double decays = mode->gamma.value * (f->series->t[f->series->n - 1] - f->series->t[0]);
     const double rms = fabs(decays) > 1e-6 ? sqrt(-expm1(-decays) / decays) : 1;
     return sqrt(2 * variance / (double)f->fit.used) / rms;
@@ -321,12 +345,14 @@ static bool certain(const struct fitting *f, const struct modes_fit *modes, stru
     for (int k = 0; k < modes->modes; k++) {
         const struct measured a = modes->mode[k].amplitude;
         if (!(a.value > SURE * a.uncertainty)) {
-            error_set(error, ERROR_NUMERICAL, "the mode of %.5g Hz is not determined: its amplitude is %.3g +- %.2g",
+            error_set(error, ERROR_NUMERICAL,
+                      "the mode of %.5g Hz is not determined: its amplitude is %.3g +- %.2g",
                       modes->mode[k].frequency.value, a.value, a.uncertainty);
             return error_hint(error, "record longer, or fit fewer modes");
         }
         if (!(a.value > CLEAR * noise_beside(f, &modes->mode[k]))) {
-            error_set(error, ERROR_NUMERICAL, "what is found at %.5g Hz does not stand out of the noise beside it",
+            error_set(error, ERROR_NUMERICAL,
+                      "what is found at %.5g Hz does not stand out of the noise beside it",
                       modes->mode[k].frequency.value);
             return error_hint(error, "look at it: plot spectrum");
         }
@@ -335,23 +361,27 @@ static bool certain(const struct fitting *f, const struct modes_fit *modes, stru
 }
 
 /* How many of them stand out of the noise; -1: no memory, or cancelled. */
-static int count_modes(const struct samples *x, int count, const struct cancel *cancel, struct mode_start *start)
+static int count_modes(const struct samples *x, int count, const struct cancel *cancel,
+                       struct mode_start *start)
 {
-    const int most = count < MODES_MOST ? count + 1 : count; /* one that is left would look like correlated noise */
+    const int most = count < MODES_MOST
+                         ? count + 1
+                         : count; /* one that is left would look like correlated noise */
     int sure = 0;
     for (int wanted = count; wanted <= most && sure < count; wanted++) {
         double samples;
         const int found = modes_search(x, wanted, false, cancel, start, &samples);
         if (found < 0)
             return found;
-        for (sure = 0; sure < found && sure < count && modes_evidence(start, sure + 1, found, samples) > DECIDES;)
+        for (sure = 0; sure < found && sure < count &&
+                       modes_evidence(start, sure + 1, found, samples) > DECIDES;)
             sure++;
     }
     return sure;
 }
 
-bool series_modes(const struct series *series, int count, struct arena *arena, const struct cancel *cancel,
-                  struct modes_fit *modes, struct error *error)
+bool series_modes(const struct series *series, int count, struct arena *arena,
+                  const struct cancel *cancel, struct modes_fit *modes, struct error *error)
 {
     struct fitting f = {.series = series, .arena = arena, .cancel = cancel};
     struct mode_start start[MODES_MOST + 2];
@@ -366,7 +396,8 @@ bool series_modes(const struct series *series, int count, struct arena *arena, c
     samples_flag_spikes(&f.samples, f.scratch);
     const int sure = count_modes(&f.samples, count, cancel, start);
     if (sure < 0)
-        return cancelled(cancel) ? error_set(error, ERROR_CANCELLED, "the fit was stopped") : error_memory(error);
+        return cancelled(cancel) ? error_set(error, ERROR_CANCELLED, "the fit was stopped")
+                                 : error_memory(error);
     if (sure < count)
         return too_many(count, sure, error);
     mode_curve_init(&f.curve, count, series->t[0]);
@@ -385,12 +416,16 @@ bool two_lines(const struct samples *x, struct mode_pair *pair)
     struct mode_start start[3];
     double samples;
     const double width = 1 / (x->t[x->n - 1] - x->t[0]);
-    if (modes_search(x, 2, true, NULL, start, &samples) < 2 || !(modes_evidence(start, 1, 2, samples) > DECIDES) ||
-        !(modes_evidence(start, 2, 2, samples) > DECIDES) || !(start[2].rss < TWO_RATHER * start[1].rss))
+    if (modes_search(x, 2, true, NULL, start, &samples) < 2 ||
+        !(modes_evidence(start, 1, 2, samples) > DECIDES) ||
+        !(modes_evidence(start, 2, 2, samples) > DECIDES) ||
+        !(start[2].rss < TWO_RATHER * start[1].rss))
         return false;
     const double *mode = start[2].value + MODES_FIRST;
-    const double one = mode[MODE_OMEGA] / TWO_PI, other = mode[MODE_PARAMETERS + MODE_OMEGA] / TWO_PI;
+    const double one = mode[MODE_OMEGA] / TWO_PI,
+                 other = mode[MODE_PARAMETERS + MODE_OMEGA] / TWO_PI;
     const double slow = fmin(one, other), fast = fmax(one, other);
     *pair = (struct mode_pair){{1 / slow, 1 / fast}, 1 / (fast - slow)};
-    return fast - slow > RESOLVED * width && slow > RESOLVED * width && !overtone(slow, fast, width);
+    return fast - slow > RESOLVED * width && slow > RESOLVED * width &&
+           !overtone(slow, fast, width);
 }

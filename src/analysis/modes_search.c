@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Where a fit of several modes begins. One mode after the other: the next is looked for at the lines of what is left,
- * and by splitting each that was found, since lines nearer than the width of the window have one peak together. Linear
- * parameters are always solved for (variable projection).
+ * Where a fit of several modes begins. One mode after the other: the next is looked for at the
+ * lines of what is left, and by splitting each that was found, since lines nearer than the width of
+ * the window have one peak together. Linear parameters are always solved for (variable projection).
  */
 #include "modes.h"
 #include "projection.h"
@@ -10,13 +10,22 @@
 #include <math.h>
 #include <string.h>
 
-enum { THIN = 2048, THIN_QUICK = 400, LINES = 4, TRIED = 3, ITERATIONS = 25, ITERATIONS_QUICK = 10 };
+enum {
+    THIN = 2048,
+    THIN_QUICK = 400,
+    LINES = 4,
+    TRIED = 3,
+    ITERATIONS = 25,
+    ITERATIONS_QUICK = 10
+};
 
-#define QUICK_LEFT 0.8 /* of the sum of squares: what one mode leaves at most, where a quick look goes on */
+#define QUICK_LEFT                                                                                 \
+    0.8 /* of the sum of squares: what one mode leaves at most, where a quick look goes on */
 
 #define A_PERIOD 8 /* samples that averaging leaves of the fastest line, at least */
 
-static bool evaluate(void *context, const double *x, const double *t, size_t n, double *value, double *derivative)
+static bool evaluate(void *context, const double *x, const double *t, size_t n, double *value,
+                     double *derivative)
 {
     const struct mode_curve *c = context;
     for (size_t i = 0; i < n; i++) {
@@ -28,8 +37,10 @@ static bool evaluate(void *context, const double *x, const double *t, size_t n, 
             d[MODES_SLOPE] = s;
         }
         for (int k = 0; k < c->modes; k++) {
-            const double *mode = x + MODES_FIRST + k * MODE_PARAMETERS, angle = mode[MODE_OMEGA] * s;
-            const double decay = exp(-0.5 * mode[MODE_GAMMA] * s), u = decay * cos(angle), v = decay * sin(angle);
+            const double *mode = x + MODES_FIRST + k * MODE_PARAMETERS,
+                         angle = mode[MODE_OMEGA] * s;
+            const double decay = exp(-0.5 * mode[MODE_GAMMA] * s), u = decay * cos(angle),
+                         v = decay * sin(angle);
             const double here = mode[MODE_A] * u + mode[MODE_B] * v;
             sum += here;
             if (!d)
@@ -50,8 +61,9 @@ static bool evaluate(void *context, const double *x, const double *t, size_t n, 
 void mode_curve_init(struct mode_curve *c, int modes, double origin)
 {
     static const char *const names[CURVE_PARAMETERS] = {
-        "offset", "slope", "omega1", "gamma1", "a1", "b1", "omega2", "gamma2", "a2", "b2", "omega3",
-        "gamma3", "a3",    "b3",     "omega4", "gamma4", "a4", "b4", "omega5", "gamma5", "a5", "b5"};
+        "offset", "slope", "omega1", "gamma1", "a1", "b1", "omega2", "gamma2",
+        "a2",     "b2",    "omega3", "gamma3", "a3", "b3", "omega4", "gamma4",
+        "a4",     "b4",    "omega5", "gamma5", "a5", "b5"};
     *c = (struct mode_curve){.modes = modes, .origin = origin};
     c->curve = (struct fit_curve){MODES_FIRST + modes * MODE_PARAMETERS, names, c, evaluate};
     for (int j = 0; j < c->curve.parameters; j++)
@@ -79,13 +91,15 @@ static double fastest(const struct samples *x, struct arena *arena)
 }
 
 /* Means of so many neighbours that are used; false: no memory. */
-static bool thin_out(const struct samples *x, size_t wanted, struct arena *arena, struct series *thin)
+static bool thin_out(const struct samples *x, size_t wanted, struct arena *arena,
+                     struct series *thin)
 {
     const double span = x->t[x->n - 1] - x->t[0], dt = span / (double)(x->n - 1);
     size_t each = x->n / wanted;
     const double most = each > 1 ? 1 / (A_PERIOD * fastest(x, arena) * dt) : 1;
     each = each < 1 || !(most >= 2) ? 1 : (double)each < most ? each : (size_t)most;
-    double *t = arena_array(arena, x->n / each + 1, sizeof *t), *y = arena_array(arena, x->n / each + 1, sizeof *y);
+    double *t = arena_array(arena, x->n / each + 1, sizeof *t),
+           *y = arena_array(arena, x->n / each + 1, sizeof *y);
     if (!t || !y)
         return false;
     *thin = (struct series){.t = t, .y = y};
@@ -192,12 +206,12 @@ static void try_splits(struct search *s, const struct rates *known)
     }
 }
 
-/* The best of the trials, each followed to its minimum. False: none has one, or it was cancelled. */
+/* The best of the trials, each followed to its minimum. False: none has one, or it was cancelled.
+ */
 static bool refine(struct search *s, struct mode_start *start, double *residual)
 {
-    const struct curve_options options = {.rough = true,
-                                          .iterations = s->quick ? ITERATIONS_QUICK : ITERATIONS,
-                                          .cancel = s->cancel};
+    const struct curve_options options = {
+        .rough = true, .iterations = s->quick ? ITERATIONS_QUICK : ITERATIONS, .cancel = s->cancel};
     const struct projection *v = &s->projection;
     const struct fit_curve curve = {v->others, v->name, &s->projection, projection_evaluate};
     bool found = false;
@@ -215,7 +229,8 @@ static bool refine(struct search *s, struct mode_start *start, double *residual)
             all[v->other[k]] = fit.value[k].value;
             sound &= k % 2 == 1 || fit.value[k].value > 0; /* omega */
         }
-        if (!sound || !project(&s->projection, all, NULL, NULL, &rss) || (found && !(rss < start->rss)))
+        if (!sound || !project(&s->projection, all, NULL, NULL, &rss) ||
+            (found && !(rss < start->rss)))
             continue;
         found = true;
         memcpy(start->value, all, sizeof start->value);
@@ -227,7 +242,8 @@ static bool refine(struct search *s, struct mode_start *start, double *residual)
 }
 
 /* One mode more than in `start`, whose residuals are replaced. */
-static bool add_mode(struct search *s, const struct mode_start *start, struct mode_start *next, double *residual)
+static bool add_mode(struct search *s, const struct mode_start *start, struct mode_start *next,
+                     double *residual)
 {
     struct rates known[MODES_MOST] = {{0, 0}};
     for (int k = 0; k < s->modes; k++) {
@@ -265,7 +281,8 @@ int modes_search(const struct samples *x, int modes, bool quick, const struct ca
                  struct mode_start *start, double *samples)
 {
     struct arena arena = {0};
-    struct search s = {.arena = &arena, .quick = quick, .cancel = cancel, .span = x->t[x->n - 1] - x->t[0]};
+    struct search s = {
+        .arena = &arena, .quick = quick, .cancel = cancel, .span = x->t[x->n - 1] - x->t[0]};
     int found = -1;
     double *residual = NULL;
     if (thin_out(x, quick ? THIN_QUICK : THIN, &arena, &s.series) && s.series.n > MODES_FIRST)
@@ -286,5 +303,6 @@ double modes_evidence(const struct mode_start *start, int k, int found, double s
 {
     const double n = samples / autocorrelation_factor(start[found].autocorrelation);
     const double rounding = ROUNDING * start[0].rss;
-    return n * log(fmax(start[k - 1].rss, rounding) / fmax(start[k].rss, rounding)) - MODE_PARAMETERS * log(n);
+    return n * log(fmax(start[k - 1].rss, rounding) / fmax(start[k].rss, rounding)) -
+           MODE_PARAMETERS * log(n);
 }

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The same quantity measured several times: do the stated uncertainties explain the scatter, and what is to be quoted?
- * Birge, Phys. Rev. 40 (1932) 207; Paule & Mandel, J. Res. Natl. Bur. Stand. 87 (1982) 377.
+ * The same quantity measured several times: do the stated uncertainties explain the scatter, and
+ * what is to be quoted? Birge, Phys. Rev. 40 (1932) 207; Paule & Mandel, J. Res. Natl. Bur. Stand.
+ * 87 (1982) 377.
  */
 #include "internal.h"
 
@@ -10,7 +11,8 @@
 
 #define ROUNDING 1e-9 /* of a value: one without noise states nothing */
 
-/* Weighted mean with `between` added to each stated uncertainty; returns the sum of squares in units of these. */
+/* Weighted mean with `between` added to each stated uncertainty; returns the sum of squares in
+ * units of these. */
 static double weigh(const struct measured *x, int n, double between, struct measured *mean)
 {
     double w = 0, wx = 0, square = 0;
@@ -27,8 +29,8 @@ static double weigh(const struct measured *x, int n, double between, struct meas
     return square;
 }
 
-/* What has to be added to every stated uncertainty for a sum of squares of n - 1; 0: nothing. It falls as more is
- * added. */
+/* What has to be added to every stated uncertainty for a sum of squares of n - 1; 0: nothing. It
+ * falls as more is added. */
 static double scatter_between(const struct measured *x, int n, double scatter)
 {
     struct measured mean;
@@ -46,7 +48,8 @@ bool repeat_values(const struct measured *x, int n, struct repeat *r)
 {
     double sum = 0, square = 0;
     bool stated = true;
-    *r = (struct repeat){.n = n, .birge = NAN, .chance = NAN, .between = NAN, .weighted = {NAN, NAN}};
+    *r = (struct repeat){
+        .n = n, .birge = NAN, .chance = NAN, .between = NAN, .weighted = {NAN, NAN}};
     for (int i = 0; i < n; i++) {
         sum += x[i].value;
         stated &= x[i].uncertainty > ROUNDING * fabs(x[i].value);

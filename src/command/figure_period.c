@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The period against the amplitude: of windows of runs and recordings as points, a pendulum's closed form as a line. */
+/* The period against the amplitude: of windows of runs and recordings as points, a pendulum's
+ * closed form as a line. */
 #include "figure_drawing.h"
 
 #include <math.h>
@@ -19,7 +20,8 @@ static bool read_windows(struct drawing *d, const struct series *series, struct 
             return false;
         count = count / 2 > WINDOWS_LEAST ? count / 2 : WINDOWS_LEAST;
     }
-    double *x = arena_array(d->arena, (size_t)count, sizeof *x), *y = arena_array(d->arena, (size_t)count, sizeof *y);
+    double *x = arena_array(d->arena, (size_t)count, sizeof *x),
+           *y = arena_array(d->arena, (size_t)count, sizeof *y);
     if (!x || !y)
         return error_memory(d->error);
     for (int i = 0; i < count; i++) {
@@ -61,7 +63,8 @@ static bool add_theory(struct drawing *d, const struct scene *scene)
         }
     if (!isfinite(scene_period_at(scene, most)))
         return true;
-    double *x = arena_array(d->arena, THEORY_POINTS, sizeof *x), *y = arena_array(d->arena, THEORY_POINTS, sizeof *y);
+    double *x = arena_array(d->arena, THEORY_POINTS, sizeof *x),
+           *y = arena_array(d->arena, THEORY_POINTS, sizeof *y);
     if (!x || !y)
         return error_memory(d->error);
     for (int i = 0; i < THEORY_POINTS; i++) {

@@ -7,7 +7,8 @@
 
 #define MODES_USUAL 2
 
-static void put(struct buffer *text, const char *name, struct measured value, enum quantity quantity)
+static void put(struct buffer *text, const char *name, struct measured value,
+                enum quantity quantity)
 {
     buffer_put(text, text_of(name));
     buffer_measured(text, value, quantity, 6);
@@ -26,7 +27,9 @@ static void put_coupling(const struct told_fit *told, struct buffer *text)
     put(text, "\n  as two equal oscillators: coupling kc/k = ", modes->coupling, QUANTITY_NUMBER);
     if (isfinite(told->k.value))
         put(text, "   kc = ", told->k, QUANTITY_STIFFNESS);
-    buffer_put(text, TEXT("\n  (k/m is the square of the slower omega0, (k + 2 kc)/m that of the faster)"));
+    buffer_put(
+        text,
+        TEXT("\n  (k/m is the square of the slower omega0, (k + 2 kc)/m that of the faster)"));
 }
 
 void put_modes(const struct told_fit *told, struct buffer *text)
@@ -79,7 +82,8 @@ void reply_modes(const struct told_fit *told, struct reply *reply)
 }
 
 /* fit_frequency1, fit_gamma1 … and the like: results that expressions can use. */
-static void keep_results(struct session *session, const struct modes_fit *modes, enum quantity quantity)
+static void keep_results(struct session *session, const struct modes_fit *modes,
+                         enum quantity quantity)
 {
     for (int k = 0; k < modes->modes; k++) {
         const struct normal_mode *mode = &modes->mode[k];
@@ -134,7 +138,10 @@ bool fit_the_modes(const struct asked_fit *asked, const struct measured *mass, s
     const int count = modes_of(asked->given, error);
     if (count == 0 || !series_modes(series, count, arena, session->front.cancel, &modes, error))
         return false;
-    struct told_fit told = {.subject = asked->subject, .model = "modes", .motion = &modes.fit, .modes = &modes,
+    struct told_fit told = {.subject = asked->subject,
+                            .model = "modes",
+                            .motion = &modes.fit,
+                            .modes = &modes,
                             .k = coupling_spring(&modes, mass)};
     if (modes.fit.converged) {
         if (!session_keep_curve(asked, modes.residual, &modes.fit, error))
@@ -147,6 +154,7 @@ bool fit_the_modes(const struct asked_fit *asked, const struct measured *mass, s
     reply_fit(&told, arena, asked->reply);
     if (modes.fit.converged)
         return true;
-    error_set(error, ERROR_NUMERICAL, "the fit did not converge in %d iterations", modes.fit.iterations);
+    error_set(error, ERROR_NUMERICAL, "the fit did not converge in %d iterations",
+              modes.fit.iterations);
     return error_hint(error, "choose a window where the motion is regular, or fit fewer modes");
 }

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The same quantity of several recordings, or of several windows: what their scatter says of the uncertainties. */
+/* The same quantity of several recordings, or of several windows: what their scatter says of the
+ * uncertainties. */
 #include "choices.h"
 #include "measuring.h"
 
 #include <math.h>
 #include <stdio.h>
 
-#define SURPRISING 0.01 /* chance of such a scatter from which on stated uncertainties are called too small */
+#define SURPRISING                                                                                 \
+    0.01 /* chance of such a scatter from which on stated uncertainties are called too small */
 #define LEAST_SAMPLES 8
 
 struct repeated {
@@ -77,14 +79,16 @@ static enum quantity unit_of(enum measurable what, enum quantity of_series)
 /* ---- all of them ---- */
 
 /* One recording, as a whole or in so many windows. */
-static bool add_recording(struct measuring *m, struct repeated *r, const struct recording *recording, int windows)
+static bool add_recording(struct measuring *m, struct repeated *r,
+                          const struct recording *recording, int windows)
 {
     struct series series;
     if (!recording_series(recording, m->given->arena, LEAST_SAMPLES, &series, m->error))
         return false;
     const enum quantity unit = unit_of(r->what, series.quantity);
     if (r->count > 0 && unit != r->unit)
-        return error_set(m->error, ERROR_COMMAND, "%s holds another quantity than %s", recording->name, r->name[0]);
+        return error_set(m->error, ERROR_COMMAND, "%s holds another quantity than %s",
+                         recording->name, r->name[0]);
     r->unit = unit;
     if (windows == 1)
         return add(m, r, recording, &series, recording->name);
@@ -92,9 +96,11 @@ static bool add_recording(struct measuring *m, struct repeated *r, const struct 
     for (int i = 0; i < windows; i++) {
         char name[LIMIT_NAME + 40];
         const struct series part = series_window(series, from + i * width, from + (i + 1) * width);
-        snprintf(name, sizeof name, "%s %.4g..%.4g s", recording->name, from + i * width, from + (i + 1) * width);
+        snprintf(name, sizeof name, "%s %.4g..%.4g s", recording->name, from + i * width,
+                 from + (i + 1) * width);
         if (part.n < LEAST_SAMPLES)
-            return error_set(m->error, ERROR_COMMAND, "%s: fewer than %d samples", name, LEAST_SAMPLES);
+            return error_set(m->error, ERROR_COMMAND, "%s: fewer than %d samples", name,
+                             LEAST_SAMPLES);
         if (!add(m, r, recording, &part, name))
             return false;
     }
@@ -105,7 +111,8 @@ static bool add_recording(struct measuring *m, struct repeated *r, const struct 
 static int chosen(const struct measuring *m, bool windows, int *place)
 {
     const struct session *session = m->session;
-    const struct given *named = given_for(m->given, "RECORDING"), *data = given_for(m->given, "data");
+    const struct given *named = given_for(m->given, "RECORDING"),
+                       *data = given_for(m->given, "data");
     const struct given *from = named->count ? named : data;
     int count = 0;
     for (int i = 0; i < from->count; i++)
@@ -123,7 +130,8 @@ static int chosen(const struct measuring *m, bool windows, int *place)
 
 static bool collect(struct measuring *m, struct repeated *r)
 {
-    const struct given *windows = given_for(m->given, "windows"), *what = given_for(m->given, "what");
+    const struct given *windows = given_for(m->given, "windows"),
+                       *what = given_for(m->given, "what");
     const int parts = windows->count ? (int)windows->item->value.value : 1;
     int *place = arena_array(m->given->arena, LIMIT_TOKENS + LIMIT_RECORDINGS, sizeof *place);
     r->what = what->count ? (enum measurable)what->item->index : MEASURE_PERIOD;
@@ -132,8 +140,10 @@ static bool collect(struct measuring *m, struct repeated *r)
     const int recordings = place ? chosen(m, windows->count > 0, place) : 0;
     r->room = recordings * parts;
     if (place && (r->room < 2 || parts > LIMIT_TOKENS)) {
-        error_set(m->error, ERROR_COMMAND, "repeat compares at least two recordings, or windows of one");
-        return error_hint(m->error, "type: measure repeat NAME NAME .., or: measure repeat NAME windows=5");
+        error_set(m->error, ERROR_COMMAND,
+                  "repeat compares at least two recordings, or windows of one");
+        return error_hint(m->error,
+                          "type: measure repeat NAME NAME .., or: measure repeat NAME windows=5");
     }
     r->value = arena_array(m->given->arena, (size_t)r->room + 1, sizeof *r->value);
     r->name = arena_array(m->given->arena, (size_t)r->room + 1, sizeof *r->name);
@@ -155,7 +165,8 @@ static void put_scatter(const struct repeated *r, const struct repeat *repeat, s
     put_measured(text, "\nweighted mean", repeat->weighted, r->unit);
     if (isfinite(repeat->birge)) {
         buffer_format(text, "   Birge ratio %.*f", repeat->birge < 10 ? 1 : 0, repeat->birge);
-        buffer_format(text, repeat->chance < 0.0001 ? " (chance < 0.0001)" : " (chance %.2g)", repeat->chance);
+        buffer_format(text, repeat->chance < 0.0001 ? " (chance < 0.0001)" : " (chance %.2g)",
+                      repeat->chance);
     }
     put_measured(text, "\nquote", repeat->quote, r->unit);
     buffer_put(text, TEXT("   95 %: +- "));
@@ -166,12 +177,15 @@ static void put_verdict(const struct repeat *repeat, struct reply *reply)
 {
     if (repeat->chance < SURPRISING)
         reply_warning(reply,
-                      "the values scatter %.*f times as much as they state: the stated uncertainties are too small, "
+                      "the values scatter %.*f times as much as they state: the stated "
+                      "uncertainties are too small, "
                       "or something changed between them",
                       repeat->birge < 10 ? 1 : 0, repeat->birge);
     else if (repeat->chance > 1 - SURPRISING)
-        reply_warning(reply, "the values scatter %.2g times what they state: the stated uncertainties are too large",
-                      repeat->birge);
+        reply_warning(
+            reply,
+            "the values scatter %.2g times what they state: the stated uncertainties are too large",
+            repeat->birge);
 }
 
 static void reply_repeat(struct measuring *m, const struct repeated *r, const struct repeat *repeat)
@@ -207,7 +221,8 @@ bool measure_repeat(struct measuring *m)
     repeat_values(r.value, r.count, &repeat);
     const char *what = catalog_row(&quantity_catalog, (size_t)r.what)->name;
     snprintf(m->subject.name, sizeof m->subject.name, "%d values", r.count);
-    if (!session_keep_measurement(m->session, what, m->subject.name, repeat.quote, r.unit, NAN, m->error))
+    if (!session_keep_measurement(m->session, what, m->subject.name, repeat.quote, r.unit, NAN,
+                                  m->error))
         return false;
     for (int i = 0; i < r.count; i++) {
         buffer_format(&text, "%s%-24s ", i ? "\n" : "", r.name[i]);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Several damped sines at once: 95 % intervals of every parameter cover the truth in 90 to 99 % of the recordings of
- * each kind, down to 1.5 line widths 1/T apart, or a warning says that the lines are too near; what does not have so many
- * frequencies is refused.
+ * Several damped sines at once: 95 % intervals of every parameter cover the truth in 90 to 99 % of
+ * the recordings of each kind, down to 1.5 line widths 1/T apart, or a warning says that the lines
+ * are too near; what does not have so many frequencies is refused.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -56,7 +56,8 @@ static struct beat beat_make(double apart)
         b.t[i] = b.t0 + s;
         b.y[i] = 20;
         for (int k = 0; k < 2; k++)
-            b.y[i] += b.amplitude[k] * exp(-b.gamma[k] * s / 2) * cos(2 * PI * b.f[k] * s + b.phase[k]);
+            b.y[i] +=
+                b.amplitude[k] * exp(-b.gamma[k] * s / 2) * cos(2 * PI * b.f[k] * s + b.phase[k]);
     }
     return b;
 }
@@ -138,13 +139,13 @@ static bool says(const struct modes_fit *fit, const char *word)
 
 static void judge(const struct beat *b, const struct modes_fit *fit, int covered[QUANTITIES])
 {
-    const double truth[QUANTITIES] = {b->f[0],         b->f[1],         b->gamma[0], b->gamma[1], b->amplitude[0],
-                                      b->amplitude[1], b->phase[0],     b->phase[1], b->f[1] - b->f[0],
-                                      coupling_of(b)};
+    const double truth[QUANTITIES] = {b->f[0],           b->f[1],         b->gamma[0], b->gamma[1],
+                                      b->amplitude[0],   b->amplitude[1], b->phase[0], b->phase[1],
+                                      b->f[1] - b->f[0], coupling_of(b)};
     const struct normal_mode *m = fit->mode;
-    const struct measured found[QUANTITIES] = {m[0].frequency, m[1].frequency, m[0].gamma, m[1].gamma, m[0].amplitude,
-                                               m[1].amplitude, m[0].phase,     m[1].phase, fit->splitting,
-                                               fit->coupling};
+    const struct measured found[QUANTITIES] = {
+        m[0].frequency, m[1].frequency, m[0].gamma, m[1].gamma,     m[0].amplitude,
+        m[1].amplitude, m[0].phase,     m[1].phase, fit->splitting, fit->coupling};
     for (int q = 0; q < QUANTITIES; q++) {
         double off = found[q].value - truth[q];
         if (q == PHASE1 || q == PHASE2)
@@ -164,7 +165,8 @@ static void intervals_cover_or_a_warning_says_why_not(void **state)
         for (int run = 0; run < runs; run++) {
             struct beat b = beat_make(random_between(rows[k].least, rows[k].most));
             rows[k].disturb(&b);
-            const struct series series = {.t = b.t, .y = b.y, .n = b.n, .quantity = QUANTITY_LENGTH};
+            const struct series series = {
+                .t = b.t, .y = b.y, .n = b.n, .quantity = QUANTITY_LENGTH};
             struct arena arena = {0};
             struct error error = {0};
             struct modes_fit fit = {.modes = 0};
@@ -187,13 +189,14 @@ static void intervals_cover_or_a_warning_says_why_not(void **state)
             least = covered[q] < least ? covered[q] : least;
         }
         const double all = judged ? 100.0 * sum / judged / QUANTITIES : 100;
-        print_message("%-34s %3d judged, %4.1f %% covered, worst quantity %5.1f %%; %d warned, %d refused\n",
-                      rows[k].name, judged, all, judged ? 100.0 * least / judged : 100.0, warned, refused);
+        print_message(
+            "%-34s %3d judged, %4.1f %% covered, worst quantity %5.1f %%; %d warned, %d refused\n",
+            rows[k].name, judged, all, judged ? 100.0 * least / judged : 100.0, warned, refused);
         /* Each quantity within what chance does to so few, all of them together as promised. */
         const double chance = 3 * sqrt(0.95 * 0.05 * judged);
         const bool near = rows[k].most < 1.5;
-        all_well = all_well && least >= 0.9 * judged - chance && all >= 90 && all <= 99 + 100 * near &&
-                   (near ? 10 * judged <= runs : 4 * judged >= 3 * runs);
+        all_well = all_well && least >= 0.9 * judged - chance && all >= 90 &&
+                   all <= 99 + 100 * near && (near ? 10 * judged <= runs : 4 * judged >= 3 * runs);
     }
     assert_true(all_well);
 }
@@ -207,7 +210,8 @@ static int found_two(double second, double noise, int runs)
         struct beat b = beat_make(random_between(2, 10));
         for (size_t i = 0; i < b.n; i++) {
             const double s = (double)i * b.dt;
-            b.y[i] = cos(2 * PI * b.f[0] * s) + second * cos(2 * PI * b.f[1] * s) + noise * random_normal();
+            b.y[i] = cos(2 * PI * b.f[0] * s) + second * cos(2 * PI * b.f[1] * s) +
+                     noise * random_normal();
         }
         const struct series series = {.t = b.t, .y = b.y, .n = b.n, .quantity = QUANTITY_LENGTH};
         struct arena arena = {0};
@@ -254,14 +258,16 @@ static void noise_has_no_frequency(void **state)
 static void three_modes_are_found_to_rounding(void **state)
 {
     (void)state;
-    static const double f[] = {0.8, 1.1, 2.5}, gamma[] = {0.1, 0.05, 0.3}, a[] = {1, 0.3, 0.6}, phase[] = {0.5, -2, 3};
+    static const double f[] = {0.8, 1.1, 2.5}, gamma[] = {0.1, 0.05, 0.3}, a[] = {1, 0.3, 0.6},
+                        phase[] = {0.5, -2, 3};
     enum { N = 1500 };
     double t[N], y[N];
     for (int i = 0; i < N; i++) {
         t[i] = 3 + 0.02 * i;
         y[i] = 7 + 0.01 * (t[i] - 3);
         for (int k = 0; k < 3; k++)
-            y[i] += a[k] * exp(-gamma[k] * (t[i] - 3) / 2) * cos(2 * PI * f[k] * (t[i] - 3) + phase[k]);
+            y[i] +=
+                a[k] * exp(-gamma[k] * (t[i] - 3) / 2) * cos(2 * PI * f[k] * (t[i] - 3) + phase[k]);
     }
     const struct series series = {.t = t, .y = y, .n = N, .quantity = QUANTITY_LENGTH};
     struct arena arena = {0};
@@ -295,8 +301,9 @@ static bool fit_says(const struct beat *b, const char *word)
             return true;
     const bool found = strstr(error.text, word) || strstr(error.hint, word);
     if (!found && getenv("SHOW"))
-        print_message("no '%s': %s %s %s, 1/T apart %g, %zu samples\n", word, fit.warnings ? fit.warning[0] : "-",
-                      error.text, error.hint, (b->f[1] - b->f[0]) * (b->t[b->n - 1] - b->t[0]), b->n);
+        print_message("no '%s': %s %s %s, 1/T apart %g, %zu samples\n", word,
+                      fit.warnings ? fit.warning[0] : "-", error.text, error.hint,
+                      (b->f[1] - b->f[0]) * (b->t[b->n - 1] - b->t[0]), b->n);
     return found;
 }
 
@@ -354,7 +361,8 @@ static bool holds(const struct spectrum_peak *peak, double f, double amplitude, 
            fabs(peak->amplitude.value - amplitude) <= width * peak->amplitude.uncertainty;
 }
 
-/* Steady tones with their frequencies and amplitudes; nearer to each other than four bins they are one line. */
+/* Steady tones with their frequencies and amplitudes; nearer to each other than four bins they are
+ * one line. */
 static void lines_are_where_the_tones_are(void **state)
 {
     (void)state;
@@ -375,8 +383,10 @@ static void lines_are_where_the_tones_are(void **state)
         const int count = series_peaks(&series, &arena, peak, 2);
         const int first = count == 2 && peak[0].frequency.value > peak[1].frequency.value;
         if (run >= RUNS) { /* one of the two, no further off than it says, or between both */
-            near += count >= 1 && (holds(&peak[0], b.f[0], b.amplitude[0], 3) || holds(&peak[0], b.f[1], b.amplitude[1], 3) ||
-                                   (peak[0].frequency.value > b.f[0] && peak[0].frequency.value < b.f[1]));
+            near += count >= 1 &&
+                    (holds(&peak[0], b.f[0], b.amplitude[0], 3) ||
+                     holds(&peak[0], b.f[1], b.amplitude[1], 3) ||
+                     (peak[0].frequency.value > b.f[0] && peak[0].frequency.value < b.f[1]));
         } else if (count == 2) {
             both++;
             covered += holds(&peak[first], b.f[0], b.amplitude[0], 1.96);
@@ -386,8 +396,8 @@ static void lines_are_where_the_tones_are(void **state)
         free(b.t);
         free(b.y);
     }
-    print_message("both lines in %d of %d, covered %d of %d; near ones %d of %d\n", both, RUNS, covered, 2 * both, near,
-                  RUNS);
+    print_message("both lines in %d of %d, covered %d of %d; near ones %d of %d\n", both, RUNS,
+                  covered, 2 * both, near, RUNS);
     assert_true(both >= 0.95 * RUNS);
     assert_true(covered >= 0.9 * 2 * both);
     assert_true(near >= 0.9 * RUNS);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Repeated measurements: what is quoted covers the truth whether or not the stated uncertainties are right. */
+/* Repeated measurements: what is quoted covers the truth whether or not the stated uncertainties
+ * are right. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -44,11 +45,12 @@ static void what_is_quoted_covers(void **state)
     for (size_t i = 0; i < COUNT_OF(counts); i++) {
         const int n = counts[i];
         const struct outcome right = trials(n, 0), small = trials(n, 0.05), far = trials(n, 0.15);
-        print_message("%2d values: %4.1f %% covered and %4.1f %% suspected where right; 3 times too small %4.1f, %4.1f; "
+        print_message("%2d values: %4.1f %% covered and %4.1f %% suspected where right; 3 times "
+                      "too small %4.1f, %4.1f; "
                       "10 times %4.1f, %4.1f\n",
                       n, 100.0 * right.covered / TRIALS, 100.0 * right.suspected / TRIALS,
-                      100.0 * small.covered / TRIALS, 100.0 * small.suspected / TRIALS, 100.0 * far.covered / TRIALS,
-                      100.0 * far.suspected / TRIALS);
+                      100.0 * small.covered / TRIALS, 100.0 * small.suspected / TRIALS,
+                      100.0 * far.covered / TRIALS, 100.0 * far.suspected / TRIALS);
         assert_true(right.covered >= 0.94 * TRIALS && right.suspected <= 0.02 * TRIALS);
         assert_true(small.covered >= 0.90 * TRIALS && small.covered <= 0.99 * TRIALS);
         assert_true(far.covered >= 0.90 * TRIALS && far.covered <= 0.99 * TRIALS);
@@ -73,7 +75,8 @@ static void closed_forms(void **state)
     assert_true(close_to(r.chance, exp(-7.0 / 3), 1e-12)); /* chi2 of 2 degrees */
     assert_true(close_to(r.between, sqrt(7.0 / 3 - 1), 1e-12));
     assert_true(close_to(r.quote.uncertainty, sqrt(7.0 / 9), 1e-12));
-    assert_true(close_to(r.interval, 4.302652729911275 * sqrt(7.0 / 9), 1e-9)); /* Student, 2 degrees */
+    assert_true(
+        close_to(r.interval, 4.302652729911275 * sqrt(7.0 / 9), 1e-9)); /* Student, 2 degrees */
     assert_true(repeat_values(bare, 3, &r));
     assert_true(isnan(r.birge) && isnan(r.weighted.value));
     assert_true(close_to(r.quote.uncertainty, sqrt(7.0 / 9), 1e-14));
@@ -81,6 +84,7 @@ static void closed_forms(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(what_is_quoted_covers), cmocka_unit_test(closed_forms)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(what_is_quoted_covers),
+                                       cmocka_unit_test(closed_forms)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
