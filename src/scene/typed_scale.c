@@ -54,8 +54,8 @@ static bool all_finite(const double *y, int n)
     return true;
 }
 
-/* How far it got, if its steps became shorter and shorter there; 0: it found no pole. */
-static double try_out(struct system *system, double span, double *most)
+/* How far it got, if its steps became shorter and shorter there; 0: it found no pole. *there: it came to the end. */
+static double try_out(const struct system *system, double span, double *most, bool *there)
 {
     const int n = system->n;
     double y[LIMIT_VARIABLES], f[LIMIT_VARIABLES], g[LIMIT_VARIABLES], next[LIMIT_VARIABLES];
@@ -84,17 +84,38 @@ static double try_out(struct system *system, double span, double *most)
         h *= fmin(2, 0.9 * sqrt(ACCURACY / fmax(error, 1e-6)));
         h = fmin(h, span / 16);
     }
+    *there = t >= end;
     return t < end && h < POLE * (t - system->t0) ? t - system->t0 : 0;
 }
 
-static void try_sizes(struct system *system, double span, double *most)
+/* What sticks to a switch shakes about it in ever shorter steps: then sizes are those on the branches of the start. */
+static bool try_frozen(const struct system *system, double span, const double *start, double *most)
+{
+    struct system frozen;
+    double branch[LIMIT_SWITCHES], size[LIMIT_VARIABLES];
+    bool there = false;
+    if (system->switches == 0)
+        return false;
+    system_branches(system, system->t0, system->start, branch);
+    system_freeze(system, branch, &frozen);
+    memcpy(size, start, (size_t)system->n * sizeof *size);
+    if (try_out(&frozen, span, size, &there) > 0 || !there)
+        return false;
+    memcpy(most, size, (size_t)system->n * sizeof *size);
+    return true;
+}
+
+static void try_sizes(const struct system *system, double span, double *most)
 {
     double start[LIMIT_VARIABLES];
+    bool there;
     memcpy(start, most, sizeof start);
-    const double pole = try_out(system, span, most);
+    const double pole = try_out(system, span, most, &there);
+    if (!there && try_frozen(system, span, start, most))
+        return;
     if (pole > 0) {
         memcpy(most, start, sizeof start);
-        try_out(system, pole / 2, most);
+        try_out(system, pole / 2, most, &there);
     }
 }
 

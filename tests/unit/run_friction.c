@@ -316,6 +316,33 @@ static void test_kernels_give_the_same_bits(void **state)
     }
 }
 
+/* The same law typed: sticking from rest, a release that grows from 0, grazing turning points. Not by shaking. */
+static void test_typed_friction_takes_few_steps(void **state)
+{
+    (void)state;
+    struct error error;
+    struct typed_models *models = typed_create(&error);
+    const struct typed_line lines[] = {
+        {.kind = TYPED_VAR, .name = TEXT("x"), .value = 0},
+        {.kind = TYPED_EQUATION, .name = TEXT("x"), .order = 2, .expr = TEXT("0.1*t-x-0.5*sign(x')")},
+    };
+    const struct model *model = typed_new(models, TEXT(""), &error);
+    for (size_t i = 0; model && i < COUNT_OF(lines); i++)
+        model = typed_add(models, model, &lines[i], &error);
+    assert_non_null(model);
+    struct scene scene;
+    scene_init(&scene, typed_preset(model));
+    struct run *run = start(&scene, "dopri5", (struct run_settings){.dt = 0.01, .tol = 1e-9}, 30);
+    go_to(run, 5 - 1e-6);
+    assert_close(run->y[0], 0, 1e-12);
+    go_to(run, 10); /* x = 0.1 (s - sin s) from t = 5 on */
+    assert_close(run->y[0], 0.1 * (5 - sin(5)), 1e-7);
+    go_to(run, 30);
+    assert_true(run->steps < 2000);
+    run_destroy(run);
+    typed_destroy(models);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -328,6 +355,7 @@ int main(void)
         cmocka_unit_test(test_energy_balance),
         cmocka_unit_test(test_rows_inside_of_steps),
         cmocka_unit_test(test_kernels_give_the_same_bits),
+        cmocka_unit_test(test_typed_friction_takes_few_steps),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
