@@ -303,7 +303,10 @@ enum {
 };
 
 /* What pulls back: omega0^2 y, omega0^2 y + beta y^3 (Duffing), omega0^2 sin(y) (pendulum: y is an angle). */
-enum restoring_force { RESTORING_LINEAR, RESTORING_CUBIC, RESTORING_SINE };
+enum restoring_force { RESTORING_LINEAR, RESTORING_CUBIC, RESTORING_SINE, RESTORING_FORCES };
+
+extern const struct catalog restoring_catalog;
+const char *restoring_name(enum restoring_force force); /* "linear", "Duffing", "pendulum" */
 
 /* One motion under such a law: y and y' at t0 [without the offset], omega0, gamma, b, f, beta, and the offset. */
 struct equation {
@@ -357,6 +360,13 @@ struct drag_fit {
     double p_value;        /* F-test of the last term of a sum, or of a second one beside a single law */
     struct equation motion;
     struct measured start, speed; /* y and y' at t0 */
+    struct restoring_candidate {
+        bool converged;
+        double bic;
+    } restoring[RESTORING_FORCES];
+    int forces;                   /* 0: only the spring was tried */
+    enum restoring_force force;
+    struct measured cubic;        /* beta [1/(s^2 y^2)] of a Duffing spring */
     double signal;                /* rms of the motion alone */
     double wander;                /* of the baseline: standard deviation between its blocks; 0: it stands still */
     char said[240];               /* the choice in words, with the numbers */
@@ -389,7 +399,7 @@ struct fit_model {
 };
 
 /*
- * Rows damped, sine and drag need no guess. drag: the fit's values are those of the best law (by BIC), `preferred` is
+ * Rows damped, sine, drag and law need no guess. law: drag under the restoring force that BIC prefers. drag: the fit's values are those of the best law (by BIC), `preferred` is
  * LAW_UNDECIDED where the data do not decide. Uncertainties: least squares, widened for what the residuals share with
  * each parameter (sway, wandering); of period, omega and gamma also half the difference of the window's halves where
  * these differ by more than 2.5 standard deviations. ERROR_COMMAND: does not oscillate; ERROR_NUMERICAL: did not

@@ -4,37 +4,22 @@
  * samples (law_fit.c); the averaged envelope is only where the search begins. Which samples take part is judged by what
  * the most general of the laws leaves, not by the damped sine; so is whether the baseline wanders.
  */
-#include "law_fit.h"
+#include "drag.h"
 
 #include <stdio.h>
 #include <string.h>
 
-enum { START, SPEED, OMEGA, FIRST_RATE, WINDOWS_LEAST = 8, WINDOWS_MOST = 256, ROUNDS = 4 };
+enum { ROUNDS = 4 };
 
 #define LONG 100000    /* samples, from which on a step of ten standard deviations is trusted in the end */
 #define NEARLY 100.0   /* variances that a step may promise to be taken unseen: in the search, */
 #define FINALLY 1e-3   /* and at the end */
-#define INTEGRATED 1e-16 /* mean square, relative, to which integration is good: no law is better than that */
 #define REJECT_AT 5.0    /* robust standard deviations */
 #define CLIPPED 0.2      /* of what was taken for clipped that must be off, or it was not */
 #define BASELINE_PERIODS 3
 #define WANDERS 2.0 /* variance that a baseline of its own takes in each block, over that of the residuals */
 
-struct fitting {
-    struct motion *motion;
-    struct law_samples samples;
-    unsigned char *use; /* [n] */
-    size_t *edge;       /* [2 + n/..] of blocks */
-    double rounding;    /* [y^2] of a sum of squares */
-    double size;        /* amplitude, as y */
-    double t0;
-    struct equation start; /* of the linear law */
-    double rate[DRAG_RATES];
-    struct law_fit fit[DRAG_LAWS];
-};
-
-/* Places of the fit's parameters among the equation's; their number. */
-static int places(enum drag_law law, enum restoring_force force, int place[LAW_PARAMETERS])
+int drag_places(enum drag_law law, enum restoring_force force, int place[LAW_PARAMETERS])
 {
     int count = FIRST_RATE;
     place[START] = EQUATION_START;
@@ -46,12 +31,6 @@ static int places(enum drag_law law, enum restoring_force force, int place[LAW_P
     if (force == RESTORING_CUBIC)
         place[count++] = EQUATION_CUBIC;
     return count;
-}
-
-/* The frequency of the damped oscillation. */
-static double damped(double omega, double gamma)
-{
-    return sqrt(fmax(omega * omega - 0.25 * gamma * gamma, 0));
 }
 
 /* ---- the fits ---- */
@@ -66,7 +45,7 @@ static void begin_law(struct fitting *f, int i)
         if (((j + 1) & (i + 1)) == j + 1 && f->fit[j].converged && (part < 0 || f->fit[j].rss < f->fit[part].rss))
             part = j;
     *fit = (struct law_fit){.motion = part >= 0 ? f->fit[part].motion : f->start, .omega = f->start.value[EQUATION_OMEGA]};
-    fit->parameters = places(law, f->start.force, fit->place);
+    fit->parameters = drag_places(law, f->start.force, fit->place);
     for (int k = 0; k < DRAG_RATES && part < 0; k++)
         fit->motion.value[EQUATION_RATE + k] = law >> k & 1 ? f->rate[k] : 0;
 }
@@ -213,186 +192,7 @@ static bool settle(struct fitting *f, size_t *edge)
     return nearest(f) >= 0;
 }
 
-/* ---- uncertainties ---- */
-
-/* What slow changes leave in one direction of the oscillation, window by window. */
-struct windows {
-    double square, product, expected, before, count;
-};
-
-static void add_window(struct windows *w, double sum, double norm, double variance)
-{
-    const double z = sum / sqrt(norm);
-    w->square += z * z;
-    w->product += z * w->before;
-    w->expected += variance;
-    w->before = z;
-    w->count++;
-}
-
-static double factor_of(const struct windows *w, double lag)
-{
-    if (w->count < WINDOWS_LEAST || !(w->expected > 0))
-        return autocorrelation_factor(lag);
-    const double left = w->count / fmax(w->count - 3, 1); /* up to three parameters of the envelope are fitted */
-    return fmax(1, w->square / w->expected * left * autocorrelation_factor(w->product / w->square));
-}
-
-struct factors {
-    double amplitude, phase; /* of variances */
-    double windows;
-    double lag; /* autocorrelation of neighbours */
-    double sigma;
-    double signal; /* rms of the motion alone */
-};
-
-/*
- * By how much slow changes of the amplitude (sway) and of the phase make the variance of rates and of the frequency
- * larger than independent residuals would: the residuals' part in phase with the motion and with its velocity, window
- * by window of two periods, against their own size, with its correlation from window to window.
- */
-static bool find_factors(const struct fitting *f, const struct law_fit *fit, struct factors *out)
-{
-    const struct samples *x = &f->motion->samples;
-    const double *residual = f->motion->residual;
-    struct equation turned = fit->motion;
-    turned.order = fit->motion.order == 0 ? 1 : fit->motion.order - 1;
-    struct equation_walk along, across;
-    struct windows w[2] = {{0}};
-    const double span = x->t[x->n - 1] - x->t[0], n = (double)fit->used - fit->parameters;
-    const size_t count = (size_t)fmin(WINDOWS_MOST, 0.5 * fit->motion.value[EQUATION_OMEGA] * span / TWO_PI);
-    double product = 0, square = 0, before = 0, energy = 0, largest = 0;
-    *out = (struct factors){.sigma = sqrt(fit->rss / fmax(n - (double)f->samples.baseline.blocks, 1))};
-    if (!equation_begin(&fit->motion, EQUATION_VALUES, &along) || !equation_begin(&turned, EQUATION_VALUES, &across))
-        return false;
-    size_t i = 0;
-    for (size_t k = 0; k < (count > 0 ? count : 1); k++) {
-        const double end = x->t[0] + span * (double)(k + 1) / (double)count;
-        double sum[2] = {0}, norm[2] = {0};
-        for (; i < x->n && (x->t[i] <= end || k + 1 >= count); i++) {
-            double u[2];
-            const double t = x->uniform ? x->t0 + (double)i * x->dt : x->t[i];
-            if (!f->use[i])
-                continue;
-            if (!equation_values(&along, &t, 1, &u[0], NULL) || !equation_values(&across, &t, 1, &u[1], NULL))
-                return false;
-            for (int d = 0; d < 2; d++) {
-                sum[d] += u[d] * residual[i];
-                norm[d] += u[d] * u[d];
-            }
-            product += residual[i] * before;
-            square += residual[i] * residual[i];
-            before = residual[i];
-            energy += u[0] * u[0];
-        }
-        largest = fmax(largest, norm[0]);
-        for (int d = 0; d < 2; d++)
-            if (norm[d] > 0 && norm[0] > 1e-3 * largest)
-                add_window(&w[d], sum[d], norm[d], out->sigma * out->sigma);
-    }
-    out->lag = square > 0 ? product / square : 0;
-    out->amplitude = factor_of(&w[0], out->lag);
-    out->phase = factor_of(&w[1], out->lag);
-    out->windows = w[0].count;
-    out->signal = sqrt(energy / (double)fit->used);
-    return true;
-}
-
-/* Energy per mass that a rate of 1 takes along the motion: the sums of v^2, |v|^3 and |v|. */
-static void losses(const struct fitting *f, const struct law_fit *fit, double loss[DRAG_RATES])
-{
-    enum { POINTS = 4096 };
-    const struct samples *x = &f->motion->samples;
-    struct equation motion = fit->motion;
-    struct equation_walk walk;
-    motion.order = 1;
-    loss[0] = loss[1] = loss[2] = 0;
-    if (!equation_begin(&motion, EQUATION_VALUES, &walk))
-        return;
-    for (size_t k = 0; k < POINTS; k++) { /* spread evenly: the golden ratio keeps them off the period */
-        const double t = f->t0 + (x->t[x->n - 1] - f->t0) * ((double)k + fmod(0.6180339887 * (double)k, 1)) / POINTS;
-        double v;
-        if (!equation_values(&walk, &t, 1, &v, NULL))
-            return;
-        loss[0] += v * v;
-        loss[1] += fabs(v) * v * v;
-        loss[2] += fabs(v);
-    }
-}
-
-/* ---- the report ---- */
-
-static void describe(const struct law_fit *fit, int i, double deviation, struct drag_candidate *out)
-{
-    *out = (struct drag_candidate){.law = (enum drag_law)(i + 1), .converged = fit->converged};
-    out->rms = sqrt(fit->rss / (double)fit->used);
-    for (int j = FIRST_RATE; j < fit->parameters; j++) {
-        const struct measured value = {fit->motion.value[fit->place[j]], deviation * law_formal(fit, j)};
-        if (fit->place[j] < EQUATION_CUBIC)
-            out->rate[fit->place[j] - EQUATION_RATE] = value;
-    }
-}
-
-/* The offset at t0 and its slope, from the baseline. */
-static bool report_offset(struct fitting *f, const struct law_fit *fit, const struct factors *factors,
-                          struct arena *arena, struct fit *out)
-{
-    const struct samples *x = &f->motion->samples;
-    const size_t blocks = f->samples.baseline.blocks;
-    double *level = arena_array(arena, blocks, sizeof *level), *slope = arena_array(arena, blocks, sizeof *slope);
-    double sum = 0, square = 0;
-    if (!level || !slope || !law_residuals(&f->samples, fit, f->motion->residual, level, slope))
-        return false;
-    for (size_t k = 0; k < blocks; k++)
-        sum += level[k];
-    const double mean = sum / (double)blocks, middle = 0.5 * (x->t[0] + x->t[x->n - 1]);
-    for (size_t k = 0; k < blocks; k++)
-        square += (level[k] - mean) * (level[k] - mean);
-    const double wander = blocks > 1 ? sqrt(square / (double)(blocks - 1)) : 0;
-    const double still = factors->sigma * sqrt(autocorrelation_factor(factors->lag) / (double)fit->used);
-    const bool line = blocks == 1 && f->samples.baseline.terms > 1;
-    out->drift = (struct measured){line ? slope[0] : 0, 0};
-    out->offset = (struct measured){mean - out->drift.value * (middle - f->t0), hypot(still, wander)};
-    out->drag.wander = wander;
-    return true;
-}
-
-/* The values of a fit that has one law, with the names of the damped sine. */
-static void report(const struct fitting *f, int i, const struct factors *factors, struct fit *out)
-{
-    const struct law_fit *fit = &f->fit[i];
-    struct drag_fit *drag = &out->drag;
-    const double widen = factors->sigma * sqrt(factors->amplitude), across = factors->sigma * sqrt(factors->phase);
-    const double y = fit->motion.value[EQUATION_START], v = fit->motion.value[EQUATION_SPEED];
-    const double gamma = fit->motion.value[EQUATION_RATE], omega = damped(fit->motion.value[EQUATION_OMEGA], gamma);
-    const int order = fit->motion.order;
-    /* y = A exp(-gamma s/2) cos(omega s + phi), and how each derivative is larger and earlier */
-    const double sine = (v + 0.5 * gamma * y) / omega, a = hypot(y, sine);
-    const double grow = pow(hypot(0.5 * gamma, omega), order), turn = order * atan2(omega, -0.5 * gamma);
-    const double worse = fmax(widen, across);
-    drag->start = (struct measured){y, law_formal(fit, START) * worse};
-    drag->speed = (struct measured){v, law_formal(fit, SPEED) * worse};
-    const double radial = hypot(y * drag->start.uncertainty, sine * drag->speed.uncertainty / omega) / a;
-    const double turned = hypot(sine * drag->start.uncertainty, y * drag->speed.uncertainty / omega) / a;
-    out->amplitude = (struct measured){a * grow, radial * grow};
-    out->phase = (struct measured){remainder(atan2(-sine, y) + turn, TWO_PI), turned / a};
-    out->omega = (struct measured){omega, law_formal(fit, OMEGA) * across};
-    const struct measured *half = out->half_periods; /* a period that drifts is only as good as half the difference */
-    const double drifts = fabs(half[0].value - half[1].value);
-    if (drifts > HALVES_DIFFER * hypot(half[0].uncertainty, half[1].uncertainty))
-        out->omega.uncertainty = fmax(out->omega.uncertainty, 0.5 * drifts * omega * omega / TWO_PI);
-    out->period.value = TWO_PI / omega;
-    out->period.uncertainty = out->period.value * out->omega.uncertainty / omega;
-    out->gamma = drag->candidate[i].rate[0];
-    out->rms = drag->candidate[i].rms;
-    out->used = fit->used;
-    out->rejected = f->motion->samples.n - fit->used;
-    out->autocorrelation = factors->lag;
-    out->converged = fit->converged;
-    drag->motion = fit->motion;
-    drag->motion.value[EQUATION_OFFSET] = out->offset.value;
-    drag->signal = factors->signal;
-}
+/* ---- the whole ---- */
 
 /* Where the search begins: the damped sine at t0, as a position. */
 static void begin(const struct motion *m, struct fitting *f)
@@ -445,39 +245,58 @@ static bool prepare(struct motion *m, enum quantity quantity, struct arena *aren
     return true;
 }
 
-bool drag_laws(struct motion *m, enum quantity quantity, const struct envelope_rates rates[3], struct arena *arena,
-               struct fit *out, struct error *error)
+/* Which force pulls back: the laws of damping are then those under it. */
+static bool choose_force(struct fitting *f, enum quantity quantity, struct arena *arena, struct drag_fit *drag)
+{
+    const bool angle = quantity == QUANTITY_ANGLE || quantity == QUANTITY_OTHER;
+    struct law_fit best;
+    if (!restoring_choose(&f->samples, &f->start, f->rounding, angle, arena, drag, &best))
+        return false;
+    if (best.motion.force == RESTORING_LINEAR)
+        return true;
+    f->start = best.motion;
+    for (int k = 0; k < DRAG_RATES; k++) {
+        f->start.value[EQUATION_RATE + k] = 0;
+        f->rate[k] = best.motion.value[EQUATION_RATE + k] > 0 ? best.motion.value[EQUATION_RATE + k] : f->rate[k];
+    }
+    return true;
+}
+
+bool drag_laws(struct motion *m, enum quantity quantity, bool forces, const struct envelope_rates rates[3],
+               struct arena *arena, struct fit *out, struct error *error)
 {
     struct fitting f;
     size_t *edge = arena_array(arena, m->samples.n / BASELINE_LEAST + 2, sizeof *edge);
     if (!edge || !prepare(m, quantity, arena, &f))
         return error_memory(error);
     guess_rates(rates, m->samples.t[m->samples.n - 1] - f.t0, &f);
+    struct drag_fit *drag = &out->drag;
+    *drag = (struct drag_fit){.candidates = DRAG_LAWS};
+    if (forces && !choose_force(&f, quantity, arena, drag))
+        return error_memory(error);
     const bool settled = settle(&f, edge);
     if (cancelled(m->samples.cancel))
         return error_set(error, ERROR_CANCELLED, "the fit was stopped");
     const int widest = settled ? nearest(&f) : -1;
-    struct factors factors;
+    struct drag_factors factors;
     if (widest < 0 || !law_residuals(&f.samples, &f.fit[widest], m->residual, NULL, NULL) ||
-        !find_factors(&f, &f.fit[widest], &factors))
+        !drag_factors(&f, &f.fit[widest], &factors))
         return error_set(error, ERROR_NUMERICAL, "no law of damping could be fitted: the search did not converge");
     struct law_evidence evidence = {.fit = f.fit, .variance = factors.amplitude * fmax(factors.sigma * factors.sigma, f.rounding)};
-    struct drag_fit *drag = &out->drag;
-    *drag = (struct drag_fit){.candidates = DRAG_LAWS};
     drag->independent = fmax((double)f.fit[widest].used / factors.amplitude, 2);
-    evidence.freedom = factors.amplitude > 1.05 && factors.windows >= WINDOWS_LEAST ? factors.windows : drag->independent;
+    evidence.freedom = factors.amplitude > 1.05 && factors.windows >= DRAG_WINDOWS_LEAST ? factors.windows : drag->independent;
     for (int i = 0; i < DRAG_LAWS; i++) {
-        describe(&f.fit[i], i, factors.sigma * sqrt(factors.amplitude), &drag->candidate[i]);
+        drag_describe(&f.fit[i], i, factors.sigma * sqrt(factors.amplitude), &drag->candidate[i]);
         drag->candidate[i].bic = (f.fit[i].parameters - FIRST_RATE) * log(drag->independent) +
                                  (f.fit[i].rss - f.fit[widest].rss) / evidence.variance;
     }
-    losses(&f, &f.fit[widest], evidence.loss);
+    drag_losses(&f, &f.fit[widest], evidence.loss);
     const int best = law_choose(&evidence, out);
     for (int i = 0; i < 3; i++)
         out->evidence[i] = drag->candidate[i].bic;
-    if (!report_offset(&f, &f.fit[best], &factors, arena, out))
+    if (!drag_report_offset(&f, &f.fit[best], &factors, arena, out))
         return error_memory(error);
-    report(&f, best, &factors, out);
+    drag_report(&f, best, &factors, out);
     /* what is said of samples is said of this fit */
     m->clipped = m->clipped < out->rejected ? m->clipped : 0;
     m->rejected = out->rejected;

@@ -74,9 +74,13 @@ static void widen_by_halves(const struct measured half[2], struct measured *whol
     }
 }
 
-static bool fit_harmonic(const char *model, enum harmonic_free unknowns, bool drag, const struct series *series,
+/* What is integrated beside the sine: nothing, laws of damping, those and of the restoring force. */
+enum laws { LAWS_NONE, LAWS_OF_DAMPING, LAWS_ALL };
+
+static bool fit_harmonic(const char *model, enum harmonic_free unknowns, enum laws laws, const struct series *series,
                          struct arena *arena, const struct cancel *cancel, struct fit *fit, struct error *error)
 {
+    const bool drag = laws != LAWS_NONE;
     struct motion m;
     *fit = (struct fit){.model = model, .evidence = {NAN, NAN, NAN}};
     fit->halves[0] = fit->halves[1] = fit->half_periods[0] = fit->half_periods[1] = (struct measured){NAN, NAN};
@@ -134,7 +138,7 @@ static bool fit_harmonic(const char *model, enum harmonic_free unknowns, bool dr
         if (!envelope_laws(&m, fit, &sway, rates)) {
             return error_memory(error);
         }
-        if (drag && !drag_laws(&m, series->quantity, rates, arena, fit, error)) {
+        if (drag && !drag_laws(&m, series->quantity, laws == LAWS_ALL, rates, arena, fit, error)) {
             return false;
         }
         if (!drag && !(fit->gamma.value > SIGNIFICANT * formal)) {
@@ -148,19 +152,25 @@ static bool fit_harmonic(const char *model, enum harmonic_free unknowns, bool dr
 static bool fit_damped(const struct series *series, struct arena *arena, const struct cancel *cancel, struct fit *fit,
                        struct error *error)
 {
-    return fit_harmonic("damped", FREE_GAMMA, false, series, arena, cancel, fit, error);
+    return fit_harmonic("damped", FREE_GAMMA, LAWS_NONE, series, arena, cancel, fit, error);
 }
 
 static bool fit_sine(const struct series *series, struct arena *arena, const struct cancel *cancel, struct fit *fit,
                      struct error *error)
 {
-    return fit_harmonic("sine", FREE_OMEGA, false, series, arena, cancel, fit, error);
+    return fit_harmonic("sine", FREE_OMEGA, LAWS_NONE, series, arena, cancel, fit, error);
 }
 
 static bool fit_drag(const struct series *series, struct arena *arena, const struct cancel *cancel, struct fit *fit,
                      struct error *error)
 {
-    return fit_harmonic("drag", FREE_GAMMA, true, series, arena, cancel, fit, error);
+    return fit_harmonic("drag", FREE_GAMMA, LAWS_OF_DAMPING, series, arena, cancel, fit, error);
+}
+
+static bool fit_law(const struct series *series, struct arena *arena, const struct cancel *cancel, struct fit *fit,
+                    struct error *error)
+{
+    return fit_harmonic("law", FREE_GAMMA, LAWS_ALL, series, arena, cancel, fit, error);
 }
 
 static const struct fit_model models[] = {
@@ -179,6 +189,11 @@ static const struct fit_model models[] = {
              .brief = "which drag: linear, quadratic, dry friction or their sums, integrated and compared",
              .citation = "Moore 1966 (Taylor series); Schwarz 1978 (BIC)"},
      .fit = fit_drag},
+    {.row = {.name = "law",
+             .unit = "",
+             .brief = "the same, and which force pulls back: a spring, a Duffing spring, a pendulum",
+             .citation = "Nayfeh & Mook 1979; Schwarz 1978 (BIC)"},
+     .fit = fit_law},
 };
 
 const struct catalog fit_catalog = CATALOG("model", models);

@@ -201,9 +201,9 @@ int law_choose(const struct law_evidence *evidence, struct fit *fit);
 
 /*
  * Fits the whole oscillation under every law and chooses; rates: where to start. Of a velocity or an acceleration, b
- * and f are still those of the position. The motion's samples and residuals are then those of the law.
+ * and f are still those of the position. forces: the restoring force is looked for too. The motion's samples and residuals are then those of the law.
  */
-bool drag_laws(struct motion *motion, enum quantity quantity, const struct envelope_rates rates[3],
+bool drag_laws(struct motion *motion, enum quantity quantity, bool forces, const struct envelope_rates rates[3],
                struct arena *arena, struct fit *fit, struct error *error);
 
 /* ---- warnings.c ---- */

@@ -48,6 +48,7 @@ static void leave_out(struct adoption *a, const char *what)
 
 /* ---- the proof ---- */
 
+#define STANDARD_GRAVITY 9.80665 /* [m/s^2] */
 #define AGREES 1.2   /* rms of the run over that of the fit, at most */
 #define ACCURATE 1e-10
 #define ROWS 200 /* recorded in a radian of the natural frequency */
@@ -218,6 +219,9 @@ static bool take_law(struct adoption *a, const struct fit *fit, struct error *er
     const struct drag_candidate *law = &fit->drag.candidate[fit->drag.best - 1];
     const double m = param_value(&a->scene, "m");
     const double drag = param_value(&a->scene, "rho") * param_value(&a->scene, "area") / m;
+    if ((fit->drag.force == RESTORING_CUBIC || param_value(&a->scene, "k3") != 0) && scene_param(&a->scene, "k3") >= 0 &&
+        !take(a, "k3", (struct measured){fit->drag.cubic.value * m, fit->drag.cubic.uncertainty * m}, error))
+        return false;
     const bool quadratic = law->law & LAW_QUADRATIC, dry = law->law & LAW_DRY;
     if (!take(a, "gamma", law->rate[0], error))
         return false;
@@ -262,6 +266,11 @@ bool adopt_fit(struct session *session, const struct arguments *given, struct re
     }
     if (session->fit_samples > 0)
         return adopt_curve(session, given, reply, error);
+    if (fit->drag.force == RESTORING_SINE) {
+        error_set(error, ERROR_COMMAND, "the fit is one of a pendulum, which has no spring");
+        return error_hint(error, "scene pendulum; length = %.6g m; fit scene; adopt",
+                          STANDARD_GRAVITY / (fit->omega.value * fit->omega.value));
+    }
     const bool at_rest = is_given(given, "amplitude");
     struct adoption a = {.session = session, .scene = session->setup.scene, .data = fitted_recording(session)};
     if (!needs_spring(&a.scene, "adopt", error))

@@ -46,12 +46,13 @@ static void keep_fit(struct session *session, const struct subject *subject, con
             session_set_result(session, results[i].name, results[i].value, results[i].quantity);
 }
 
-enum fit_kind { KIND_DAMPED, KIND_SINE, KIND_DRAG, KIND_SCENE, KIND_MODES };
+enum fit_kind { KIND_DAMPED, KIND_SINE, KIND_DRAG, KIND_LAW, KIND_SCENE, KIND_MODES };
 
 static const struct row kinds[] = {
     [KIND_DAMPED] = {"damped", "", "y = c + A exp(-gamma t/2) cos(omega t + phase): the default", "", NULL},
     [KIND_SINE] = {"sine", "", "the same without damping", "", NULL},
     [KIND_DRAG] = {"drag", "", "linear, quadratic, dry friction and their sums, integrated, and which of them it is", "", NULL},
+    [KIND_LAW] = {"law", "", "the same, and which force pulls back: a spring, a Duffing spring, a pendulum", "", NULL},
     [KIND_SCENE] = {"scene", "", "the scene's own equation of motion, integrated", "", NULL},
     [KIND_MODES] = {"modes", "", "several damped sines at once: normal modes, beats, coupling", "", NULL},
 };
@@ -151,6 +152,8 @@ COMMAND(fit, .row = {"fit", "", "fit an oscillation, the scene or a formula to a
             "drag: the equation of motion with linear drag, quadratic drag, dry friction and their sums: which it is.\n"
             "modes N: N damped sines at once (2 unless told): frequencies, splitting, and the coupling of two equal "
             "oscillators.\n"
+            "law: the same under the force that pulls back: omega0^2 y, omega0^2 y + beta y^3, omega0^2 sin(y) of an "
+            "angle.\n"
             "scene: the scene's equation, integrated. Free are the start, and k, gamma and the drag that is there "
             "unless you have\n"
             "given them without an uncertainty, or what free= says; NAME=VALUE changes a value for this fit, offset=0 "

@@ -87,6 +87,8 @@ static bool keep_curve(const struct asked_fit *asked, const struct told_fit *tol
                             .amplitude = none,
                             .phase = none,
                             .offset = offset,
+                            .rms = sqrt(told->curve->rss / (double)told->curve->used),
+                            .used = told->curve->used,
                             .converged = true,
                             .window = {series->t[0], series->t[series->n - 1]}};
     if (!session_keep_curve(asked, told->curve->residual, &fit, error))

@@ -107,6 +107,25 @@ static const char *rate_unit(const struct told_fit *told, int k)
     return metres ? drag_rates[k].unit : drag_rates[k].bare;
 }
 
+/* Which force pulls back, where that was asked. */
+static void put_forces(const struct told_fit *told, struct buffer *text)
+{
+    const struct drag_fit *drag = &told->motion->drag;
+    if (drag->forces == 0)
+        return;
+    buffer_format(text, "\n  restoring force: %s (BIC", restoring_name(drag->force));
+    for (int i = 0; i < drag->forces; i++)
+        if (drag->restoring[i].converged)
+            buffer_format(text, " %s %.1f", restoring_name((enum restoring_force)i), drag->restoring[i].bic);
+    buffer_put(text, TEXT(")"));
+    if (drag->force == RESTORING_CUBIC) {
+        put_value(text, ", beta", drag->cubic, QUANTITY_OTHER, told->subject->recording);
+        buffer_put(text, TEXT(" (SI)"));
+    }
+    if (drag->force != RESTORING_LINEAR)
+        buffer_put(text, TEXT("\n  T and omega are those of small amplitudes"));
+}
+
 static void put_laws(const struct told_fit *told, struct arena *arena, struct buffer *text)
 {
     static const char *const heads[] = {"law", "gamma", "b of b|v|v", "friction f", "BIC", ""};
@@ -132,6 +151,7 @@ static void put_laws(const struct told_fit *told, struct arena *arena, struct bu
     while (text->len && text->data[text->len - 1] == '\n')
         text->len--;
     buffer_format(text, "\n  %s", drag->said);
+    put_forces(told, text);
 }
 
 static void put_motion(const struct told_fit *told, struct arena *arena, struct buffer *text)
@@ -301,6 +321,11 @@ static void reply_laws(const struct told_fit *told, struct reply *reply)
     }
     reply_close(reply);
     const bool compared = drag && drag->candidates > 0;
+    reply_string(reply, "restoring", compared ? restoring_name(drag->force) : NULL);
+    if (compared && drag->force == RESTORING_CUBIC)
+        reply_measured(reply, "beta", drag->cubic, QUANTITY_OTHER);
+    else
+        reply_null(reply, "beta");
     reply_real(reply, "delta", compared ? drag->delta : NAN);
     reply_real(reply, "p_value", compared ? drag->p_value : NAN);
 }

@@ -129,7 +129,7 @@ static double evidence_of(const struct law_case *c, double sigma)
 }
 
 struct tally {
-    int all, clear, right, wrong, undecided, refused;
+    int all, clear, right, wrong, false_law, undecided, refused; /* wrong: a term is missing; false: one too many */
 };
 
 static bool is_poor(const struct fit *fit)
@@ -156,6 +156,7 @@ static void judge(const struct law_case *c, enum ill ill, struct tally *tally)
     tally->clear += clear;
     tally->right += clear && claimed && fit.preferred == c->law;
     tally->wrong += claimed && fit.preferred != c->law;
+    tally->false_law += claimed && (clear ? fit.preferred != c->law : (fit.preferred & c->law) != fit.preferred);
     tally->undecided += clear && found && fit.preferred == LAW_UNDECIDED;
     tally->refused += !found;
     if (claimed && fit.preferred != c->law)
@@ -189,18 +190,76 @@ static void the_right_law_or_none(void **state)
         all.clear += tally.clear;
         all.right += tally.right;
         all.wrong += tally.wrong;
+        all.false_law += tally.false_law;
         all.refused += tally.refused;
     }
     print_message("%d recordings, %d distinguishable: %d right (%.1f %%); %d wrong, %d refused\n", all.all, all.clear,
                   all.right, 100.0 * all.right / all.clear, all.wrong, all.refused);
     assert_true(all.clear > all.all / 3);
     assert_true(all.right >= 0.95 * all.clear);
-    assert_true(all.wrong <= 0.005 * all.all); /* a level of 1 % of the test in a tail of the cases */
+    /* where the noise hides a term, one law in fifty may be named without it; a term that is not there nearly never */
+    assert_true(all.wrong <= 0.02 * all.all + 1 && all.false_law <= 0.005 * all.all);
     assert_true(all.refused == 0);
+}
+
+/* ---- which force pulls back ---- */
+
+static double pull(enum restoring_force force, double beta, double y)
+{
+    return force == RESTORING_SINE ? OMEGA * OMEGA * sin(y) : OMEGA * OMEGA * y + (force ? beta * y * y * y : 0);
+}
+
+/* With linear damping; leapfrog, 400 steps a sample. */
+static struct synthetic swing(enum restoring_force force, double beta, double amplitude, double noise)
+{
+    enum { STEPS = 400, SAMPLES = 1200 };
+    struct synthetic s = {.t = malloc(SAMPLES * sizeof(double)), .y = malloc(SAMPLES * sizeof(double))};
+    if (!s.t || !s.y)
+        abort();
+    const double h = 1.0 / (STEPS * RATE), gamma = 0.08;
+    double y = amplitude, v = 0;
+    for (int i = 0; i < SAMPLES; i++) {
+        s.t[i] = 1 + (double)i / RATE;
+        s.y[i] = y + noise * random_normal();
+        for (int k = 0; k < STEPS; k++) {
+            v = (v * (1 - gamma * h / 4) - h / 2 * pull(force, beta, y)) / (1 + gamma * h / 4);
+            y += h * v;
+            v = (v * (1 - gamma * h / 4) - h / 2 * pull(force, beta, y)) / (1 + gamma * h / 4);
+        }
+    }
+    s.series = (struct series){.t = s.t, .y = s.y, .n = SAMPLES, .quantity = QUANTITY_ANGLE};
+    return s;
+}
+
+static void restoring_forces_are_found(void **state)
+{
+    (void)state;
+    static const struct {
+        enum restoring_force force;
+        double beta, amplitude;
+    } cases[] = {{RESTORING_LINEAR, 0, 0.5},     {RESTORING_SINE, 0, 1.2},     {RESTORING_SINE, 0, 0.5},
+                 {RESTORING_CUBIC, 25, 0.8}, {RESTORING_CUBIC, -30, 0.6}};
+    random_state = 51;
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        struct synthetic s = swing(cases[i].force, cases[i].beta, cases[i].amplitude, 0.002);
+        struct fit fit;
+        struct error error = {0};
+        if (!fit_named("law", &s.series, &fit, &error))
+            fail_msg("case %zu: %s", i, error.text);
+        print_message("%s: omega0 %.5f +- %.1g, beta %.4g +- %.2g; %s\n", restoring_name(fit.drag.force),
+                      fit.omega.value, fit.omega.uncertainty, fit.drag.cubic.value, fit.drag.cubic.uncertainty,
+                      fit.drag.said);
+        assert_int_equal(fit.drag.force, cases[i].force);
+        assert_true(close_to(fit.omega.value, OMEGA, 5 * fit.omega.uncertainty + 1e-4 * OMEGA));
+        assert_true(close_to(fit.drag.cubic.value, cases[i].beta, 4 * fit.drag.cubic.uncertainty));
+        assert_true(close_to(fit.rms, 0.002, 2e-4));
+        synthetic_free(&s);
+    }
 }
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(the_right_law_or_none)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(restoring_forces_are_found),
+                                       cmocka_unit_test(the_right_law_or_none)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
