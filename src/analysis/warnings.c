@@ -132,6 +132,10 @@ void fit_diagnose(const struct motion *m, double sway, struct fit *fit)
     if (fit->gamma.value < -2 * fit->gamma.uncertainty) {
         fit_warn(fit, "gamma is negative: the amplitude grows; is the window free of hands and of a drive?");
     }
+    if (fit->drag.wander > 0) {
+        fit_warn(fit, "the offset wanders, by %.2g %% of the amplitude (rms): a parabola every three periods is taken off",
+                 100 * fit->drag.wander / fit->amplitude.value);
+    }
     const double poor = poorness(m, fit);
     if (!warn_sway(m, sway, poor, fit)) { /* which an envelope that beats looks like at its ends */
         warn_ends(m, fit);

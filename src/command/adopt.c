@@ -295,7 +295,7 @@ bool adopt_fit(struct session *session, const struct arguments *given, struct re
         return false;
     if (n >= 0 && (!take(&a, "y0", start[0], error) || !take(&a, "v0", start[1], error) || !take(&a, "t0", t0, error)))
         return false;
-    if (fit->drift.value != 0 && fit->drag.candidates > 0)
+    if ((fit->drift.value != 0 || fit->drag.wander > 0) && fit->drag.candidates > 0)
         leave_out(&a, "the drift of the offset");
     session->setup.scene = a.scene;
     const double zero = session->fit_zero + fit->offset.value - (n == 0 ? middle : 0);

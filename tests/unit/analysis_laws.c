@@ -132,12 +132,17 @@ struct tally {
     int all, clear, right, wrong, false_law, undecided, refused; /* wrong: a term is missing; false: one too many */
 };
 
-static bool is_poor(const struct fit *fit)
+static bool says(const struct fit *fit, const char *word)
 {
     for (int i = 0; i < fit->warnings; i++)
-        if (strstr(fit->warning[i], "poor"))
+        if (strstr(fit->warning[i], word))
             return true;
     return false;
+}
+
+static bool is_poor(const struct fit *fit)
+{
+    return says(fit, "poor");
 }
 
 static void judge(const struct law_case *c, enum ill ill, struct tally *tally)
@@ -152,6 +157,8 @@ static void judge(const struct law_case *c, enum ill ill, struct tally *tally)
     struct error error = {0};
     const bool clear = evidence_of(c, sigma) > GAIN, found = fit_named("drag", &s.series, &fit, &error);
     const bool claimed = found && fit.preferred != LAW_UNDECIDED && !is_poor(&fit);
+    if (found && ill == BOWL && fit.drag.wander > 0)
+        assert_true(says(&fit, "the offset wanders"));
     tally->all++;
     tally->clear += clear;
     tally->right += clear && claimed && fit.preferred == c->law;
