@@ -309,6 +309,8 @@ void reply_growth(struct run *run, struct reply *reply);
 void reply_unsound(struct run *run, struct reply *reply);
 void reply_sliding(struct run *run, struct reply *reply); /* along switches, or these pile up; once */
 void reply_vanished(const struct run *run, struct reply *reply); /* every value is below the smallest number */
+/* Of an exact solution so long that roundings of the parameters move its phase. */
+void reply_phase_unknown(const struct run *run, struct reply *reply);
 /* Warns of a state whose squares underflow. */
 void reply_tiny(const struct run *run, struct reply *reply);
 /* Says once which method a scene of the user's own gets where nobody has chosen one. */

@@ -150,6 +150,22 @@ void reply_tiny(const struct run *run, struct reply *reply)
                       TINY);
 }
 
+#define PHASE_UNKNOWN 1e-3 /* [rad] */
+
+void reply_phase_unknown(const struct run *run, struct reply *reply)
+{
+    const struct oscillator *o = &run->system.oscillator;
+    const double phase = sqrt(fmax(o->stiffness, 0)) * fabs(run->t - run->system.t0), unknown = phase * DBL_EPSILON;
+    if (!(run->method->flags & METHOD_EXACT) || !o->whole || !(unknown > PHASE_UNKNOWN))
+        return;
+    if (unknown >= 2 * M_PI)
+        reply_warning(reply, "after %.3g rad the phase has no right digit: one rounding of k or m moves it by more "
+                      "than a turn; only the amplitude means something", phase);
+    else
+        reply_warning(reply, "after %.3g rad the phase is uncertain by %.2g rad: that is what one rounding of k or m "
+                      "does", phase, unknown);
+}
+
 void reply_vanished(const struct run *run, struct reply *reply)
 {
     double size = 0, start = 0;
