@@ -8,27 +8,23 @@
  *
  * Source: Newmark 1959; Wilson 1973 (theta); Hilber, Hughes, Taylor 1977 (alpha_f); Chung, Hulbert 1993 (both alphas).
  */
-#include <float.h>
-
-#include "lu.h"
-#include "step.h"
+#include "newton_body.h"
 
 struct structural {
     double theta, alpha_m, alpha_f, beta, gamma;
 };
 
-/* Iterations, and when to stop: as in newton.c. */
-enum { ITERATIONS = 30 };
-static const double STANDSTILL = 1e-10;
-static const double SLOW = 0.1;
 /* An increment this large loses so many digits to rounding that one solve of a linear system is not enough. */
 static const double LARGE = 8;
 
-/* work: acceleration [n/2]; then a+, its increment, F, factors; the state's increment, where F is, Jacobian */
+/*
+ * work: acceleration [n/2]; then a+, its increment, F, factors; the state's increment, where F is, Jacobian; what
+ * following a solution takes
+ */
 size_t structural_work(const struct method *method, int n)
 {
     (void)method;
-    return 4 * (size_t)(n / 2) + LU_ROOM(n / 2) + 2 * (size_t)n + (size_t)n * (size_t)n;
+    return 4 * (size_t)(n / 2) + LU_ROOM(n / 2) + 2 * (size_t)n + (size_t)n * (size_t)n + newton_room(1, n);
 }
 
 /* The factors of (1 - alpha_m) - (1 - alpha_f) (beta tau^2 dF/dy + gamma tau dF/dv) */
@@ -61,9 +57,94 @@ static double size_of(const struct step *step, double by_position, double by_vel
     return largest;
 }
 
-/* a+ [n/2] and the state's increment z [n] over tau, kept in step with it: each has its own rounding only. */
-static enum step_status solve(const struct structural *s, struct step *step, double tau, const double *a, double *ahead,
-                              double *z)
+/* ---- the solution that belongs to the start ---- */
+
+/* The equation of a step for the state's increment z over h, without a+: that is what moves the velocities. */
+struct increment {
+    const struct structural *structural;
+    const struct system *system;
+    const double *y, *a; /* [n], [n/2] */
+};
+
+/* The share 1 - alpha_f of the way from y to `to` */
+static void between(const struct increment *increment, const double *to, double *at)
+{
+    for (int i = 0; i < increment->system->n; i++)
+        at[i] = increment->y[i] + (1 - increment->structural->alpha_f) * (to[i] - increment->y[i]);
+}
+
+/*
+ * z_y = h (v + beta/gamma z_v) + h^2 (1/2 - beta/gamma) a,  z_v = h (a + gamma (F - a) / (1 - alpha_m))
+ */
+static void increment_rest(const struct newton *equations, struct step *step, int n, double t, double h,
+                           const double *y, const double *z, double *force, double *rest)
+{
+    const struct increment *all = equations->forces;
+    const struct structural *s = all->structural;
+    const int d = n / 2;
+    const double ratio = s->beta / s->gamma, *a = all->a;
+    double to[LIMIT_VARIABLES], at[LIMIT_VARIABLES];
+    for (int i = 0; i < n; i++)
+        to[i] = y[i] + z[i];
+    between(all, to, at);
+    system_acceleration(all->system, t + equations->tableau->c[0] * h, at, force);
+    step->cost.evals++;
+    for (int i = 0; i < d; i++) {
+        rest[i] = h * (y[d + i] + ratio * z[d + i] + h * (1. / 2 - ratio) * a[i]) - z[i];
+        rest[d + i] = h * (a[i] + s->gamma * (force[i] - a[i]) / (1 - s->alpha_m)) - z[d + i];
+    }
+}
+
+/* Of what is there times h, at the end `to` of the step */
+static void increment_jacobian(const void *forces, double t, const double *to, double *jacobian)
+{
+    const struct increment *all = forces;
+    const struct structural *s = all->structural;
+    const int n = all->system->n, d = n / 2;
+    double at[LIMIT_VARIABLES];
+    between(all, to, at);
+    system_jacobian(all->system, t, at, jacobian);
+    for (int i = 0; i < d; i++)
+        for (int j = 0; j < n; j++) {
+            jacobian[i * n + j] = j == d + i ? s->beta / s->gamma : 0;
+            jacobian[(d + i) * n + j] *= s->gamma * (1 - s->alpha_f) / (1 - s->alpha_m);
+        }
+}
+
+/* As newton_follow(); a+ by the force there. */
+static bool follow(const struct structural *s, struct step *step, double tau, const double *a, double *ahead, double *z,
+                   double *at, double *work)
+{
+    const int n = step->system->n;
+    const double share = 1 - s->alpha_f;
+    struct implicit_tableau tableau = newton_euler;
+    tableau.c = &share;
+    const struct increment all = {.structural = s, .system = step->system, .y = step->y, .a = a};
+    const struct newton equations = {.tableau = &tableau,
+                                     .rest = increment_rest,
+                                     .jacobian = increment_jacobian,
+                                     .forces = &all};
+    double weight[LIMIT_VARIABLES];
+    newton_weights(step->system, n, step->y, weight);
+    if (!newton_follow(&equations, step, n, step->t, tau, step->y, z, weight, work))
+        return false;
+    for (int i = 0; i < n; i++)
+        at[i] = step->y[i] + share * z[i];
+    system_acceleration(step->system, step->t + share * tau, at, ahead);
+    step->cost.evals++;
+    for (int i = 0; i < n / 2; i++)
+        ahead[i] = (ahead[i] - s->alpha_m * a[i]) / (1 - s->alpha_m);
+    return true;
+}
+
+/* ---- a step ---- */
+
+/*
+ * a+ [n/2] and the state's increment z [n] over tau, kept in step with it: each has its own rounding only. near: as in
+ * newton_iterate().
+ */
+static enum step_status iterate(const struct structural *s, struct step *step, double tau, const double *a,
+                                double *ahead, double *z, bool *near)
 {
     const struct system *system = step->system;
     const int n = system->n, d = n / 2;
@@ -76,6 +157,7 @@ static enum step_status solve(const struct structural *s, struct step *step, dou
         z[d + i] = tau * a[i];
     }
     double last = HUGE_VAL;
+    *near = true;
     for (int iteration = 0; iteration < ITERATIONS; iteration++) {
         for (int i = 0; i < n; i++)
             at[i] = y[i] + (1 - s->alpha_f) * z[i];
@@ -88,6 +170,7 @@ static enum step_status solve(const struct structural *s, struct step *step, dou
         }
         if (iteration == 0 && !factor(s, step, t, tau, at, jacobian, factors))
             return STEP_NO_SOLUTION;
+        *near = *near && !lu_negative(d, factors);
         lu_solve(d, factors, move);
         step->cost.solves++;
         for (int i = 0; i < d; i++) {
@@ -96,6 +179,8 @@ static enum step_status solve(const struct structural *s, struct step *step, dou
             z[d + i] += by_velocity * move[i];
         }
         double size = size_of(step, by_position, by_velocity, move);
+        if (size > CONTRACTS * last && size > STANDSTILL)
+            *near = false;
         if ((system->linear && size <= LARGE) || size <= DBL_EPSILON / 2 || (size >= last && size <= STANDSTILL))
             return STEP_OK;
         if (!system->linear && size > SLOW * last) {
@@ -106,7 +191,20 @@ static enum step_status solve(const struct structural *s, struct step *step, dou
         }
         last = size;
     }
+    *near = false;
     return last <= STANDSTILL ? STEP_OK : STEP_NO_SOLUTION;
+}
+
+/* The solution that belongs to y: where the iteration may have found another one, it is followed from h = 0. */
+static enum step_status solve(const struct structural *s, struct step *step, double tau, const double *a, double *ahead,
+                              double *z)
+{
+    const int n = step->system->n;
+    bool near;
+    const enum step_status status = iterate(s, step, tau, a, ahead, z, &near);
+    if (step->system->linear || status == STEP_NONFINITE || (status == STEP_OK && near))
+        return status;
+    return follow(s, step, tau, a, ahead, z, z + n, z + 2 * n + n * n) ? STEP_OK : status;
 }
 
 static enum step_status structural_step(const struct structural *s, struct step *step)
@@ -211,7 +309,7 @@ double structural_growth(const struct method *method, double x, double zeta, enu
                                   .scale = {1, 1}};
     double matrix[9];
     for (int column = 0; column < 3; column++) { /* in units of 1, 1/x and 1/x^2: then no entry is large */
-        double work[32], y[2] = {column == 0, column == 1 ? 1 / x : 0};
+        double work[64], y[2] = {column == 0, column == 1 ? 1 / x : 0};
         struct step step = {.system = &system, .h = x, .y = y, .work = work, .warm = true};
         work[0] = column == 2 ? 1 / x / x : 0;
         if (method->step(method, &step) != STEP_OK)

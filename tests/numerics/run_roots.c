@@ -115,11 +115,85 @@ static void test_one_step_belongs_to_its_start(void **state)
     typed_destroy(models);
 }
 
-/* A creeping solution is followed to the jump at 807 s, beyond which such long steps have none beside it. */
+/*
+ * A step of the methods of structural dynamics from rest: y+ = y + beta h^2 a+ + h^2 (1/2 - beta) a over theta h, a+ by a
+ * fine continuation in h; then the step of h. NAN where that turns back.
+ */
+struct structure {
+    const char *name;
+    double theta, alpha_m, alpha_f, beta, gamma;
+};
+
+static double structure_step(const struct structure *s, double (*f)(double), double (*slope)(double), double x, double h)
+{
+    const int parts = 20000;
+    const double a = f(x);
+    double ahead = a;
+    for (int i = 1; i <= parts; i++) {
+        const double tau = s->theta * h * i / parts, share = 1 - s->alpha_f;
+        for (int k = 0; k < 4; k++) {
+            const double at = x + share * tau * tau * ((0.5 - s->beta) * a + s->beta * ahead);
+            const double by = 1 - s->alpha_m - slope(at) * share * s->beta * tau * tau;
+            if (!(by > 0))
+                return NAN;
+            ahead -= ((1 - s->alpha_m) * ahead + s->alpha_m * a - f(at)) / by;
+        }
+    }
+    ahead = a + (ahead - a) / s->theta;
+    return x + h * h * ((0.5 - s->beta) * a + s->beta * ahead);
+}
+
+static double trough(double x) { return 5 * sin(3 * x) - 5 * x; }
+static double trough_slope(double x) { return 15 * cos(3 * x) - 5; }
+static double step_down(double x) { return -20 * tanh(8 * x); }
+static double step_down_slope(double x) { return -160 / (cosh(8 * x) * cosh(8 * x)); }
+
+static void test_structural_steps_belong_to_their_start(void **state)
+{
+    (void)state;
+    static const struct structure methods[] = {
+        {"newmark", 1, 0, 0, 0.25, 0.5},
+        {"hht", 1, 0, 0.1, 0.3025, 0.6},
+        {"generalised-alpha", 1, 1. / 3, 4. / 9, 25. / 81, 11. / 18},
+        {"wilson-theta", 1.4, 0, 0, 1. / 6, 0.5},
+    };
+    static const struct {
+        const char *start, *line;
+        double (*f)(double), (*slope)(double);
+        double x, longest;
+    } cases[] = {
+        {"var x = 3", "x'' = 5*sin(3*x) - 5*x", trough, trough_slope, 3, 0.5},
+        {"var x = 2", "x'' = -20*tanh(8*x)", step_down, step_down_slope, 2, 40},
+        {"var x = 3", "x'' = x - x^3", wells, wells_slope, 3, 100},
+    };
+    struct error error;
+    struct typed_models *models = typed_create(&error);
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        struct scene scene;
+        scene_init(&scene, NULL);
+        assert_true(type_scene(models, &scene, (const char *const[]){cases[i].start, cases[i].line, NULL}));
+        for (size_t m = 0; m < COUNT_OF(methods); m++)
+            for (double h = 0.01; h <= cases[i].longest; h *= 1.7) {
+                double y[LIMIT_VARIABLES], least;
+                const enum stop stop = state_after(&scene, methods[m].name, h, h, y, &least);
+                const double root = structure_step(&methods[m], cases[i].f, cases[i].slope, cases[i].x, h);
+                if (!isnan(root) && (stop != STOP_END || !(fabs(y[0] - root) <= 1e-9 * (1 + fabs(root)))))
+                    fail_msg("%s by %s, h = %g: %s, %.12g in place of %.12g", cases[i].line, methods[m].name, h,
+                             stop_name(stop), y[0], root);
+            }
+    }
+    typed_destroy(models);
+}
+
+/*
+ * A creeping solution is followed to the jump at 807 s, beyond which such long steps have none beside it. (Wilson's
+ * method rings by itself here: it carries an acceleration that nothing damps.)
+ */
 static void test_no_jump_before_its_time(void **state)
 {
     (void)state;
-    static const char *const methods[] = {"backward-euler", "bdf2", "trapezoid", "tr-bdf2", "radau5"};
+    static const char *const methods[] = {"backward-euler", "bdf2", "trapezoid", "tr-bdf2", "radau5",
+                                          "newmark", "hht", "generalised-alpha"};
     struct scene scene;
     scene_init(&scene, (const struct preset *)(const void *)catalog_find(&preset_catalog, TEXT("stiff-vanderpol")));
     for (size_t m = 0; m < COUNT_OF(methods); m++) {
@@ -137,6 +211,7 @@ int main(void)
         cmocka_unit_test(test_concentrations_stay_positive),
         cmocka_unit_test(test_there_is_a_solution),
         cmocka_unit_test(test_one_step_belongs_to_its_start),
+        cmocka_unit_test(test_structural_steps_belong_to_their_start),
         cmocka_unit_test(test_no_jump_before_its_time),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
