@@ -229,13 +229,13 @@ void buffer_short(struct buffer *buffer, double value, int digits)
 void buffer_phase(struct buffer *buffer, double radians)
 {
     const double degrees = nearbyint(radians / 3.14159265358979323846 * 1800) / 10; /* to a tenth */
-    const double turns = trunc(degrees / 360), rest = degrees - 360 * turns;
+    const double turns = nearbyint(degrees / 360), rest = degrees - 360 * turns;
     if (!isfinite(degrees))
         buffer_char(buffer, '-');
     else if (turns == 0)
         buffer_format(buffer, "%.1f deg", degrees + 0.0);
     else
-        buffer_format(buffer, "%.0f turn%s %c %.1f deg", turns, fabs(turns) == 1 ? "" : "s", turns < 0 ? '-' : '+',
+        buffer_format(buffer, "%.0f turn%s %c %.1f deg", turns, fabs(turns) == 1 ? "" : "s", rest < 0 ? '-' : '+',
                       fabs(rest));
 }
 

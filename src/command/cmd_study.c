@@ -336,6 +336,8 @@ HANDLER(compare)
         reply_table(session, rows, count, given->arena, reply);
         for (int i = 0; i < count && reply->format != FORMAT_TEXT; i++)
             reply_comparison(&rows[i], reply);
+        for (int i = 0; i < count; i++)
+            reply_unsound(rows[i].run, reply);
         reply_saved(rows, count, reply);
     }
     if (!ok)

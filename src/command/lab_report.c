@@ -129,9 +129,7 @@ static void add_run(struct report *report, const struct run *run, const char *of
         {"largest error of the motion", errors.max, QUANTITY_NUMBER, "run"},
     };
     for (size_t i = 0; i < COUNT_OF(rows); i++)
-        if (!isnan(rows[i].value)) /* a scene without energy, or without an exact solution */
-            add(report, (struct report_value){rows[i].name, {rows[i].value, 0}, rows[i].quantity, of,
-                                              rows[i].source, NAN});
+        add(report, (struct report_value){rows[i].name, {rows[i].value, 0}, rows[i].quantity, of, rows[i].source, NAN});
 }
 
 bool collect_values(struct report *report, struct error *error)

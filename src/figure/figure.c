@@ -106,6 +106,8 @@ void axis_title(const struct axis *axis, const struct ticks *ticks, const char *
         snprintf(power, sizeof power, "1e%d%s", ticks->exponent, *unit ? " " : "");
     if (ticks->offset != 0)
         offset_text(ticks, offset);
+    if (text_equal(text_of(title), text_of(label))) /* once is enough: "error [m]" */
+        label = "";
     buffer_format(&text, "%s%s%s", title, *title && *label ? " " : "", label);
     if (*offset)
         buffer_format(&text, "%s%s%s%s", text.len ? " " : "", offset, *unit ? " " : "", unit);

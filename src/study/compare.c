@@ -15,7 +15,7 @@ struct prediction {
     double growth; /* spectral radius: amplitude factor a step */
     double amplitude; /* ln of the amplitude factor after the run; the last step may be a shorter one */
     double factor;    /* E/E0 after the run: the energy is quadratic in the state */
-    double exact;  /* the same for the exact solution */
+    double exact;     /* the same for the exact solution */
     double swing;  /* largest |E - E0|/E0 of a method that only turns the state round an ellipse */
 };
 
@@ -39,6 +39,16 @@ static double matrix_size(const double matrix[4])
 }
 
 #define SHORTER 1e-6 /* of dt: a last step that is not just rounded */
+
+/* E/E0 of the exact solution where the run ends: with damping its energy falls in waves. */
+static double exact_factor(const struct run *run, double omega)
+{
+    const double *start = trace_state(run->trace, 0);
+    double y[LIMIT_VARIABLES], floor[LIMIT_VARIABLES];
+    system_exact(&run->system, run->system.t0, start, run->t, y, floor);
+    const double ratio = hypot(y[0], y[1] / omega) / hypot(start[0], start[1] / omega); /* no square underflows */
+    return ratio * ratio;
+}
 
 static struct prediction predict(const struct run *run)
 {
@@ -68,7 +78,7 @@ static struct prediction predict(const struct run *run)
         prediction.amplitude = (double)run->steps * log(prediction.growth);
     }
     prediction.factor = exp(2 * prediction.amplitude);
-    prediction.exact = exp(-o->damping * (run->t - run->system.t0));
+    prediction.exact = exact_factor(run, omega);
     prediction.swing = one_step ? ellipse_swing(matrix) : NAN;
     if (one_step && isnan(prediction.swing)) /* what single steps do beyond the spectral radius */
         prediction.swing = fmax(2 * log(matrix_size(matrix) / prediction.growth), 0);

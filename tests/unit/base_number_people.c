@@ -176,8 +176,9 @@ static void phases_say_their_turns(void **state)
     static const struct {
         double degrees;
         const char *text;
-    } cases[] = {{0, "0.0 deg"}, {-0.01, "0.0 deg"}, {-12.34, "-12.3 deg"}, {359.9, "359.9 deg"},
-                 {359.97, "1 turn + 0.0 deg"}, {137364.9, "381 turns + 204.9 deg"}, {-725.04, "-2 turns - 5.0 deg"}};
+    } cases[] = {{0, "0.0 deg"}, {-0.01, "0.0 deg"}, {-12.34, "-12.3 deg"}, {179.9, "179.9 deg"},
+                 {358, "1 turn - 2.0 deg"}, {-358, "-1 turn + 2.0 deg"}, {359.97, "1 turn + 0.0 deg"},
+                 {137364.9, "382 turns - 155.1 deg"}, {-725.04, "-2 turns - 5.0 deg"}};
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         struct buffer b = {0};
         buffer_phase(&b, cases[i].degrees / 180 * 3.14159265358979323846);

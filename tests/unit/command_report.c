@@ -204,6 +204,32 @@ static void a_run_that_diverged_comes_back(void **state)
     remove_folder("back");
 }
 
+/* A scene without energy and without a closed form, and a run that left the range of numbers: no cell is no number. */
+static void what_is_not_known_is_no_number(void **state)
+{
+    (void)state;
+    static const char *const files[] = {"values.csv", "runs.csv", "report.md", "report.html"};
+    static const char *const words[] = {",nan", ",-nan", ",inf", ",-inf", "| nan", "| -nan", "| inf", ">nan", ">-nan",
+                                        ">inf"};
+    struct bench bench;
+    struct buffer content = {0};
+    bench_open(&bench, false);
+    type_ok(&bench, "scene robertson; method radau5; run 1 s");
+    assert_false(type(&bench, "scene spring; method euler dt=5s; run 10000 s"));
+    type_ok(&bench, "report unknown");
+    bench_close(&bench);
+    for (size_t i = 0; i < COUNT_OF(files); i++) {
+        read_whole("unknown", files[i], &content);
+        for (size_t k = 0; k < COUNT_OF(words); k++)
+            has_not(&content, words[k]);
+    }
+    read_whole("unknown", "values.csv", &content);
+    has_not(&content, ",,0,");            /* a name without a value */
+    has(&content, "energy at the start"); /* what is known is there */
+    buffer_free(&content);
+    remove_folder("unknown");
+}
+
 static void names_are_no_markup(void **state)
 {
     (void)state;
@@ -239,6 +265,7 @@ int main(void)
         cmocka_unit_test(the_lab_comes_back_bit_for_bit),
         cmocka_unit_test(what_is_not_there_is_left_out),
         cmocka_unit_test(a_run_that_diverged_comes_back),
+        cmocka_unit_test(what_is_not_known_is_no_number),
         cmocka_unit_test(names_are_no_markup),
     };
     return cmocka_run_group_tests(tests, enter_folder, leave_folder);
