@@ -44,7 +44,8 @@ static void begin_law(struct fitting *f, int i)
     for (int j = 0; j < i; j++)
         if (((j + 1) & (i + 1)) == j + 1 && f->fit[j].converged && (part < 0 || f->fit[j].rss < f->fit[part].rss))
             part = j;
-    *fit = (struct law_fit){.motion = part >= 0 ? f->fit[part].motion : f->start, .omega = f->start.value[EQUATION_OMEGA]};
+    *fit = (struct law_fit){.motion = part >= 0 ? f->fit[part].motion : f->start,
+                            .omega = f->start.value[EQUATION_OMEGA]};
     fit->parameters = drag_places(law, f->start.force, fit->place);
     for (int k = 0; k < DRAG_RATES && part < 0; k++)
         fit->motion.value[EQUATION_RATE + k] = law >> k & 1 ? f->rate[k] : 0;
@@ -216,7 +217,8 @@ static void begin(const struct motion *m, struct fitting *f)
 static void guess_rates(const struct envelope_rates rates[3], double span, struct fitting *f)
 {
     const double *value = f->start.value, omega = value[EQUATION_OMEGA];
-    const double a = hypot(value[EQUATION_START], value[EQUATION_SPEED] / omega), gamma = fmax(rates[0].gamma, 1e-6 * omega);
+    const double a = hypot(value[EQUATION_START], value[EQUATION_SPEED] / omega);
+    const double gamma = fmax(rates[0].gamma, 1e-6 * omega);
     const double mean = a * -expm1(-0.5 * gamma * span) / (0.5 * gamma * span);
     f->rate[0] = gamma;
     f->rate[1] = fmax(rates[1].q, 1e-6 * omega) * 3 * PI / (4 * omega * a);
@@ -282,9 +284,11 @@ bool drag_laws(struct motion *m, enum quantity quantity, bool forces, const stru
     if (widest < 0 || !law_residuals(&f.samples, &f.fit[widest], m->residual, NULL, NULL) ||
         !drag_factors(&f, &f.fit[widest], &factors))
         return error_set(error, ERROR_NUMERICAL, "no law of damping could be fitted: the search did not converge");
-    struct law_evidence evidence = {.fit = f.fit, .variance = factors.amplitude * fmax(factors.sigma * factors.sigma, f.rounding)};
+    struct law_evidence evidence = {.fit = f.fit};
+    evidence.variance = factors.amplitude * fmax(factors.sigma * factors.sigma, f.rounding);
     drag->independent = fmax((double)f.fit[widest].used / factors.amplitude, 2);
-    evidence.freedom = factors.amplitude > 1.05 && factors.windows >= DRAG_WINDOWS_LEAST ? factors.windows : drag->independent;
+    const bool by_windows = factors.amplitude > 1.05 && factors.windows >= DRAG_WINDOWS_LEAST;
+    evidence.freedom = by_windows ? factors.windows : drag->independent;
     for (int i = 0; i < DRAG_LAWS; i++) {
         drag_describe(&f.fit[i], i, factors.sigma * sqrt(factors.amplitude), &drag->candidate[i]);
         drag->candidate[i].bic = (f.fit[i].parameters - FIRST_RATE) * log(drag->independent) +

@@ -178,7 +178,8 @@ void drag_report(const struct fitting *f, int i, const struct drag_factors *fact
     out->gamma = drag->candidate[i].rate[0];
     drag->force = fit->motion.force;
     if (fit->motion.force == RESTORING_CUBIC)
-        drag->cubic = (struct measured){fit->motion.value[EQUATION_CUBIC], law_formal(fit, fit->parameters - 1) * worse};
+        drag->cubic = (struct measured){fit->motion.value[EQUATION_CUBIC],
+                                        law_formal(fit, fit->parameters - 1) * worse};
     out->rms = drag->candidate[i].rms;
     out->used = fit->used;
     out->rejected = f->motion->samples.n - fit->used;

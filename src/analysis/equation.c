@@ -16,7 +16,8 @@ enum { ORDER = 18, COLUMNS = EQUATION_COLUMNS, OF_START = 1, OF_SPEED, OF_OMEGA,
 #define STEP_MOST 1.2  /* [rad] */
 #define ROUNDING 1e-15 /* share of the series that its last term may have: what follows is ten times smaller */
 
-_Static_assert((int)ORDER == (int)EQUATION_ORDER && (int)OF_CUBIC == (int)COLUMNS - 1, "a column for each parameter of the motion");
+_Static_assert((int)ORDER == (int)EQUATION_ORDER && (int)OF_CUBIC == (int)COLUMNS - 1,
+               "a column for each parameter of the motion");
 
 /* A coefficient of all columns. */
 typedef double row __attribute__((vector_size(COLUMNS * sizeof(double)), aligned(8), may_alias));
@@ -272,5 +273,6 @@ bool equation_values(struct equation_walk *s, const double *t, size_t n, double 
 bool equation_solve(const struct equation *e, const double *t, size_t n, double *value, double *derivative)
 {
     struct equation_walk walk;
-    return equation_begin(e, derivative ? EQUATION_SLOPES : EQUATION_VALUES, &walk) && equation_values(&walk, t, n, value, derivative);
+    return equation_begin(e, derivative ? EQUATION_SLOPES : EQUATION_VALUES, &walk) &&
+           equation_values(&walk, t, n, value, derivative);
 }

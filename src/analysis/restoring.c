@@ -129,7 +129,8 @@ bool restoring_choose(const struct law_samples *x, const struct equation *start,
         }
         const double independent = (double)fit[i].used / autocorrelation_factor(square > 0 ? product / square : 0);
         const double noise = fmax(least, (double)fit[i].used * rounding);
-        c->bic = fmax(2, independent) * log(fmax(fit[i].rss, noise) / noise) + fit[i].parameters * log((double)fit[i].used);
+        c->bic = fmax(2, independent) * log(fmax(fit[i].rss, noise) / noise) +
+                 fit[i].parameters * log((double)fit[i].used);
     }
     for (int i = 1; i < RESTORING_FORCES; i++) {
         const struct restoring_candidate *c = &drag->restoring[i], *now = &drag->restoring[chosen];

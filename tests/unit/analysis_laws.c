@@ -98,7 +98,8 @@ static struct law_case draw(enum drag_law law)
 {
     struct law_case c = {.law = law, .amplitude = random_between(0.03, 0.08), .span = random_between(30, 90)};
     const double fall = random_between(0.7, 2.3), gamma = 2 * fall / c.span, mean = c.amplitude / fall * -expm1(-fall);
-    const double alone[DRAG_RATES] = {gamma, gamma * 3 * 3.14159265 / (8 * OMEGA * mean), gamma * 0.785398 * OMEGA * mean};
+    const double alone[DRAG_RATES] = {gamma, gamma * 3 * 3.14159265 / (8 * OMEGA * mean),
+                                      gamma * 0.785398 * OMEGA * mean};
     double share[DRAG_RATES], all = 0;
     for (int k = 0; k < DRAG_RATES; k++)
         all += share[k] = law >> k & 1 ? random_between(0.35, 1) : 0;
@@ -191,7 +192,8 @@ static void the_right_law_or_none(void **state)
             const struct law_case c = draw((enum drag_law)(i % DRAG_LAWS + 1));
             judge(&c, (enum ill)ill, &tally);
         }
-        print_message("%-22s %d recordings, %d distinguishable: %d right, %d not distinguishable; %d wrong, %d refused\n",
+        print_message("%-22s %d recordings, %d distinguishable: %d right, %d not distinguishable; "
+                      "%d wrong, %d refused\n",
                       ills[ill], tally.all, tally.clear, tally.right, tally.undecided, tally.wrong, tally.refused);
         all.all += tally.all;
         all.clear += tally.clear;
