@@ -325,6 +325,11 @@ struct ledger {
     double error_max; /* largest |…| so far */
 };
 void run_ledger(const struct run *run, struct ledger *ledger);
+/*
+ * Largest energy of a recorded state over that at the start, where the motion went through far larger energies than it
+ * began and ended with: what an error "of E0" is then to be seen against. NAN: it did not. Passes over all rows.
+ */
+double run_energy_peak(const struct run *run, const struct ledger *ledger);
 
 /*
  * Errors against the exact solution over the recorded rows, in units of the amplitude max |y_exact|; all NAN where none

@@ -34,6 +34,19 @@ static void say_apart(const struct session *session, const struct run *run, stru
                    recording->name, quantity_name(value->quantity), first.name, quantity_name(first.quantity));
 }
 
+#define NOTABLE 1e-3 /* of E0: a smaller error asks for no reason */
+
+/* Next to an error that is large only because the energy was far larger on the way: by how much. */
+static void put_peak(const struct run *run, const struct ledger *ledger, struct buffer *text)
+{
+    const double peak = ledger->error_max > NOTABLE ? run_energy_peak(run, ledger) : NAN;
+    if (isnan(peak))
+        return;
+    buffer_put(text, TEXT(" (E up to "));
+    buffer_short(text, peak, 2);
+    buffer_put(text, TEXT(" E0)"));
+}
+
 void reply_run(const struct session *session, const struct run *run, struct reply *reply)
 {
     struct ledger ledger;
@@ -48,6 +61,7 @@ void reply_run(const struct session *session, const struct run *run, struct repl
     if (isfinite(ledger.error_max)) {
         buffer_put(&text, TEXT(", dE/E0 max "));
         buffer_short(&text, ledger.error_max, 2);
+        put_peak(run, &ledger, &text);
     }
     if (run->cost.turns > 0)
         buffer_format(&text, ", %lld extra step%s to end at turning points", (long long)run->cost.turns,

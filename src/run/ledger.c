@@ -490,6 +490,19 @@ void run_ledger(const struct run *run, struct ledger *ledger)
     }
 }
 
+#define PEAK 100 /* times the energy at both ends */
+
+double run_energy_peak(const struct run *run, const struct ledger *ledger)
+{
+    const double ends = fmax(fabs(ledger->initial), fabs(ledger->final));
+    double most = 0;
+    if (run->system.conservative || !(fabs(ledger->initial) > 0))
+        return NAN;
+    for (size_t i = 0; i < trace_count(run->trace); i++)
+        most = fmax(most, system_energy(&run_epoch(run, trace_step(run->trace, i))->system, trace_state(run->trace, i)));
+    return most > PEAK * ends && isfinite(most) ? most / fabs(ledger->initial) : NAN;
+}
+
 bool ledger_known(const struct run *run)
 {
     const struct trace *trace = run->trace;

@@ -116,6 +116,16 @@ static double energy_trend(const struct run *run)
 #define ROUNDING 1e-12 /* energy errors below are rounding */
 #define STEADY 1.5     /* a drift makes it four times as large, what is bounded stays */
 
+static void balance_text(const struct run *run, const struct ledger *ledger, const char *span, char *out, size_t size)
+{
+    const double peak = run_energy_peak(run, ledger);
+    if (isnan(peak))
+        snprintf(out, size, "energy balance within %.2g of E0 in %s", ledger->error_max, span);
+    else
+        snprintf(out, size, "energy balance within %.2g of the largest energy in %s, which is %.2g E0",
+                 ledger->error_max / peak, span, peak);
+}
+
 /* Where nothing predicts the energy: what it was seen to do. */
 static void observe(struct comparison *row, const char *span)
 {
@@ -129,7 +139,7 @@ static void observe(struct comparison *row, const char *span)
     else if (row->energy_factor == 0)
         snprintf(out, size, "vanished: the energy is below the smallest number in %s", span);
     else if (!row->run->system.conservative)
-        snprintf(out, size, "energy balance within %.2g of E0 in %s", ledger->error_max, span);
+        balance_text(row->run, ledger, span, out, size);
     else if (energy_trend(row->run) <= STEADY)
         snprintf(out, size, "energy bounded: within %.2g of E0 in %s", ledger->error_max, span);
     else if (row->energy_factor < 0.5 && row->energy_factor >= 0)

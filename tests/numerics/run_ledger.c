@@ -106,6 +106,66 @@ static void test_work_is_right(void **state)
     run_destroy(run);
 }
 
+/* y'' = 1000 (1 - y^2) y' - y over h, in steps that resolve its fastest rate. */
+static void creep_and_jump(double h, double *y)
+{
+    const int steps = 16 + (int)(fabs(h) * 1000 * 4 * 8);
+    const double part = h / steps;
+    for (int i = 0; i < steps; i++) {
+        double slope[4][2], at[2] = {y[0], y[1]};
+        for (int s = 0; s < 4; s++) {
+            slope[s][0] = at[1];
+            slope[s][1] = 1000 * (1 - at[0] * at[0]) * at[1] - at[0];
+            for (int k = 0; k < 2 && s < 3; k++)
+                at[k] = y[k] + (s < 2 ? part / 2 : part) * slope[s][k];
+        }
+        for (int k = 0; k < 2; k++)
+            y[k] += part / 6 * (slope[0][k] + 2 * slope[1][k] + 2 * slope[2][k] + slope[3][k]);
+    }
+}
+
+/*
+ * Where stiff van der Pol jumps, its energy rises to 4.4e5 times that at the start, and a tolerance of 1e-6 leaves a
+ * tenth of the latter. That is the solver's: what its steps differ by, in energy, from the solution from where each
+ * began adds up to as much, and no quadrature of the work is involved in it. The balance is no more than that.
+ */
+static void test_a_jump_is_the_solvers(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *method;
+        double tol;
+    } row[] = {{"dopri5", 1e-6}, {"radau5", 1e-6}, {"radau5", 1e-8}, {"rodas5p", 1e-6}};
+    struct scene scene;
+    scene_init(&scene, (const struct preset *)(const void *)catalog_find(&preset_catalog, TEXT("stiff-vanderpol")));
+    for (size_t r = 0; r < COUNT_OF(row); r++) {
+        struct run *run = start(&scene, row[r].method, (struct run_settings){.tol = row[r].tol, .dt = 1e-4}, 808);
+        go_to(run, 808);
+        double own = 0, own_most = 0;
+        const struct trace *trace = run->trace;
+        for (size_t i = 0; i + 1 < trace_count(trace); i++) {
+            const double *from = trace_state(trace, i), *to = trace_state(trace, i + 1);
+            const double h = trace_time(trace, i + 1) - trace_time(trace, i);
+            double y[2] = {from[0], from[1]};
+            if (trace_time(trace, i) < 806.5) /* it creeps */
+                continue;
+            assert_int_equal(trace_step(trace, i + 1), trace_step(trace, i) + 1);
+            creep_and_jump(h, y);
+            own += (to[0] * to[0] + to[1] * to[1] - y[0] * y[0] - y[1] * y[1]) / 2;
+            own_most = fmax(own_most, fabs(own));
+        }
+        struct ledger ledger;
+        run_ledger(run, &ledger);
+        const double peak = run_energy_peak(run, &ledger), missing = ledger.error_max * ledger.initial;
+        /* Van der Pol 1926: the jump goes from 1 to -2 at a speed of up to 1000 (2/3 + 2/3) = 4000/3. */
+        assert_close(peak / (4000. / 3 * (4000. / 3) / 2 / ledger.initial), 1, 0.01);
+        if (!(missing <= 2 * own_most) || !(missing < 10 * row[r].tol * peak * ledger.initial))
+            fail_msg("%s, tol = %g: %g J are missing, %g J by its steps alone, the peak is %g J", row[r].method,
+                     row[r].tol, missing, own_most, peak * ledger.initial);
+        run_destroy(run);
+    }
+}
+
 /* A force whose power depends on the position too: P = y^3 v has the work (y^4 - y0^4)/4. */
 static double cubic_power(const double *c, double t, const double *y)
 {
@@ -223,6 +283,7 @@ int main(void)
         cmocka_unit_test(test_balance_has_the_order_of_the_method),
         cmocka_unit_test(test_sign),
         cmocka_unit_test(test_work_is_right),
+        cmocka_unit_test(test_a_jump_is_the_solvers),
         cmocka_unit_test(test_power_of_position),
         cmocka_unit_test(test_running_balance),
         cmocka_unit_test(test_extreme_amplitudes),
