@@ -63,6 +63,7 @@ struct step {
     /* By method_adapt(): */
     bool again; /* the last step was taken back: what was evaluated at t and y before it still holds */
     double tol; /* accepts an error with an RMS of tol max(scale_i, |y_i|): a measure for iterations. 0: a fixed step */
+    const double *scale; /* [n] sizes along the run, see struct controller; NULL: those of the system */
     struct cost cost; /* accumulates */
 };
 
@@ -232,7 +233,10 @@ int64_t lanes_evals(const struct lanes *lanes, int lane); /* so far */
  *
  * One accepted step of an adaptive method with |error_i| <= share tol max(scale_i, |y_i|) in the RMS sense (tol^(k/p)
  * where the estimate goes with h^k and the method is of another order p), by digital filters (Soderlind 2003). tol is
- * relative to the system's own scale, never to raw SI numbers. The row's share makes all methods alike: after some ten
+ * relative to the scene's own sizes, never to raw SI numbers: scale_i = (mean of max(|y_i|, s_i)^(1/4))^4 over the time
+ * of the run so far, where s_i is the system's. So a size that was guessed too small does no harm, and none is 0 or
+ * infinite; and a short peak, of which a relaxation oscillation is full, does not make what is between peaks
+ * inaccurate, as the largest |y_i| seen would (the phase of the Oregonator was off by 3e-7 at tol 1e-13). The row's share makes all methods alike: after some ten
  * periods of an oscillation the error that has added up is at most ten times tol.
  *
  * Steps towards t_end (either side of t), never past it; a step that reaches it sets t = t_end exactly and leaves the
@@ -262,6 +266,10 @@ struct switches_state {
 
 struct controller {
     double tol;       /* at least 10 eps */
+    double scale[LIMIT_VARIABLES];  /* [n] size of each variable along the run, see below */
+    double excess[LIMIT_VARIABLES]; /* [n] [s] by how much it was larger than the system's, integrated */
+    double elapsed, sampled;        /* [s] since the first step; t of the last sample */
+    bool sampling;
     double h;         /* [s] proposal for the next step, 0: choose a first one */
     double t_low;     /* [s] what rounding has taken from t so far (Neumaier 1974): equal steps are rounded alike */
     double last;      /* [s] the last accepted step */

@@ -41,9 +41,31 @@ static const struct filter {
 #define ESTIMATE_EACH 4  /* steps, because the estimate costs as much as a fifth of a step */
 
 /* RMS of x_i / (tol max(scale_i, |y_i|, |z_i|)) */
-static double norm(const struct system *system, double tol, const double *x, const double *y, const double *z)
+static double norm(const struct step *step, double tol, const double *x, const double *y, const double *z)
 {
-    return sqrt(scaled_square(system, x, y, z) / (system->n * tol * tol));
+    const int n = step->system->n;
+    return sqrt(scaled_square(n, step_scale(step), x, y, z) / (n * tol * tol));
+}
+
+/* One more sample of the sizes, at the start of a step. */
+static void follow(const struct step *step, struct controller *controller)
+{
+    const struct system *system = step->system;
+    const double by = controller->sampling ? fabs(step->t - controller->sampled) : 0;
+    controller->sampling = true;
+    controller->sampled = step->t;
+    controller->elapsed += by;
+    for (int i = 0; i < system->n; i++) {
+        const double least = system->scale[i], size = fabs(step->y[i]);
+        double mean = 1;
+        if (size > least)
+            controller->excess[i] += by * (sqrt(sqrt(size / least)) - 1);
+        if (controller->excess[i] > 0)
+            mean += controller->excess[i] / controller->elapsed;
+        mean *= mean;
+        mean *= mean;
+        controller->scale[i] = least * mean < DBL_MAX ? least * mean : least; /* not where it is NaN */
+    }
 }
 
 /* The estimate goes with h^k, what adds up with h^order: this makes the latter go with tol. */
@@ -65,7 +87,7 @@ static double first_step(struct step *step, double tol, int order, double span)
     double cautious = 1e-3 * fmin(natural, fabs(span)); /* where the derivatives say nothing */
     system_derivative(system, step->t, y, f0);
     step->cost.evals++;
-    double size = norm(system, tol, y, y, y), slope = norm(system, tol, f0, y, y);
+    double size = norm(step, tol, y, y, y), slope = norm(step, tol, f0, y, y);
     double h = size < 1e-5 || slope < 1e-5 ? cautious : 0.01 * (size / slope);
     h = copysign(fmin(h, fabs(span)), span);
 
@@ -75,7 +97,7 @@ static double first_step(struct step *step, double tol, int order, double span)
     step->cost.evals++;
     for (int i = 0; i < n; i++)
         f1[i] -= f0[i];
-    double fastest = fmax(slope, norm(system, tol, f1, y, y) / fabs(h));
+    double fastest = fmax(slope, norm(step, tol, f1, y, y) / fabs(h));
     double best = fastest > 1e-15 ? pow(0.01 / fastest, 1.0 / (order + 1)) : cautious;
     best = fmin(100 * fabs(h), fmin(best, fabs(span)));
     return copysign(isfinite(best) && best > 0 ? best : cautious, span);
@@ -100,8 +122,9 @@ static double change(const struct filter *filter, int k, double error, double pr
     return filter->a != 0 ? rho * pow(ratio, -filter->a) : rho;
 }
 
-/* Plans the next step after an accepted one of step->h; error in units of the aim. */
-static void plan_next(const struct method *method, const struct step *step, struct controller *controller, double error)
+/* Plans the next step after an accepted one of step->h; error in units of the aim. cut: only a longer one counts. */
+static void plan_next(const struct method *method, const struct step *step, struct controller *controller, double error,
+                      bool cut)
 {
     const int k = method->embedded + 1;
     const struct filter *filter = method->flags & METHOD_IMPLICIT ? &implicit : &explicit;
@@ -114,6 +137,8 @@ static void plan_next(const struct method *method, const struct step *step, stru
         rho = 1 + atan(change(filter, k, error, controller->previous, ratio) - 1);
     if (controller->rejected)
         rho = fmin(rho, 1);
+    if (cut && !(fabs(step->h * rho) > fabs(controller->h)))
+        return;
     controller->previous = error;
     controller->last = step->h;
     controller->h = step->h * rho;
@@ -157,7 +182,11 @@ static enum step_status adapt(const struct method *method, struct step *step, st
     const double t = step->t, span = t_end - t;
     const double most = largest_estimate(method, tol);
     const bool turns = !switches && method_turns(method, step->system);
-    const struct controller was = *controller; /* after a failure another try begins where this one did */
+    const double planned = controller->h; /* after a failure another try begins where this one did */
+    const bool rejected = controller->rejected;
+    struct switches_state state;
+    if (switches)
+        state = *switches;
     const size_t size = (size_t)step->system->n * sizeof *step->y;
     double before[LIMIT_VARIABLES], low[LIMIT_VARIABLES], own_error[LIMIT_VARIABLES], *asked = step->error;
     memcpy(before, step->y, size);
@@ -179,16 +208,13 @@ static enum step_status adapt(const struct method *method, struct step *step, st
             status = switch_step(method, step, t, before, low, &ended);
         turned = turned || ended >= 0;
         last = last && !turned;
-        double error = status == STEP_OK ? norm(step->system, step->tol, step->error, before, step->y) : NAN;
+        double error = status == STEP_OK ? norm(step, step->tol, step->error, before, step->y) : NAN;
         step->error = asked;
         step->tol = 0;
 
         if (error <= 1) {
             /* A step that was cut short says nothing against the longer one that was planned. */
-            struct controller planned = *controller;
-            plan_next(method, step, &planned, error / aim(method));
-            if (!(last || turned) || fabs(planned.h) > fabs(controller->h))
-                *controller = planned;
+            plan_next(method, step, controller, error / aim(method), last || turned);
             step->t = last ? t_end : advance_clock(controller, t, step->h);
             if (last)
                 controller->t_low = 0;
@@ -211,7 +237,10 @@ static enum step_status adapt(const struct method *method, struct step *step, st
             controller->h = step->h / 4;
         }
         if (failures > FAILURES || fabs(controller->h) < least_step(t)) {
-            *controller = was;
+            controller->h = planned;
+            controller->rejected = rejected;
+            if (switches)
+                *switches = state;
             return status == STEP_OK ? STEP_STALLED : status;
         }
     }
@@ -271,11 +300,18 @@ enum step_status method_adapt(const struct method *method, struct step *step, st
     assert(method->flags & METHOD_ADAPTIVE);
     if (span == 0)
         return STEP_OK;
-    if (method->adapt && !step->system->pieces)
-        return method->adapt(method, step, controller, t_end);
-    if (controller->h == 0)
-        controller->h = first_step(step, controller->tol > least ? controller->tol : least, method->order, span);
-    controller->h = copysign(controller->h, span);
-    return step->system->switches > 0 ? adapt_between_switches(method, step, controller, t_end)
-                                      : adapt(method, step, controller, t_end, NULL);
+    follow(step, controller);
+    step->scale = controller->scale;
+    enum step_status status;
+    if (method->adapt && !step->system->pieces) {
+        status = method->adapt(method, step, controller, t_end);
+    } else {
+        if (controller->h == 0)
+            controller->h = first_step(step, controller->tol > least ? controller->tol : least, method->order, span);
+        controller->h = copysign(controller->h, span);
+        status = step->system->switches > 0 ? adapt_between_switches(method, step, controller, t_end)
+                                            : adapt(method, step, controller, t_end, NULL);
+    }
+    step->scale = NULL;
+    return status;
 }

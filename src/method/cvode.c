@@ -117,7 +117,7 @@ static bool begin_anew(struct cvode *c, const struct step *step, bool forward)
     double *least = N_VGetArrayPointer(c->least);
     memcpy(N_VGetArrayPointer(c->y), step->y, (size_t)n * sizeof *step->y);
     for (int i = 0; i < n; i++)
-        least[i] = c->tol * step->system->scale[i];
+        least[i] = c->tol * step_scale(step)[i];
     c->system = step->system;
     c->forward = forward;
     c->counted = (struct cost){0};

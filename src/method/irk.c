@@ -118,9 +118,10 @@ static bool estimate(const struct implicit_tableau *tableau, struct step *step, 
 static bool estimate_again(const struct implicit_tableau *tableau, struct step *step, const double *z, double *own)
 {
     const struct system *system = step->system;
+    const double *scale = step_scale(step);
     double at[LIMIT_VARIABLES], sum = 0;
     for (int i = 0; i < system->n; i++) {
-        double ratio = step->error[i] / fmax(system->scale[i], fabs(step->y[i]));
+        double ratio = step->error[i] / fmax(scale[i], fabs(step->y[i]));
         sum += ratio * ratio;
         at[i] = step->y[i] + step->error[i];
     }

@@ -53,7 +53,7 @@ INLINE enum step_status newton_stage_of(slope_function *slope, jacobian_function
     const struct newton equations = {&one_stage, newton_rest, slope, jacobian, known};
     struct room room = room_of(1, N, work);
     double weight[N];
-    newton_weights(known->system, N, y, weight);
+    newton_weights(step_scale(step), N, y, weight);
     z[0] = z[1] = 0;
     if (!newton_factor(&equations, step, N, t, h, y, &room))
         return STEP_NO_SOLUTION;

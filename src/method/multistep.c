@@ -74,7 +74,7 @@ static enum step_status substeps(const struct method *one_step, struct step *one
         one->h = share * h;
         one->warm = false;
         const enum step_status status = method_step(one_step, one);
-        if (status == STEP_OK && scaled_square(one->system, one->error, before.y, one->y) <= limit) {
+        if (status == STEP_OK && scaled_square(one->system->n, step_scale(one), one->error, before.y, one->y) <= limit) {
             done = share < 1 - done ? done + share : 1;
             length = 2 * share;
             continue;

@@ -160,7 +160,7 @@ enum step_status newton_solve(const struct newton *equations, struct step *step,
     const bool adaptive = step->tol > 0 && !system->linear;
     struct room room = room_of(equations->tableau->stages, system->n, work);
     double weight[LIMIT_VARIABLES];
-    newton_weights(system, system->n, y, weight);
+    newton_weights(step_scale(step), system->n, y, weight);
     bool kept = *room.h == h && (system->linear || (adaptive && *room.rate <= FAST));
     if (!kept && !newton_factor(equations, step, system->n, t, h, y, &room))
         return STEP_NO_SOLUTION;

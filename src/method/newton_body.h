@@ -244,11 +244,11 @@ INLINE enum step_status newton_to_rounding(const struct newton *equations, struc
 }
 
 /* 1/size of each variable: what increments are measured by */
-INLINE void newton_weights(const struct system *system, int n, const double *y, double *weight)
+INLINE void newton_weights(const double *scale, int n, const double *y, double *weight)
 {
     for (int i = 0; i < n; i++) {
         double size = fabs(y[i]);
-        weight[i] = 1 / (size > system->scale[i] ? size : system->scale[i]);
+        weight[i] = 1 / (size > scale[i] ? size : scale[i]);
     }
 }
 

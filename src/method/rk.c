@@ -32,7 +32,7 @@ enum step_status rk_step(const struct method *method, struct step *step)
     rk_stages(tableau, n, slope, step->system, step->t, step->h, step->y, k, z, low, known);
     step->cost.evals += stages - known;
     if (step->error && tableau->companion)
-        rk_estimate(tableau, n, step->system, step->h, k, step->y, z, step->error);
+        rk_estimate(tableau, n, step_scale(step), step->h, k, step->y, z, step->error);
     enum step_status status = step_finish(step, z);
     if (low && status == STEP_OK)
         memcpy(step->low, low, (size_t)n * sizeof *low);
@@ -88,7 +88,7 @@ double rk_stiffness(const struct method *method, const struct step *step)
     if (!tableau || tableau->stages < 3 || tableau->c[tableau->stages - 1] != 1 || tableau->c[tableau->stages - 2] != 1)
         return 0;
     int n = step->system->n, s = tableau->stages - 1;
-    const double *k = step->work, *scale = step->system->scale;
+    const double *k = step->work, *scale = step_scale(step);
     const double *upper = tableau_row(tableau, s - 1), *lower = tableau_row(tableau, s);
     double slopes = 0, values = 0;
     for (int i = 0; i < n; i++) {

@@ -15,7 +15,7 @@ INLINE void rk_difference(int n, double h, const double *w, const double *u, int
 }
 
 /* The difference from the companion; with a rough one too, that of DOP853 (II.10, eq. 10.17). */
-INLINE void rk_estimate(const struct tableau *tableau, int n, const struct system *system, double h, const double *k,
+INLINE void rk_estimate(const struct tableau *tableau, int n, const double *scale, double h, const double *k,
                         const double *y, const double *z, double *error)
 {
     rk_difference(n, h, tableau->b, tableau->companion, tableau->stages, k, error);
@@ -23,8 +23,8 @@ INLINE void rk_estimate(const struct tableau *tableau, int n, const struct syste
         return;
     double rough[LIMIT_VARIABLES];
     rk_difference(n, h, tableau->b, tableau->rough, tableau->stages, k, rough);
-    double square = scaled_square(system, error, y, z);
-    double share = square > 0 ? sqrt(square / (square + 0.01 * scaled_square(system, rough, y, z))) : 0;
+    double square = scaled_square(n, scale, error, y, z);
+    double share = square > 0 ? sqrt(square / (square + 0.01 * scaled_square(n, scale, rough, y, z))) : 0;
     for (int i = 0; i < n; i++)
         error[i] *= share;
 }

@@ -61,13 +61,19 @@ static inline double weighted_difference(const double *w, const double *u, int c
     return sum;
 }
 
+/* [n] what errors of a step are relative to, where the values are not larger */
+static inline const double *step_scale(const struct step *step)
+{
+    return step->scale ? step->scale : step->system->scale;
+}
+
 /* Sum of the squares of x_i / max(scale_i, |y_i|, |z_i|): an error x in units of what it is an error of. */
-static inline double scaled_square(const struct system *system, const double *x, const double *y, const double *z)
+static inline double scaled_square(int n, const double *scale, const double *x, const double *y, const double *z)
 {
     double sum = 0;
-    for (int i = 0; i < system->n; i++) {
+    for (int i = 0; i < n; i++) {
         double size = fabs(y[i]) > fabs(z[i]) ? fabs(y[i]) : fabs(z[i]);
-        double ratio = x[i] / (size > system->scale[i] ? size : system->scale[i]);
+        double ratio = x[i] / (size > scale[i] ? size : scale[i]);
         sum += ratio * ratio;
     }
     return sum;

@@ -53,7 +53,7 @@ static void slide(struct step *step, struct switches_state *state, const struct 
     double f[LIMIT_VARIABLES];
     system_derivative(frozen->sliding ? &frozen->sliding->side[0] : frozen, step->t, step->y, f);
     step->cost.evals++;
-    const double rate = sqrt(scaled_square(frozen, f, step->y, step->y) / frozen->n);
+    const double rate = sqrt(scaled_square(frozen->n, step_scale(step), f, step->y, step->y) / frozen->n);
     state->branch[i] = system_lower_branch(frozen, i, step->t, step->y);
     state->along[i] = true;
     state->by = fmax(state->by, rate > 0 ? NEARBY / rate : 0);

@@ -173,6 +173,43 @@ static inline double worst_of(struct table_row *table, size_t rows, const char *
     return worst;
 }
 
+/*
+ * Largest error over the rows of the problem in units of tol and of each variable's size along the run; NAN: more than
+ * `most` steps are needed, or there is no row.
+ */
+static inline double error_over_tol(const struct table_row *table, size_t rows, const char *problem,
+                                    const char *parameters, const struct scene *scene, const char *method, double tol,
+                                    int64_t most)
+{
+    const struct attempt by = {method, tol, 0};
+    struct run *run = start(scene, method, settings_of(&by), HUGE_VAL);
+    double worst = NAN;
+    for (double t = 0; run->stop == STOP_NONE || run->stop == STOP_END;) {
+        double next = HUGE_VAL;
+        for (size_t i = 0; i < rows; i++)
+            if (is_of(&table[i], problem, parameters) && table[i].t > t)
+                next = fmin(next, table[i].t);
+        if (isinf(next))
+            break;
+        t = next;
+        struct run_target target = {.t = t, .steps = most - run->steps};
+        assert_false(run_advance(run, &target, 0, NULL));
+        if (run->t != t) {
+            worst = NAN;
+            break;
+        }
+        for (size_t i = 0; i < rows; i++) {
+            const int k = place_of(&table[i]);
+            if (!is_of(&table[i], problem, parameters) || table[i].t != t)
+                continue;
+            const double size = fmax(run->controller.scale[k], fabs(table[i].value));
+            worst = fmax(worst, fabs(run->y[k] - table[i].value) / size / tol);
+        }
+    }
+    run_destroy(run);
+    return worst;
+}
+
 /* The problems that only typed scenes express (command_references.c); run_reference.c runs the others. */
 static inline bool is_foreign(const struct table_row *row)
 {
