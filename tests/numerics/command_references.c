@@ -136,74 +136,21 @@ static void test_references_are_reached(void **state)
     assert_int_equal(wrong, 0);
 }
 
-static bool is_long(void)
-{
-    const char *wish = getenv("LONG");
-    return wish && *wish;
-}
-
-static int by_size(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-/*
- * The tolerance means the same for every method: the error at the end is about tol, in the median over the problems
- * that the method finishes in a reasonable number of steps.
- */
+/* The tolerance means the same for every method, on typed scenes, too. */
 static void test_errors_are_about_the_tolerance(void **state)
 {
     (void)state;
-    enum { STEPS = 20000 };
-    static const double tols[] = {1e-6, 1e-4, 1e-8};
-    static double ratio[128][COUNT_OF(tols)][COUNT_OF(problems)];
-    static int count[128][COUNT_OF(tols)];
-    int wrong = 0;
+    static struct proportions proportions;
     if (!table)
         skip();
-    assert_true(method_catalog.count <= COUNT_OF(ratio));
     for (size_t i = 0; i < COUNT_OF(problems); i++) {
         const struct problem *p = &problems[i];
         struct bench bench;
         type_file(&bench, p->file, p->lines);
-        for (size_t m = 0; m < method_catalog.count; m++) {
-            const struct method *method = (const struct method *)(const void *)catalog_row(&method_catalog, m);
-            if (!(method->flags & METHOD_ADAPTIVE))
-                continue;
-            for (size_t k = 0; k < (is_long() ? COUNT_OF(tols) : 1); k++) {
-                struct system system;
-                struct error error;
-                enum drag drag = DRAG_DEFAULT;
-                assert_true(scene_bind(&bench.session->setup.scene, &system, &error));
-                if (!method_applies(method, &system, &drag, &error))
-                    continue;
-                const double off = error_over_tol(table, rows, p->problem, p->parameters, &bench.session->setup.scene,
-                                                  method->row.name, tols[k], STEPS);
-                if (getenv("VERBOSE"))
-                    print_message("%-16s %.0e %-26s %-14s %.2g\n", method->row.name, tols[k], p->problem, p->parameters,
-                                  off);
-                if (!isnan(off))
-                    ratio[m][k][count[m][k]++] = off;
-            }
-        }
+        add_proportions(&proportions, table, rows, p->problem, p->parameters, &bench.session->setup.scene);
         bench_close(&bench);
     }
-    for (size_t m = 0; m < method_catalog.count; m++)
-        for (size_t k = 0; k < COUNT_OF(tols); k++) {
-            const int n = count[m][k];
-            if (n == 0)
-                continue;
-            qsort(ratio[m][k], (size_t)n, sizeof ratio[m][k][0], by_size);
-            const double median = ratio[m][k][n / 2];
-            const bool bad = !(median >= 0.1 && median <= 3) || n < 10;
-            if (bad || getenv("VERBOSE"))
-                print_message("%-16s tol %.0e: median of error/tol %.2g, quartiles %.2g and %.2g, most %.3g, of %d%s\n",
-                              catalog_row(&method_catalog, m)->name, tols[k], median, ratio[m][k][n / 4],
-                              ratio[m][k][3 * n / 4], ratio[m][k][n - 1], n, bad ? ": wrong" : "");
-            wrong += bad;
-        }
-    assert_int_equal(wrong, 0);
+    assert_proportional(&proportions);
 }
 
 /* The pendulum's period from rest at 90 degrees: a quarter of it to the bottom, by commands all the way. */
@@ -335,8 +282,8 @@ static int teardown(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_errors_are_about_the_tolerance),
         cmocka_unit_test(test_references_are_reached),
+        cmocka_unit_test(test_errors_are_about_the_tolerance),
         cmocka_unit_test(test_period_of_the_pendulum),
         cmocka_unit_test(test_no_row_is_left_over),
         cmocka_unit_test(test_published_digits_are_reached),

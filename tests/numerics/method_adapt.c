@@ -143,6 +143,34 @@ static void test_tolerance_has_no_unit(void **state)
     assert_int_equal(shared.step.cost.evals, evals);
 }
 
+/* Sizes that were guessed too small, even by 1e12, cost a few steps at first; peaks do not stay. */
+static void test_sizes_follow_the_solution(void **state)
+{
+    (void)state;
+    struct system known = SPRING({"y0", 0.05}), small = known;
+    for (int i = 0; i < 2; i++)
+        small.scale[i] *= 1e-12;
+    for (size_t m = 0; m < method_catalog.count; m++) {
+        const struct method *method = method_at(m);
+        if (!(method->flags & METHOD_ADAPTIVE))
+            continue;
+        const double tol = method->order < 4 ? 1e-4 : 1e-8;
+        if (method->begin)
+            continue; /* a library's own control */
+        journey_begin(&shared, &known, 0, tol);
+        assert_int_equal(travel(&shared, method, 20), STEP_OK);
+        const double evals = (double)shared.step.cost.evals;
+        for (int i = 0; i < 2; i++)
+            assert_near("as it was", shared.controller.scale[i], known.scale[i], 1e-3 * known.scale[i]);
+        journey_begin(&shared, &small, 0, tol);
+        assert_int_equal(travel(&shared, method, 20), STEP_OK);
+        assert_below(method->row.name, (double)shared.step.cost.evals, 1.6 * evals);
+        for (int i = 0; i < 2; i++)
+            assert_near(method->row.name, shared.controller.scale[i] / known.scale[i], 0.546, 0.03);
+        assert_null(shared.step.scale); /* nothing is left for steps of fixed size */
+    }
+}
+
 static void test_costs_are_counted(void **state)
 {
     (void)state;
@@ -482,6 +510,7 @@ int main(void)
         cmocka_unit_test(test_error_follows_tolerance),
         cmocka_unit_test(test_steps_settle),
         cmocka_unit_test(test_tolerance_has_no_unit),
+        cmocka_unit_test(test_sizes_follow_the_solution),
         cmocka_unit_test(test_costs_are_counted),
         cmocka_unit_test(test_end_is_met_exactly),
         cmocka_unit_test(test_end_is_met_in_spite_of_rounding),

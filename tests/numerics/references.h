@@ -210,6 +210,83 @@ static inline double error_over_tol(const struct table_row *table, size_t rows, 
     return worst;
 }
 
+enum { TOLERANCES = 3, STEPS_LEAST = 20000, RATIOS = 64 };
+
+/* error/tol of each adaptive method at the end of each problem */
+struct proportions {
+    double ratio[128][TOLERANCES][RATIOS];
+    int count[128][TOLERANCES], tried[128][TOLERANCES];
+};
+
+static inline double tolerance_of(int k)
+{
+    static const double tols[TOLERANCES] = {1e-6, 1e-4, 1e-8};
+    return tols[k];
+}
+
+/* Of all methods that can do it. */
+static inline void add_proportions(struct proportions *p, const struct table_row *table, size_t rows,
+                                   const char *problem, const char *parameters, const struct scene *scene)
+{
+    const char *wish = getenv("LONG");
+    struct system system;
+    struct error error;
+    assert_true(method_catalog.count <= COUNT_OF(p->ratio) && scene_bind(scene, &system, &error));
+    for (size_t m = 0; m < method_catalog.count; m++) {
+        const struct method *method = (const struct method *)(const void *)catalog_row(&method_catalog, m);
+        enum drag drag = DRAG_DEFAULT;
+        if (!(method->flags & METHOD_ADAPTIVE) || !method_applies(method, &system, &drag, &error))
+            continue;
+        for (int k = 0; k < TOLERANCES; k++) {
+            if (k != (method->order > 2 ? 0 : 1) && !(wish && *wish))
+                continue;
+            p->tried[m][k]++;
+            const double off = error_over_tol(table, rows, problem, parameters, scene, method->row.name,
+                                              tolerance_of(k), STEPS_LEAST);
+            if (getenv("VERBOSE"))
+                print_message("%-16s %.0e %-26s %-14s %.2g\n", method->row.name, tolerance_of(k), problem, parameters,
+                              off);
+            if (!isnan(off))
+                p->ratio[m][k][p->count[m][k]++] = off;
+            assert_true(p->count[m][k] < RATIOS);
+        }
+    }
+}
+
+static inline int by_size(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/*
+ * The error is about tol for every method, in the median over the problems. Where a tolerance needs too many steps for
+ * many of them the others are the easy ones, and say nothing. Relative to the present value, not to the size of the
+ * variable, medians are some ten times that: what decays, or passes through 0, has fewer digits.
+ */
+static inline void assert_proportional(struct proportions *p)
+{
+    int wrong = 0, judged = 0;
+    for (size_t m = 0; m < method_catalog.count; m++)
+        for (int k = 0; k < TOLERANCES; k++) {
+            double *ratio = p->ratio[m][k];
+            const int n = p->count[m][k];
+            if (n < 10 || 3 * n < 2 * p->tried[m][k])
+                continue;
+            qsort(ratio, (size_t)n, sizeof *ratio, by_size);
+            const double median = ratio[n / 2];
+            const bool bad = !(median >= 0.1 && median <= 3);
+            if (bad || getenv("VERBOSE"))
+                print_message("%-16s tol %.0e: median of error/tol %.2g, quartiles %.2g and %.2g, of %d%s\n",
+                              catalog_row(&method_catalog, m)->name, tolerance_of(k), median, ratio[n / 4],
+                              ratio[3 * n / 4], n, bad ? ": wrong" : "");
+            wrong += bad;
+            judged++;
+        }
+    assert_int_equal(wrong, 0);
+    assert_true(judged >= 8);
+}
+
 /* The problems that only typed scenes express (command_references.c); run_reference.c runs the others. */
 static inline bool is_foreign(const struct table_row *row)
 {

@@ -201,6 +201,19 @@ static void test_references_are_reached(void **state)
     assert_true(worst_error(&other, &other.by[0]) > 1e-5);
 }
 
+/* The tolerance means the same for every method. */
+static void test_errors_are_about_the_tolerance(void **state)
+{
+    (void)state;
+    static struct proportions proportions;
+    need_table();
+    for (size_t i = 0; i < COUNT_OF(known); i++) {
+        const struct scene scene = scene_for(&known[i]);
+        add_proportions(&proportions, table, rows, known[i].problem, known[i].parameters, &scene);
+    }
+    assert_proportional(&proportions);
+}
+
 /* The pendulum's period from rest at 90 degrees: 2 pi / agm(1, cos(theta0/2)); a quarter of it to the bottom. */
 static void test_period_of_the_pendulum(void **state)
 {
@@ -283,6 +296,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_references_are_reached),
+        cmocka_unit_test(test_errors_are_about_the_tolerance),
         cmocka_unit_test(test_period_of_the_pendulum),
         cmocka_unit_test(test_chaos),
         cmocka_unit_test(test_no_row_is_left_over),
