@@ -125,7 +125,7 @@ static bool follow(const struct structural *s, struct step *step, double tau, co
                                      .jacobian = increment_jacobian,
                                      .forces = &all};
     double weight[LIMIT_VARIABLES];
-    newton_weights(step->system, n, step->y, weight);
+    newton_weights(step_scale(step), n, step->y, weight);
     if (!newton_follow(&equations, step, n, step->t, tau, step->y, z, weight, work))
         return false;
     for (int i = 0; i < n; i++)
