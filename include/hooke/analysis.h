@@ -372,6 +372,20 @@ struct drag_fit {
     char said[240];               /* the choice in words, with the numbers */
 };
 
+/*
+ * Covariances of what a fit determined, widened as its uncertainties are: of amplitude, phase, omega, gamma of a damped
+ * sine; of the equation's parameters, the offset left out, of a law; of a scene's free parameters by ascending place.
+ */
+struct fit_covariance {
+    int n; /* 0: not known */
+    double at[CURVE_PARAMETERS][CURVE_PARAMETERS];
+};
+
+enum { SINE_AMPLITUDE, SINE_PHASE, SINE_OMEGA, SINE_GAMMA, SINE_PARAMETERS };
+
+/* Scales a row and its column, so that the standard deviation becomes this. */
+void fit_covariance_widen(struct fit_covariance *covariance, int i, double uncertainty);
+
 struct fit {
     const char *model;
     struct measured period, omega, gamma, amplitude, phase, offset; /* SI; period = 2 pi/omega (the damped one) */
@@ -390,6 +404,7 @@ struct fit {
     double t0;             /* [s] time of the first sample: t in the model counts from here */
     struct measured drift; /* [y/s] of the offset, which is that at t0; 0: it stands still */
     struct drag_fit drag;
+    struct fit_covariance covariance;
 };
 
 struct fit_model {

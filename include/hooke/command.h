@@ -364,6 +364,13 @@ struct front {
     bool (*change)(void *context, enum front_change change, struct error *error);
 };
 
+/* What `adopt` took last: the scene as it became, and covariances of what is uncertain in it. */
+struct adopted_fit {
+    struct scene scene; /* model NULL: nothing was adopted */
+    int place[CURVE_PARAMETERS], count; /* of the parameters */
+    double covariance[CURVE_PARAMETERS * CURVE_PARAMETERS]; /* [count][count] */
+};
+
 struct session {
     struct front front;
     struct setup setup;
@@ -389,6 +396,7 @@ struct session {
     size_t fit_samples;
     struct scene fit_scene; /* as fitted; model NULL: it was no fit of the scene */
     bool fit_free[PARAM_MAX]; /* what was fitted there */
+    struct adopted_fit adopted;
     int fit_modes;            /* so many damped sines at once; 0: it was no fit of modes */
     struct measurement *measurement;
     int measurements;
@@ -568,6 +576,7 @@ struct figure_request {
     bool next;      /* then the columns at the event after the one where `against` is taken: a return map */
     double window[2]; /* [s] NAN: choose */
     const struct figure_range *x, *y; /* of the axes; NULL: automatic */
+    struct text band; /* as typed: with the band of the adopted fit's uncertainty; empty: without */
     bool full; /* all of it: the whole time, all curves on one axis */
     int width;        /* [cell] that will be drawn on */
     bool log;         /* vertical axis */

@@ -69,6 +69,8 @@ struct curve {
     int panel;   /* 0, or 1 where the figure has a second one */
     bool thinned; /* a choice of the samples that looks the same: they are not counted */
     const double *t; /* [n] [s] of a plane, where it is known; NULL: not */
+    const double *spread;     /* [n] half the width of a band about a line, drawn below everything; NULL: none */
+    const char *spread_label; /* of the band, in the legend */
 };
 
 struct figure {
@@ -91,6 +93,9 @@ struct figure {
     int gutter;          /* least width of the y labels (hysteresis of live plots) */
     const char *caption; /* right end of the upper frame, after the legend, or NULL: "last 2 T, equal axes" */
 };
+
+/* The first curve (of this panel) that has a band with a name; NULL: none. */
+const struct curve *figure_band(const struct figure *figure);
 
 /*
  * Tick positions by the extended Wilkinson algorithm (Talbot, Lin, Hanrahan 2010): about `want`, at most `most`, all

@@ -148,6 +148,15 @@ bool drag_report_offset(struct fitting *f, const struct law_fit *fit, const stru
     return true;
 }
 
+/* Between all that is fitted, as wide as what is reported of each. */
+static void cover(const struct law_fit *fit, const double *deviation, struct fit_covariance *out)
+{
+    *out = (struct fit_covariance){.n = EQUATION_OFFSET};
+    for (int i = 0; i < fit->parameters; i++)
+        for (int j = 0; j < fit->parameters; j++)
+            out->at[fit->place[i]][fit->place[j]] = deviation[i] * deviation[j] * fit->inverse[i][j];
+}
+
 /* The values of a fit that has one law, with the names of the damped sine. */
 void drag_report(const struct fitting *f, int i, const struct drag_factors *factors, struct fit *out)
 {
@@ -180,6 +189,11 @@ void drag_report(const struct fitting *f, int i, const struct drag_factors *fact
     if (fit->motion.force == RESTORING_CUBIC)
         drag->cubic = (struct measured){fit->motion.value[EQUATION_CUBIC],
                                         law_formal(fit, fit->parameters - 1) * worse};
+    double deviation[LAW_PARAMETERS];
+    for (int j = 0; j < fit->parameters; j++)
+        deviation[j] = j < OMEGA ? worse : j == OMEGA ? across : fit->place[j] < EQUATION_CUBIC ? widen : worse;
+    cover(fit, deviation, &out->covariance);
+    fit_covariance_widen(&out->covariance, EQUATION_OMEGA, out->omega.uncertainty);
     out->rms = drag->candidate[i].rms;
     out->used = fit->used;
     out->rejected = f->motion->samples.n - fit->used;

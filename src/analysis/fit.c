@@ -19,6 +19,30 @@ static double variance(const struct harmonic *h, const double g[HARMONIC_PARAMET
     return sum;
 }
 
+void fit_covariance_widen(struct fit_covariance *covariance, int i, double uncertainty)
+{
+    const double before = sqrt(covariance->at[i][i]), factor = before > 0 ? uncertainty / before : 0;
+    for (int j = 0; j < covariance->n; j++) {
+        covariance->at[i][j] *= factor;
+        covariance->at[j][i] *= factor;
+    }
+}
+
+/* gradient [SINE_PARAMETERS], each with the deviation of a residual that counts for it. */
+static void cover(const struct harmonic *h, const double *const gradient[], const double deviation[],
+                  struct fit_covariance *out)
+{
+    out->n = SINE_PARAMETERS;
+    for (int i = 0; i < SINE_PARAMETERS; i++)
+        for (int j = 0; j < SINE_PARAMETERS; j++) {
+            double sum = 0;
+            for (int p = 0; p < HARMONIC_PARAMETERS; p++)
+                for (int q = 0; q < HARMONIC_PARAMETERS; q++)
+                    sum += gradient[i][p] * h->inverse[p][q] * gradient[j][q];
+            out->at[i][j] = deviation[i] * deviation[j] * sum;
+        }
+}
+
 /*
  * From the parameters at the origin to those of y = c + A exp(-gamma t/2) cos(omega t + phi), t from t0, A >= 0, phi in
  * (-pi, pi]. Uncertainties: covariance of the least-squares problem times the variance of the residuals, widened for
@@ -46,6 +70,10 @@ static void report(const struct samples *x, const double *residual, const struct
     fit->phase = (struct measured){phase <= -PI ? PI : phase, fast * sqrt(variance(h, of_phase))};
     fit->offset = (struct measured){h->c - h->d * back, wander * sqrt(variance(h, of_offset))};
     fit->drift = (struct measured){h->d, wander * sqrt(h->inverse[LINEAR_D][LINEAR_D])};
+    static const double by_omega[HARMONIC_PARAMETERS] = {[RATE_OMEGA] = 1}, by_gamma[] = {[RATE_GAMMA] = 1};
+    const double *const gradient[] = {of_amplitude, of_phase, by_omega, by_gamma};
+    const double deviation[] = {amplitude * slow, fast, fast, slow};
+    cover(h, gradient, deviation, &fit->covariance);
 }
 
 /* One half of the samples on its own, from the whole's frequency and damping on. NAN where it determines nothing. */
@@ -133,6 +161,8 @@ static bool fit_harmonic(const char *model, enum harmonic_free unknowns, enum la
         widen_by_halves(fit->halves, &fit->gamma);
         widen_by_halves(fit->half_periods, &fit->period);
         fit->omega.uncertainty = fit->omega.value * fit->period.uncertainty / fit->period.value;
+        fit_covariance_widen(&fit->covariance, SINE_OMEGA, fit->omega.uncertainty);
+        fit_covariance_widen(&fit->covariance, SINE_GAMMA, fit->gamma.uncertainty);
         const double rate = fmax(m.harmonic.gamma, 0);
         struct envelope_rates rates[3] = {{rate, 0}, {0, 0.5 * rate}, {0.5 * rate, 0.25 * rate}};
         if (!envelope_laws(&m, fit, &sway, rates)) {

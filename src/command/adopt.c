@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* adopt: all that the last fit found becomes the scene, and is proved by a run over the recording. */
+#include "adopted.h"
 #include "fit_text.h"
 
 #include <math.h>
@@ -38,6 +39,13 @@ static bool take(struct adoption *a, const char *name, struct measured value, st
         taken->quantity = param_at(&a->scene, place)->quantity;
     }
     return true;
+}
+
+/* The scene becomes that, and with it what is known of its uncertainty. */
+static void become(const struct adoption *a)
+{
+    a->session->setup.scene = a->scene;
+    a->session->adopted = (struct adopted_fit){.scene = a->scene};
 }
 
 static void leave_out(struct adoption *a, const char *what)
@@ -192,7 +200,8 @@ static bool adopt_curve(struct session *session, const struct arguments *given, 
         if (!take(&a, param_at(&scene, i)->row.name, value, error))
             return false;
     }
-    session->setup.scene = a.scene;
+    become(&a);
+    adopted_free(&session->adopted, session->fit_free, &session->fit.covariance);
     put_taken(&a, &text);
     if (a.data >= 0 && session->fit.offset.value != 0) {
         struct recording *recording = session->recording[a.data]->recording;
@@ -239,24 +248,6 @@ static bool take_law(struct adoption *a, const struct fit *fit, struct error *er
            take(a, "friction", (struct measured){law->rate[2].value * m, law->rate[2].uncertainty * m}, error);
 }
 
-/* y0 and v0 of the fit at its t0, as a position about its middle. n: how often it was differentiated. */
-static void start_of(const struct fit *fit, int n, struct measured start[2])
-{
-    if (fit->drag.candidates > 0) {
-        start[0] = fit->drag.start;
-        start[1] = fit->drag.speed;
-        return;
-    }
-    /* Each derivative of A exp(-gamma t/2) cos(omega t + phi) is the same, larger by `growth` and earlier by `turn`. */
-    const double half = isfinite(fit->gamma.value) ? 0.5 * fit->gamma.value : 0, omega = fit->omega.value;
-    const double growth = hypot(half, omega), turn = atan2(omega, -half);
-    const double A = fit->amplitude.value / pow(growth, n), phi = fit->phase.value - n * turn;
-    const double spread = fit->amplitude.uncertainty / pow(growth, n), angle = A * fit->phase.uncertainty;
-    start[0] = (struct measured){A * cos(phi), hypot(spread * cos(phi), angle * sin(phi))};
-    start[1] = (struct measured){A * (-half * cos(phi) - omega * sin(phi)),
-                                 omega * hypot(spread * sin(phi), angle * cos(phi))};
-}
-
 bool adopt_fit(struct session *session, const struct arguments *given, struct reply *reply, struct error *error)
 {
     const struct fit *fit = &session->fit;
@@ -283,13 +274,8 @@ bool adopt_fit(struct session *session, const struct arguments *given, struct re
     a.as_on_data = n >= 0 && !at_rest;
     /* With gravity the motion is about the equilibrium, not about y = 0. */
     const double middle = -a.scene.value[m] * a.scene.value[g] / stiffness.value;
-    struct measured start[2], t0 = {fit->t0, 0};
-    start_of(fit, n > 0 ? n : 0, start);
-    if (at_rest) {
-        const double growth = pow(hypot(0.5 * (isfinite(fit->gamma.value) ? fit->gamma.value : 0), fit->omega.value), n);
-        start[0] = (struct measured){fit->amplitude.value / growth, fit->amplitude.uncertainty / growth};
-        start[1] = t0 = (struct measured){0, 0};
-    }
+    struct measured start[2], t0 = {at_rest ? 0 : fit->t0, 0};
+    adopted_start(fit, n > 0 ? n : 0, at_rest, start);
     start[0].value += middle;
     if (!take(&a, "k", stiffness, error) || !take_law(&a, fit, error))
         return false;
@@ -297,7 +283,8 @@ bool adopt_fit(struct session *session, const struct arguments *given, struct re
         return false;
     if ((fit->drift.value != 0 || fit->drag.wander > 0) && fit->drag.candidates > 0)
         leave_out(&a, "the drift of the offset");
-    session->setup.scene = a.scene;
+    become(&a);
+    adopted_motion(&session->adopted, fit, n > 0 ? n : 0, at_rest, n >= 0);
     const double zero = session->fit_zero + fit->offset.value - (n == 0 ? middle : 0);
     if (a.data >= 0)
         session->recording[a.data]->recording->zero = zero;

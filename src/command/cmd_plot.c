@@ -187,6 +187,34 @@ static void reply_where(const struct session *session, const struct figure_reque
         reply_line(reply, "'layout log' shows it whole");
 }
 
+/* How wide the band is at most. */
+static void report_band(const struct figure *figure, struct reply *reply)
+{
+    const struct curve *curve = figure_band(figure);
+    double most = 0, at = 0;
+    for (size_t i = 0; curve && i < curve->n; i++)
+        if (curve->spread[i] > most) {
+            most = curve->spread[i];
+            at = curve->x[i];
+        }
+    if (!curve)
+        return;
+    const struct unit *unit = unit_find(text_of(figure->y.unit));
+    const enum quantity quantity = unit ? unit->quantity : QUANTITY_NUMBER;
+    struct buffer text = {0};
+    buffer_put(&text, TEXT("95 % of the fit: at most +- "));
+    buffer_quantity(&text, most, quantity, 3);
+    buffer_put(&text, TEXT(", at t = "));
+    buffer_quantity(&text, at, QUANTITY_TIME, 4);
+    reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+    reply_begin(reply, "band");
+    reply_real(reply, "level", 0.95);
+    reply_measured(reply, "largest", (struct measured){most, NAN}, quantity);
+    reply_measured(reply, "at", (struct measured){at, NAN}, QUANTITY_TIME);
+    reply_end(reply);
+}
+
 /* The lines of spectra in words and as records; with names where there are several curves. */
 void spectrum_report(const struct figure_peaks *peaks, int curves, struct reply *reply)
 {
@@ -231,6 +259,8 @@ HANDLER(plot)
     request.width = as_text ? width : PICTURE_COLUMNS;
     request.charset = as_text ? request.charset : CHARSET_BRAILLE;
     request.peaks = &peaks;
+    if (is_given(given, "band"))
+        request.band = given_for(given, "band")->where;
     if (window->count)
         memcpy(request.window, window->item->range, sizeof request.window);
     if (!choose_ranges(given, &request, error))
@@ -253,6 +283,8 @@ HANDLER(plot)
         ok = ok && write_file(session, given, &content, reply, error);
         if (ok)
             spectrum_report(&peaks, request.runs + (request.recording >= 0), reply);
+        if (ok)
+            report_band(&figure, reply);
         buffer_free(&content);
         return ok;
     }
@@ -267,6 +299,8 @@ HANDLER(plot)
     buffer_free(&text);
     if (ok)
         spectrum_report(&peaks, request.runs + (request.recording >= 0), reply);
+    if (ok)
+        report_band(&figure, reply);
     if (ok && in_log)
         reply_where(session, &request, reply);
     return ok || error_memory(error);
@@ -290,11 +324,15 @@ COMMAND(
         "all on one axis, whole. x= and y= fix the axes, values with units: y=0:35J, y=2cm: with an open end,\n"
         "y=: as narrow as what is drawn; the frame says which curve leaves where and how far. An energy that\n"
         "hardly varies is drawn from zero otherwise. A file that ends in .svg, .pdf or .png becomes a picture,\n"
-        "one in .txt holds the text.",
-    .examples = "run; plot position; plot momentum against y\ncompare euler symplectic-euler; plot energy run all y=0:40mJ",
+        "one in .txt holds the text. --band draws a run of what 'adopt' took with the 95 % band of that fit's\n"
+        "uncertainty, to first order in its parameters; it is computed only then, and for 'plot position' and its\n"
+        "files, not for panes.",
+    .examples = "run; plot position; plot momentum against y\ncompare euler symplectic-euler; plot energy run all y=0:40mJ\n"
+                "load bare.txt; m = 200 g; fit drag; adopt; run; plot position --band",
     .see = "set export measure", .flags = COMMAND_ANYTIME,
     ARGUMENTS(PLACE("WHAT", TYPE_COLUMN, .flags = ARG_REQUIRED | ARG_MANY, .choices = &plot_catalog),
               WORD("against", TYPE_COLUMN), WORD("at", TYPE_EVENT), WORD("run", TYPE_RUN, .flags = ARG_MANY | ARG_ALL),
               WORD("data", TYPE_RECORDING), KEY("window", TYPE_RANGE, .quantity = QUANTITY_TIME),
               KEY("x", TYPE_RANGE, .quantity = QUANTITY_OTHER), KEY("y", TYPE_RANGE, .quantity = QUANTITY_OTHER),
-              OPTION("full", TYPE_NONE), OPTION("log", TYPE_NONE), OPTION("next", TYPE_NONE), WORD(">", TYPE_FILE), OPTION("force", TYPE_NONE)))
+              OPTION("full", TYPE_NONE), OPTION("log", TYPE_NONE),
+              OPTION("band", TYPE_NONE), OPTION("next", TYPE_NONE), WORD(">", TYPE_FILE), OPTION("force", TYPE_NONE)))

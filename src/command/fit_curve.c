@@ -195,6 +195,25 @@ static bool shift(struct series *series, double by, struct arena *arena, struct 
     return true;
 }
 
+/* Of the free parameters, by ascending place; n stays 0 where one is not determined. */
+static void cover(const struct scene_fit *fit, int frees, struct fit_covariance *out)
+{
+    int order[CURVE_PARAMETERS];
+    *out = (struct fit_covariance){.n = frees};
+    for (int j = 0; j < frees; j++) {
+        order[j] = 0;
+        for (int l = 0; l < frees; l++)
+            order[j] += fit->place[l] < fit->place[j];
+    }
+    for (int j = 0; j < frees; j++)
+        for (int l = 0; l < frees; l++) {
+            const bool bound = fit->curve.bound[j] || fit->curve.bound[l];
+            const double value = bound ? 0 : fit->curve.covariance[j][l];
+            out->at[order[j]][order[l]] = value;
+            out->n = isfinite(value) ? out->n : 0;
+        }
+}
+
 bool fit_the_scene(const struct asked_fit *asked, struct error *error)
 {
     struct session *session = asked->session;
@@ -235,6 +254,7 @@ bool fit_the_scene(const struct asked_fit *asked, struct error *error)
     if (!conclude(asked, &told, "scene", request.offset ? fit.curve.value[last] : (struct measured){offset, 0}, error))
         return false;
     session->fit_scene = fit.scene;
+    cover(&fit, count, &session->fit.covariance);
     memset(session->fit_free, 0, sizeof session->fit_free);
     for (int j = 0; j < count; j++)
         session->fit_free[place[j]] = true;

@@ -44,6 +44,7 @@
     X(copy_path)                                                                                                       \
     X(path_destroy)                                                                                                    \
     X(set_source_rgb)                                                                                                  \
+    X(set_source_rgba)                                                                                                 \
     X(set_line_width)                                                                                                  \
     X(set_line_cap)                                                                                                    \
     X(set_line_join)                                                                                                   \

@@ -14,14 +14,14 @@ const struct catalog charset_catalog = CATALOG("charset", charset_rows);
 
 /* What lines are drawn with. Box characters are code points: alternate character sets break in captures and mosh. */
 struct strokes {
-    uint32_t top_left, top_right, bottom_left, bottom_right, across, down, x_tick, y_tick, origin, zero, point;
+    uint32_t top_left, top_right, bottom_left, bottom_right, across, down, x_tick, y_tick, origin, zero, point, band;
 };
 
 static const struct strokes *strokes_of(enum charset charset)
 {
-    static const struct strokes plain = {'+', '+', '+', '+', '-', '|', '+', '+', '+', '-', '@'};
+    static const struct strokes plain = {'+', '+', '+', '+', '-', '|', '+', '+', '+', '-', '@', ':'};
     static const struct strokes box = {0x250C, 0x2510, 0x2514, 0x2518, 0x2500, 0x2502,
-                                       0x252C, 0x2524, 0x2514, 0x2508, 0x25CF};
+                                       0x252C, 0x2524, 0x2514, 0x2508, 0x25CF, 0x2591};
     return charset == CHARSET_ASCII ? &plain : &box;
 }
 
@@ -127,6 +127,14 @@ static bool has_entry(const struct figure *figure, int curve)
     return curve_drawn(figure, curve) && figure->curve[curve].label && *figure->curve[curve].label;
 }
 
+const struct curve *figure_band(const struct figure *figure)
+{
+    for (int i = 0; i < figure->curves; i++)
+        if (curve_drawn(figure, i) && figure->curve[i].spread && figure->curve[i].spread_label)
+            return &figure->curve[i];
+    return NULL;
+}
+
 static int legend_width(const struct figure *figure)
 {
     int width = 0;
@@ -150,6 +158,10 @@ static void draw_legend(const struct sheet *sheet, int from)
             break;
         used += width;
     }
+    const struct curve *band = shown < figure->curves ? NULL : figure_band(figure);
+    const int wide = band ? text_width(text_of(band->spread_label)) + 2 + (used ? 2 : 0) : 0;
+    band = used + wide <= room ? band : NULL;
+    used += band ? wide : 0;
     if (shown < figure->curves || used + (used ? 2 : 0) + text_width(caption) > room)
         caption = TEXT("");
     used += text_width(caption) + (used && caption.len ? 2 : 0);
@@ -167,6 +179,10 @@ static void draw_legend(const struct sheet *sheet, int from)
             continue;
         x = canvas_text(sheet->canvas, x, y, mark ? (struct text){&mark, 1} : TEXT("--"), style_of(i));
         x = canvas_text(sheet->canvas, x + 1, y, text_of(curve->label), STYLE_PLAIN) + 2;
+    }
+    if (band) {
+        canvas_put(sheet->canvas, x, y, sheet->strokes->band, STYLE_DIM);
+        x = canvas_text(sheet->canvas, x + 2, y, text_of(band->spread_label), STYLE_PLAIN) + 2;
     }
     canvas_text(sheet->canvas, x, y, caption, STYLE_PLAIN);
 }
@@ -249,8 +265,13 @@ static void draw_curves(const struct sheet *sheet)
 {
     const struct figure *figure = sheet->figure;
     const struct figure_layout *layout = sheet->layout;
-    struct raster raster = {sheet->canvas, layout, sheet->x + layout->left, sheet->y + layout->top, STYLE_DIM, 0};
+    struct raster raster = {sheet->canvas, layout, sheet->x + layout->left, sheet->y + layout->top, STYLE_DIM, 0,
+                            sheet->strokes->band};
     int column, row, lines = 0;
+
+    for (int i = 0; i < figure->curves; i++)
+        if (curve_drawn(figure, i) && figure->curve[i].spread)
+            raster_band(&raster, &figure->curve[i]);
 
     if (figure->zero_line && figure_cell(layout, layout->x.from, 0, &column, &row))
         for (column = 0; column < layout->columns; column += 2)

@@ -95,9 +95,12 @@ struct raster {
     int x, y; /* where the plot begins on the canvas */
     enum style style;
     char mark; /* 0: as a line of dots */
+    uint32_t fill; /* of a band */
 };
 
 void raster_line(const struct raster *raster, const struct curve *curve);
+/* Fills the cells of the curve's band; where it is thinner than a dot there is only the line. */
+void raster_band(const struct raster *raster, const struct curve *curve);
 /* Marks no nearer to each other than `apart` columns along the curve, so that what lies under them stays visible. */
 void raster_points(const struct raster *raster, const struct curve *curve, int apart);
 /* An arrow where the curve first leaves, each side. */

@@ -71,9 +71,9 @@ static void set_font(const struct page *page, cairo_font_weight_t weight, double
 
 /* ---- title and legend ---- */
 
-static bool has_label(const struct curve *curve)
+static const char *entry_label(const struct curve *curve, bool band)
 {
-    return curve->label && *curve->label;
+    return band ? (curve->spread ? curve->spread_label : NULL) : curve->label;
 }
 
 /*
@@ -91,11 +91,14 @@ static double draw_heading(struct page *page, double limit, bool draw)
     if (figure->title && *figure->title)
         x += 20 + (draw ? page_text(page, x, y, 0, figure->title) : page_text_width(page, figure->title));
     set_font(page, CAIRO_FONT_WEIGHT_NORMAL, FONT_SIZE);
-    for (int i = 0; i < figure->curves; i++) {
-        const struct curve *curve = &figure->curve[i];
-        if (!has_label(curve))
+    for (int e = 0; e < 2 * figure->curves; e++) { /* curves, then bands */
+        const int i = e % figure->curves;
+        double (*const put_sample)(struct page *, int, double, double, bool) =
+            e < figure->curves ? page_sample : page_band_sample;
+        const char *label = entry_label(&figure->curve[i], e >= figure->curves);
+        if (!label || !*label)
             continue;
-        double sample = page_sample(page, i, 0, 0, false) + 5, width = sample + page_text_width(page, curve->label);
+        double sample = put_sample(page, i, 0, 0, false) + 5, width = sample + page_text_width(page, label);
         if (first++ && x + width > end && y + LINE > limit - EDGE) {
             hidden++;
             continue;
@@ -105,9 +108,9 @@ static double draw_heading(struct page *page, double limit, bool draw)
             y += LINE;
         }
         if (draw) {
-            page_sample(page, i, x, y - 0.36 * FONT_SIZE, true);
+            put_sample(page, i, x, y - 0.36 * FONT_SIZE, true);
             set_ink(page, black, 1);
-            page_text(page, x + sample, y, 0, curve->label);
+            page_text(page, x + sample, y, 0, label);
         }
         x += width + 16;
     }

@@ -51,6 +51,8 @@ double page_text_width(struct page *page, const char *text);
 void page_curves(struct page *page);
 /* What stands for a curve in the legend, its middle at height y. Returns its width; only that unless `draw`. */
 double page_sample(struct page *page, int curve, double x, double y, bool draw);
+/* Likewise for the band of a curve. */
+double page_band_sample(struct page *page, int curve, double x, double y, bool draw);
 #endif
 
 #endif

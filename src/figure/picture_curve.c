@@ -141,6 +141,63 @@ static void draw_line(struct page *page, int curve, bool marked)
     api->path_destroy(path);
 }
 
+/* ---- bands ---- */
+
+#define SHARE 0.25 /* of ink in a band */
+#define BIN 0.5    /* [pt] points that lie in one such width are one corner of the band's edge */
+
+static void choose_tint(const struct page *page, int curve)
+{
+    const double *color = colors[(size_t)curve % COUNT_OF(colors)];
+    page->api->set_source_rgba(page->cairo, color[0], color[1], color[2], SHARE);
+}
+
+/* One edge of the band, forwards (side 1, the upper one) or backwards. */
+static void add_edge(const struct page *page, const struct curve *curve, int side)
+{
+    double bin = NAN, at = 0, edge = NAN;
+    for (size_t k = 0; k < curve->n; k++) {
+        const size_t i = side > 0 ? k : curve->n - 1 - k;
+        const double x = page_x(page, curve->x[i]), y = page_y(page, curve->y[i] + side * curve->spread[i]);
+        if (!isfinite(x + y))
+            continue;
+        if (floor(x / BIN) != bin && isfinite(edge))
+            page->api->line_to(page->cairo, at, edge);
+        edge = floor(x / BIN) != bin ? y : side > 0 ? fmin(edge, y) : fmax(edge, y);
+        bin = floor(x / BIN);
+        at = x;
+    }
+    if (isfinite(edge))
+        page->api->line_to(page->cairo, at, edge);
+}
+
+static void draw_band(struct page *page, int index)
+{
+    const struct cairo_api *api = page->api;
+    const struct curve *curve = &page->figure->curve[index];
+    api->save(page->cairo);
+    api->rectangle(page->cairo, page->left, page->top, page->right - page->left, page->bottom - page->top);
+    api->clip(page->cairo);
+    api->new_path(page->cairo);
+    add_edge(page, curve, 1);
+    add_edge(page, curve, -1);
+    api->close_path(page->cairo);
+    choose_tint(page, index);
+    api->fill(page->cairo);
+    api->restore(page->cairo);
+}
+
+double page_band_sample(struct page *page, int index, double x, double y, bool draw)
+{
+    const double width = 30, height = 8;
+    if (draw) {
+        choose_tint(page, index);
+        page->api->rectangle(page->cairo, x, y - height / 2, width, height);
+        page->api->fill(page->cairo);
+    }
+    return width;
+}
+
 /* ---- points ---- */
 
 static bool point_place(const struct page *page, const struct curve *curve, size_t i, double *x, double *y)
@@ -262,6 +319,9 @@ void page_curves(struct page *page)
 {
     const struct figure *figure = page->figure;
 
+    for (int i = 0; i < figure->curves; i++)
+        if (curve_drawn(figure, i) && figure->curve[i].spread)
+            draw_band(page, i);
     /* Dense data, lines with the first above, data that lines can be seen through. */
     for (int pass = 0; pass < 3; pass++) {
         for (int i = figure->curves - 1; i >= 0; i--) {

@@ -50,8 +50,9 @@ static void extend(struct extent *extent, const struct figure *figure, const str
         double v = value[i];
         if (!(v >= least && v <= DBL_MAX && across[i] >= from && across[i] <= to))
             continue;
-        extent->low = v < extent->low ? v : extent->low;
-        extent->high = v > extent->high ? v : extent->high;
+        double spread = vertical && curve->spread && !axis->log ? curve->spread[i] : 0;
+        extent->low = fmin(extent->low, v - spread);
+        extent->high = fmax(extent->high, v + spread);
     }
 }
 
