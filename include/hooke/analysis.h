@@ -373,8 +373,9 @@ struct drag_fit {
 };
 
 /*
- * Covariances of what a fit determined, widened as its uncertainties are: of amplitude, phase, omega, gamma of a damped
- * sine; of the equation's parameters, the offset left out, of a law; of a scene's free parameters by ascending place.
+ * Covariances of what a fit determined, widened as its uncertainties are: of amplitude, phase,
+ * omega, gamma of a damped sine; of the equation's parameters, the offset left out, of a law; of a
+ * scene's free parameters by ascending place.
  */
 struct fit_covariance {
     int n; /* 0: not known */

@@ -366,8 +366,8 @@ struct front {
 
 /* What `adopt` took last: the scene as it became, and covariances of what is uncertain in it. */
 struct adopted_fit {
-    struct scene scene; /* model NULL: nothing was adopted */
-    int place[CURVE_PARAMETERS], count; /* of the parameters */
+    struct scene scene;                                     /* model NULL: nothing was adopted */
+    int place[CURVE_PARAMETERS], count;                     /* of the parameters */
     double covariance[CURVE_PARAMETERS * CURVE_PARAMETERS]; /* [count][count] */
 };
 

@@ -69,7 +69,7 @@ struct curve {
     int panel;   /* 0, or 1 where the figure has a second one */
     bool thinned; /* a choice of the samples that looks the same: they are not counted */
     const double *t; /* [n] [s] of a plane, where it is known; NULL: not */
-    const double *spread;     /* [n] half the width of a band about a line, drawn below everything; NULL: none */
+    const double *spread; /* [n] half the width of a band about a line, below everything; or NULL */
     const char *spread_label; /* of the band, in the legend */
 };
 

@@ -465,7 +465,7 @@ bool study_fit_scene(const struct scene_fit_request *request, struct arena *aren
  */
 int scene_fit_usual(const struct scene *scene, int *place, int *held, int *helds);
 
-/* ---- spread: how far a motion may lie from where it is, for what is known of its parameters ---- */
+/* ---- spread: how uncertain a motion is, for what is known of its parameters ---- */
 
 struct spread_request {
     const struct scene *scene;
@@ -479,10 +479,12 @@ struct spread_request {
 };
 
 /*
- * Standard deviation [n] of the variable to first order: sqrt(s^T C s) with the derivatives s by the parameters of the
- * equation of motion, solved to 1e-10 whatever method a run has (variational equations; Bock 1981).
+ * Standard deviation [n] of the variable to first order: sqrt(s^T C s) with the derivatives s by
+ * the parameters of the equation of motion, solved to 1e-10 whatever method a run has (variational
+ * equations; Bock 1981).
  */
-bool study_spread(const struct spread_request *request, struct arena *arena, double *deviation, struct error *error);
+bool study_spread(const struct spread_request *request, struct arena *arena, double *deviation,
+                  struct error *error);
 
 /* ---- sweep: one or two quantities varied, a trajectory each ----
  *

@@ -154,7 +154,8 @@ static void cover(const struct law_fit *fit, const double *deviation, struct fit
     *out = (struct fit_covariance){.n = EQUATION_OFFSET};
     for (int i = 0; i < fit->parameters; i++)
         for (int j = 0; j < fit->parameters; j++)
-            out->at[fit->place[i]][fit->place[j]] = deviation[i] * deviation[j] * fit->inverse[i][j];
+            out->at[fit->place[i]][fit->place[j]] =
+                deviation[i] * deviation[j] * fit->inverse[i][j];
 }
 
 /* The values of a fit that has one law, with the names of the damped sine. */
@@ -191,7 +192,10 @@ void drag_report(const struct fitting *f, int i, const struct drag_factors *fact
                                         law_formal(fit, fit->parameters - 1) * worse};
     double deviation[LAW_PARAMETERS];
     for (int j = 0; j < fit->parameters; j++)
-        deviation[j] = j < OMEGA ? worse : j == OMEGA ? across : fit->place[j] < EQUATION_CUBIC ? widen : worse;
+        deviation[j] = j < OMEGA                        ? worse
+                       : j == OMEGA                     ? across
+                       : fit->place[j] < EQUATION_CUBIC ? widen
+                                                        : worse;
     cover(fit, deviation, &out->covariance);
     fit_covariance_widen(&out->covariance, EQUATION_OMEGA, out->omega.uncertainty);
     out->rms = drag->candidate[i].rms;

@@ -21,7 +21,8 @@ static double variance(const struct harmonic *h, const double g[HARMONIC_PARAMET
 
 void fit_covariance_widen(struct fit_covariance *covariance, int i, double uncertainty)
 {
-    const double before = sqrt(covariance->at[i][i]), factor = before > 0 ? uncertainty / before : 0;
+    const double before = sqrt(covariance->at[i][i]),
+                 factor = before > 0 ? uncertainty / before : 0;
     for (int j = 0; j < covariance->n; j++) {
         covariance->at[i][j] *= factor;
         covariance->at[j][i] *= factor;
@@ -29,8 +30,8 @@ void fit_covariance_widen(struct fit_covariance *covariance, int i, double uncer
 }
 
 /* gradient [SINE_PARAMETERS], each with the deviation of a residual that counts for it. */
-static void cover(const struct harmonic *h, const double *const gradient[], const double deviation[],
-                  struct fit_covariance *out)
+static void cover(const struct harmonic *h, const double *const gradient[],
+                  const double deviation[], struct fit_covariance *out)
 {
     out->n = SINE_PARAMETERS;
     for (int i = 0; i < SINE_PARAMETERS; i++)
@@ -70,7 +71,8 @@ static void report(const struct samples *x, const double *residual, const struct
     fit->phase = (struct measured){phase <= -PI ? PI : phase, fast * sqrt(variance(h, of_phase))};
     fit->offset = (struct measured){h->c - h->d * back, wander * sqrt(variance(h, of_offset))};
     fit->drift = (struct measured){h->d, wander * sqrt(h->inverse[LINEAR_D][LINEAR_D])};
-    static const double by_omega[HARMONIC_PARAMETERS] = {[RATE_OMEGA] = 1}, by_gamma[] = {[RATE_GAMMA] = 1};
+    static const double by_omega[HARMONIC_PARAMETERS] = {[RATE_OMEGA] = 1},
+                        by_gamma[HARMONIC_PARAMETERS] = {[RATE_GAMMA] = 1};
     const double *const gradient[] = {of_amplitude, of_phase, by_omega, by_gamma};
     const double deviation[] = {amplitude * slow, fast, fast, slow};
     cover(h, gradient, deviation, &fit->covariance);

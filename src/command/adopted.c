@@ -17,11 +17,14 @@ static void start_in_motion(const struct fit *fit, int n, struct measured start[
         start[1] = fit->drag.speed;
         return;
     }
-    /* Each derivative of A exp(-gamma t/2) cos(omega t + phi) is the same, larger by `growth` and earlier by `turn`. */
-    const double half = isfinite(fit->gamma.value) ? 0.5 * fit->gamma.value : 0, omega = fit->omega.value;
+    /* Each derivative of A exp(-gamma t/2) cos(omega t + phi) is the same, larger by `growth` and
+     * earlier by `turn`. */
+    const double half = isfinite(fit->gamma.value) ? 0.5 * fit->gamma.value : 0,
+                 omega = fit->omega.value;
     const double growth = hypot(half, omega), turn = atan2(omega, -half);
     const double A = fit->amplitude.value / pow(growth, n), phi = fit->phase.value - n * turn;
-    const double spread = fit->amplitude.uncertainty / pow(growth, n), angle = A * fit->phase.uncertainty;
+    const double spread = fit->amplitude.uncertainty / pow(growth, n),
+                 angle = A * fit->phase.uncertainty;
     start[0] = (struct measured){A * cos(phi), hypot(spread * cos(phi), angle * sin(phi))};
     start[1] = (struct measured){A * (-half * cos(phi) - omega * sin(phi)),
                                  omega * hypot(spread * sin(phi), angle * cos(phi))};
@@ -34,7 +37,8 @@ void adopted_start(const struct fit *fit, int n, bool at_rest, struct measured s
         return;
     const double half = isfinite(fit->gamma.value) ? 0.5 * fit->gamma.value : 0;
     const double growth = pow(hypot(half, fit->omega.value), n);
-    start[0] = (struct measured){fit->amplitude.value / growth, fit->amplitude.uncertainty / growth};
+    start[0] =
+        (struct measured){fit->amplitude.value / growth, fit->amplitude.uncertainty / growth};
     start[1] = (struct measured){0, 0};
 }
 
@@ -44,7 +48,8 @@ static void shift(struct fit *fit, int i, double by)
     const double half = isfinite(fit->gamma.value) ? 0.5 * fit->gamma.value : 0;
     struct drag_fit *drag = &fit->drag;
     if (drag->candidates == 0) {
-        struct measured *const sine[SINE_PARAMETERS] = {&fit->amplitude, &fit->phase, &fit->omega, &fit->gamma};
+        struct measured *const sine[SINE_PARAMETERS] = {&fit->amplitude, &fit->phase, &fit->omega,
+                                                        &fit->gamma};
         sine[i]->value += by;
     } else if (i < EQUATION_OMEGA) {
         (i == EQUATION_START ? &drag->start : &drag->speed)->value += by;
@@ -63,17 +68,15 @@ static void shift(struct fit *fit, int i, double by)
     }
 }
 
-static void values_of(const struct scene *scene, const struct fit *fit, int n, bool at_rest, double out[TARGETS])
+static void values_of(const struct scene *scene, const struct fit *fit, int n, bool at_rest,
+                      double out[TARGETS])
 {
     const double m = param_value(scene, "m");
     const double drag = param_value(scene, "rho") * param_value(scene, "area") / m;
-    const struct drag_candidate *law = fit->drag.candidates ? &fit->drag.candidate[fit->drag.best - 1] : NULL;
+    const struct drag_candidate *law =
+        fit->drag.candidates ? &fit->drag.candidate[fit->drag.best - 1] : NULL;
     struct measured start[2];
     adopted_start(fit, n, at_rest, start);
-    if (law && !at_rest) {
-        start[0] = fit->drag.start;
-        start[1] = fit->drag.speed;
-    }
     out[STIFFNESS] = fit_stiffness(fit, (struct measured){m, 0}).value;
     out[CUBIC] = fit->drag.cubic.value * m;
     out[LINEAR] = law ? law->rate[0].value : fit->gamma.value;
@@ -98,7 +101,8 @@ static void slope_of(const struct scene *scene, const struct fit *fit, int i, in
         slope[k] = by > 0 ? (side[1][k] - side[0][k]) / (2 * by) : 0;
 }
 
-void adopted_motion(struct adopted_fit *adopted, const struct fit *fit, int n, bool at_rest, bool starts)
+void adopted_motion(struct adopted_fit *adopted, const struct fit *fit, int n, bool at_rest,
+                    bool starts)
 {
     const int most = starts ? TARGETS : POSITION;
     const struct fit_covariance *covariance = &fit->covariance;
@@ -124,7 +128,8 @@ void adopted_motion(struct adopted_fit *adopted, const struct fit *fit, int n, b
                         slope[i][target[k]] * covariance->at[i][j] * slope[j][target[l]];
 }
 
-void adopted_free(struct adopted_fit *adopted, const bool *is_free, const struct fit_covariance *covariance)
+void adopted_free(struct adopted_fit *adopted, const bool *is_free,
+                  const struct fit_covariance *covariance)
 {
     for (int i = 0; i < PARAM_MAX && adopted->count < covariance->n; i++)
         if (is_free[i])

@@ -324,10 +324,11 @@ COMMAND(
         "all on one axis, whole. x= and y= fix the axes, values with units: y=0:35J, y=2cm: with an open end,\n"
         "y=: as narrow as what is drawn; the frame says which curve leaves where and how far. An energy that\n"
         "hardly varies is drawn from zero otherwise. A file that ends in .svg, .pdf or .png becomes a picture,\n"
-        "one in .txt holds the text. --band draws a run of what 'adopt' took with the 95 % band of that fit's\n"
-        "uncertainty, to first order in its parameters; it is computed only then, and for 'plot position' and its\n"
-        "files, not for panes.",
-    .examples = "run; plot position; plot momentum against y\ncompare euler symplectic-euler; plot energy run all y=0:40mJ\n"
+        "one in .txt holds the text. --band draws a run of what 'adopt' took with the 95 % band of\n"
+        "that fit's uncertainty, to first order in its parameters; it is computed only then, and\n"
+        "for 'plot position' and its files, not for panes.",
+    .examples = "run; plot position; plot momentum against y\n"
+                "compare euler symplectic-euler; plot energy run all y=0:40mJ\n"
                 "load bare.txt; m = 200 g; fit drag; adopt; run; plot position --band",
     .see = "set export measure", .flags = COMMAND_ANYTIME,
     ARGUMENTS(PLACE("WHAT", TYPE_COLUMN, .flags = ARG_REQUIRED | ARG_MANY, .choices = &plot_catalog),
@@ -335,4 +336,5 @@ COMMAND(
               WORD("data", TYPE_RECORDING), KEY("window", TYPE_RANGE, .quantity = QUANTITY_TIME),
               KEY("x", TYPE_RANGE, .quantity = QUANTITY_OTHER), KEY("y", TYPE_RANGE, .quantity = QUANTITY_OTHER),
               OPTION("full", TYPE_NONE), OPTION("log", TYPE_NONE),
-              OPTION("band", TYPE_NONE), OPTION("next", TYPE_NONE), WORD(">", TYPE_FILE), OPTION("force", TYPE_NONE)))
+              OPTION("band", TYPE_NONE), OPTION("next", TYPE_NONE), WORD(">", TYPE_FILE),
+              OPTION("force", TYPE_NONE)))

@@ -23,7 +23,8 @@ static bool refuse_value(const struct drawing *d, const struct run *run, int pla
     buffer_format(&text, " in run %d, and ", run->number);
     buffer_quantity(&text, adopted->value[place], row->quantity, 6);
     buffer_put(&text, TEXT(" in the adopted fit"));
-    error_at(d->error, d->request->band, "%s", text.data && !text.failed ? text.data : "it is another scene");
+    error_at(d->error, d->request->band, "%s",
+             text.data && !text.failed ? text.data : "it is another scene");
     buffer_free(&text);
     return error_hint(d->error, "adopt; run; plot position --band");
 }

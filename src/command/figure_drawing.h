@@ -85,7 +85,8 @@ bool drawing_run_spectrum(struct drawing *d, const struct run *run, struct curve
 struct axis spectrum_axis(const struct drawing *d);
 void spectrum_note(const struct drawing *d, struct buffer *text); /* names the line; nothing: there is none */
 
-/* The 95 % band of the adopted fit about each curve of the run; ERROR_COMMAND: the run is not of that fit. */
+/* The 95 % band of the adopted fit about each curve of the run; ERROR_COMMAND: the run is not of
+ * that fit. */
 bool drawing_band(struct drawing *d);
 
 /* The period against the amplitude (figure_period.c). */

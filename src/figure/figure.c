@@ -14,12 +14,14 @@ const struct catalog charset_catalog = CATALOG("charset", charset_rows);
 
 /* What lines are drawn with. Box characters are code points: alternate character sets break in captures and mosh. */
 struct strokes {
-    uint32_t top_left, top_right, bottom_left, bottom_right, across, down, x_tick, y_tick, origin, zero, point, band;
+    uint32_t top_left, top_right, bottom_left, bottom_right, across, down, x_tick, y_tick, origin,
+        zero, point, band;
 };
 
 static const struct strokes *strokes_of(enum charset charset)
 {
-    static const struct strokes plain = {'+', '+', '+', '+', '-', '|', '+', '+', '+', '-', '@', ':'};
+    static const struct strokes plain = {'+', '+', '+', '+', '-', '|',
+                                         '+', '+', '+', '-', '@', ':'};
     static const struct strokes box = {0x250C, 0x2510, 0x2514, 0x2518, 0x2500, 0x2502,
                                        0x252C, 0x2524, 0x2514, 0x2508, 0x25CF, 0x2591};
     return charset == CHARSET_ASCII ? &plain : &box;
@@ -265,8 +267,8 @@ static void draw_curves(const struct sheet *sheet)
 {
     const struct figure *figure = sheet->figure;
     const struct figure_layout *layout = sheet->layout;
-    struct raster raster = {sheet->canvas, layout, sheet->x + layout->left, sheet->y + layout->top, STYLE_DIM, 0,
-                            sheet->strokes->band};
+    struct raster raster = {sheet->canvas, layout, sheet->x + layout->left, sheet->y + layout->top,
+                            STYLE_DIM,     0,      sheet->strokes->band};
     int column, row, lines = 0;
 
     for (int i = 0; i < figure->curves; i++)

@@ -98,7 +98,8 @@ static double draw_heading(struct page *page, double limit, bool draw)
         const char *label = entry_label(&figure->curve[i], e >= figure->curves);
         if (!label || !*label)
             continue;
-        double sample = put_sample(page, i, 0, 0, false) + 5, width = sample + page_text_width(page, label);
+        double sample = put_sample(page, i, 0, 0, false) + 5,
+               width = sample + page_text_width(page, label);
         if (first++ && x + width > end && y + LINE > limit - EDGE) {
             hidden++;
             continue;

@@ -158,7 +158,8 @@ static void add_edge(const struct page *page, const struct curve *curve, int sid
     double bin = NAN, at = 0, edge = NAN;
     for (size_t k = 0; k < curve->n; k++) {
         const size_t i = side > 0 ? k : curve->n - 1 - k;
-        const double x = page_x(page, curve->x[i]), y = page_y(page, curve->y[i] + side * curve->spread[i]);
+        const double x = page_x(page, curve->x[i]),
+                     y = page_y(page, curve->y[i] + side * curve->spread[i]);
         if (!isfinite(x + y))
             continue;
         if (floor(x / BIN) != bin && isfinite(edge))
@@ -176,7 +177,8 @@ static void draw_band(struct page *page, int index)
     const struct cairo_api *api = page->api;
     const struct curve *curve = &page->figure->curve[index];
     api->save(page->cairo);
-    api->rectangle(page->cairo, page->left, page->top, page->right - page->left, page->bottom - page->top);
+    api->rectangle(page->cairo, page->left, page->top, page->right - page->left,
+                   page->bottom - page->top);
     api->clip(page->cairo);
     api->new_path(page->cairo);
     add_edge(page, curve, 1);

@@ -168,7 +168,8 @@ void raster_line(const struct raster *raster, const struct curve *curve)
 }
 
 /* [dot] of both edges of the band. */
-static void band_edges(const struct raster *raster, const struct curve *curve, size_t i, double edge[2])
+static void band_edges(const struct raster *raster, const struct curve *curve, size_t i,
+                       double edge[2])
 {
     const struct figure_layout *layout = raster->layout;
     const double down = layout->rows * charset_grid(layout->charset).down - 1;
@@ -183,7 +184,8 @@ static void fill_cells(const struct raster *raster, int column, double low, doub
     const double last = layout->rows * down - 1;
     if (!(low <= last && high >= 0 && high - low >= 1)) /* thinner than the line: that says it */
         return;
-    for (int row = (int)(fmax(low, 0) + 0.5) / down; row <= (int)(fmin(high, last) + 0.5) / down; row++)
+    for (int row = (int)(fmax(low, 0) + 0.5) / down; row <= (int)(fmin(high, last) + 0.5) / down;
+         row++)
         raster_put(raster, column, row, raster->fill);
 }
 
@@ -195,9 +197,11 @@ void raster_band(const struct raster *raster, const struct curve *curve)
         const double x = fraction_of(&raster->layout->x, curve->x[i]) * across;
         band_edges(raster, curve, i, to);
         if (isfinite(x + before + to[0] + to[1] + from[0] + from[1]))
-            for (int c = (int)fmax(ceil(before - 0.5), 0); c <= (int)fmin(floor(x + 0.5), across); c++) {
+            for (int c = (int)fmax(ceil(before - 0.5), 0); c <= (int)fmin(floor(x + 0.5), across);
+                 c++) {
                 const double part = x > before ? fmin(fmax((c - before) / (x - before), 0), 1) : 1;
-                fill_cells(raster, c, from[0] + part * (to[0] - from[0]), from[1] + part * (to[1] - from[1]));
+                fill_cells(raster, c, from[0] + part * (to[0] - from[0]),
+                           from[1] + part * (to[1] - from[1]));
             }
         before = isfinite(x) ? x : NAN;
         memcpy(from, to, sizeof from);

@@ -17,8 +17,8 @@ static double quadratic(const double *slope, const double *covariance, int count
 }
 
 /* Derivatives [n][count] along one motion. */
-static bool slopes(struct scene_curve *c, const struct spread_request *request, double *value, double *slope,
-                   struct error *error)
+static bool slopes(struct scene_curve *c, const struct spread_request *request, double *value,
+                   double *slope, struct error *error)
 {
     const struct series series = {.t = request->t, .y = request->t, .n = request->n};
     double at[CURVE_PARAMETERS];
@@ -28,11 +28,13 @@ static bool slopes(struct scene_curve *c, const struct spread_request *request, 
            (scene_curve_evaluate(c, at, request->t, request->n, value, slope) ||
             (cancelled(request->cancel)
                  ? error_set(error, ERROR_CANCELLED, "it was stopped")
-                 : error_set(error, ERROR_NUMERICAL, "the motion has no derivatives by its parameters up to %g s",
+                 : error_set(error, ERROR_NUMERICAL,
+                             "the motion has no derivatives by its parameters up to %g s",
                              request->t[request->n - 1])));
 }
 
-bool study_spread(const struct spread_request *request, struct arena *arena, double *deviation, struct error *error)
+bool study_spread(const struct spread_request *request, struct arena *arena, double *deviation,
+                  struct error *error)
 {
     const size_t n = request->n, count = (size_t)request->count;
     struct scene_curve c = {.scene = *request->scene,
@@ -44,8 +46,10 @@ bool study_spread(const struct spread_request *request, struct arena *arena, dou
     if (!scene_bind(&c.scene, &system, error))
         return false;
     if (request->count > CURVE_PARAMETERS || system.n * (request->count + 1) > LIMIT_VARIABLES)
-        return error_set(error, ERROR_COMMAND, "%d uncertain parameters are too many for this scene", request->count);
-    double *value = arena_array(arena, n, sizeof *value), *slope = arena_array(arena, n * count, sizeof *slope);
+        return error_set(error, ERROR_COMMAND,
+                         "%d uncertain parameters are too many for this scene", request->count);
+    double *value = arena_array(arena, n, sizeof *value),
+           *slope = arena_array(arena, n * count, sizeof *slope);
     c.variation = arena_alloc(arena, sizeof *c.variation);
     if (!value || !slope || !c.variation)
         return error_memory(error);
@@ -53,6 +57,7 @@ bool study_spread(const struct spread_request *request, struct arena *arena, dou
     const bool ok = slopes(&c, request, value, slope, error);
     scene_curve_free(&c);
     for (size_t i = 0; i < n && ok; i++)
-        deviation[i] = sqrt(fmax(quadratic(slope + i * count, request->covariance, request->count), 0));
+        deviation[i] =
+            sqrt(fmax(quadratic(slope + i * count, request->covariance, request->count), 0));
     return ok;
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * plot position --band: the band of an adopted fit against runs with parameters drawn from the fit's covariance, the
- * picture that holds it, and what has no band.
+ * plot position --band: the band of an adopted fit against runs with parameters drawn from the
+ * fit's covariance, the picture that holds it, and what has no band.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -34,8 +34,10 @@ static double normal(uint64_t *seed)
 static void record(const char *name, double gamma, double b, double noise, uint64_t seed)
 {
     enum { SAMPLES = 400 };
-    const struct equation motion = {.value = {[EQUATION_START] = 0.05, [EQUATION_OMEGA] = 8.5,
-                                              [EQUATION_RATE] = gamma, [EQUATION_RATE + 1] = b}};
+    const struct equation motion = {.value = {[EQUATION_START] = 0.05,
+                                              [EQUATION_OMEGA] = 8.5,
+                                              [EQUATION_RATE] = gamma,
+                                              [EQUATION_RATE + 1] = b}};
     double t[SAMPLES], y[SAMPLES];
     struct buffer text = {0};
     for (int i = 0; i < SAMPLES; i++)
@@ -86,7 +88,8 @@ static int by_size(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static void draw(const struct session *session, const struct run *run, double *values[DRAWS], size_t n)
+static void draw(const struct session *session, const struct run *run, double *values[DRAWS],
+                 size_t n)
 {
     const struct adopted_fit *adopted = &session->adopted;
     double l[MOST][MOST] = {{0}};
@@ -110,8 +113,9 @@ static void draw(const struct session *session, const struct run *run, double *v
 }
 
 /*
- * Half the distance of the 2.5 and the 97.5 percentile. Of 400 draws it is uncertain by about 5 % (order statistics of
- * a normal distribution: sqrt(p q/N)/f is 0.13 standard deviations at each end); allowed are four times as much.
+ * Half the distance of the 2.5 and the 97.5 percentile. Of 400 draws it is uncertain by about 5 %
+ * (order statistics of a normal distribution: sqrt(p q/N)/f is 0.13 standard deviations at each
+ * end); allowed are four times as much.
  */
 static void check_percentiles(const struct curve *curve, double *values[DRAWS], size_t n)
 {
@@ -124,7 +128,8 @@ static void check_percentiles(const struct curve *curve, double *values[DRAWS], 
         const double ratio = half / curve->spread[10 * i];
         ratios += ratio / (double)n;
         if (!(ratio > 0.8 && ratio < 1.2))
-            fail_msg("t = %g s: percentiles +- %g, the band +- %g", curve->x[10 * i], half, curve->spread[10 * i]);
+            fail_msg("t = %g s: percentiles +- %g, the band +- %g", curve->x[10 * i], half,
+                     curve->spread[10 * i]);
     }
     assert_true(ratios > 0.9 && ratios < 1.1);
 }
@@ -132,8 +137,14 @@ static void check_percentiles(const struct curve *curve, double *values[DRAWS], 
 static void draw_band(struct bench *bench, struct arena *arena, struct figure *figure)
 {
     const int place = bench->session->current_run;
-    const struct figure_request request = {.kind = PLOT_POSITION, .run = &place, .runs = 1, .recording = -1,
-                                           .window = {NAN, NAN}, .width = 4000, .band = TEXT("--band"), .full = true};
+    const struct figure_request request = {.kind = PLOT_POSITION,
+                                           .run = &place,
+                                           .runs = 1,
+                                           .recording = -1,
+                                           .window = {NAN, NAN},
+                                           .width = 4000,
+                                           .band = TEXT("--band"),
+                                           .full = true};
     struct error error = {0};
     if (!session_figure(bench->session, &request, arena, figure, &error))
         fail_msg("no figure: %s", error.text);
@@ -191,13 +202,15 @@ static size_t read_path(const char *d, double (*point)[2], size_t most)
     return n;
 }
 
-/* Height of an edge, points [first, last] of which x rises or falls, there; NAN: beyond its ends. */
+/* Height of an edge, points [first, last] of which x rises or falls, there; NAN: beyond its ends.
+ */
 static double edge_at(double (*point)[2], size_t first, size_t last, double x)
 {
     for (size_t i = first; i < last; i++) {
         const double a = point[i][0], b = point[i + 1][0];
         if ((x >= a && x <= b) || (x >= b && x <= a))
-            return a == b ? point[i][1] : point[i][1] + (x - a) / (b - a) * (point[i + 1][1] - point[i][1]);
+            return a == b ? point[i][1]
+                          : point[i][1] + (x - a) / (b - a) * (point[i + 1][1] - point[i][1]);
     }
     return NAN;
 }
@@ -240,23 +253,28 @@ static void test_picture_has_the_curve_in_its_band(void **state)
     struct bench bench;
     bench_open(&bench, false);
     record("wide.csv", 0.2, 0, 1e-2, 3);
-    type_ok(&bench, "m = 200 g; method rk4 dt=20ms; load wide.csv; fit; adopt; run 8 s; plot position --band > band.svg");
+    type_ok(&bench, "m = 200 g; method rk4 dt=20ms; load wide.csv; fit; adopt; run 8 s; plot "
+                    "position --band > band.svg");
     assert_says(&bench.out, "95 % of the fit: at most +- ");
     char *svg = file_text("band.svg");
-    const char *polygon = longest_path(svg, "fill-opacity:0.25"), *curve = longest_path(svg, "stroke-width:1.2");
+    const char *polygon = longest_path(svg, "fill-opacity:0.25"),
+               *curve = longest_path(svg, "stroke-width:1.2");
     if (!polygon || !curve)
         skip(); /* built without pictures, or another cairo's way to write them */
-    const size_t n = read_path(polygon, band, MOST_POINTS), points = read_path(curve, line, MOST_POINTS);
+    const size_t n = read_path(polygon, band, MOST_POINTS),
+                 points = read_path(curve, line, MOST_POINTS);
     size_t turn = 0, inside = 0;
     while (turn + 1 < n && band[turn + 1][0] >= band[turn][0])
         turn++;
     assert_true(n > 200 && points > 100);
     for (size_t i = 0; i < points; i++) {
-        const double above = edge_at(band, 0, turn, line[i][0]), below = edge_at(band, turn + 1, n - 1, line[i][0]);
+        const double above = edge_at(band, 0, turn, line[i][0]),
+                     below = edge_at(band, turn + 1, n - 1, line[i][0]);
         if (isnan(above + below))
             continue;
         if (!(line[i][1] > above && line[i][1] < below)) /* y grows downwards */
-            fail_msg("x = %g: the curve at %g, the band from %g to %g", line[i][0], line[i][1], above, below);
+            fail_msg("x = %g: the curve at %g, the band from %g to %g", line[i][0], line[i][1],
+                     above, below);
         inside++;
     }
     assert_true(inside > points * 9 / 10);
