@@ -147,6 +147,9 @@ enum step_status method_step(const struct method *method, struct step *step);
 /* The same, where method_turns() in pieces that meet at the turning points; a dense output is that of the last one. */
 enum step_status method_turning_step(const struct method *method, struct step *step);
 /* State inside the last step: [t - h, t]. before [n]: state at its start. */
+/* Its degree in theta, 0: it is no polynomial; most: DENSE_DEGREE. */
+#define DENSE_DEGREE 12
+int method_dense_degree(const struct method *method);
 void method_dense(const struct method *method, const struct step *step, const double *before, double theta, double *y);
 
 /*

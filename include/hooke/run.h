@@ -144,7 +144,7 @@ struct run {
     enum stop stop;
     struct singularity singular; /* with STOP_SINGULAR */
     struct unsound_step unsound; /* the worst one seen by run_diagnose() */
-    bool warned_growth, warned_sliding, warned_piling, warned_unsound;
+    bool warned_growth, warned_sliding, warned_piling, warned_unsound, warned_doubt;
     struct controller controller;
 
     struct run_private *private_state; /* work memory */
@@ -157,7 +157,9 @@ void run_destroy(struct run *run);
 
 /*
  * Something to notice on the way: the expression passes through 0. Looked for in each step on the method's dense
- * output, which is located to rounding; a sign change and back within a step is found if half-way shows it.
+ * output, on which it is located to rounding; bounds of the expression there prove that none is missed, or the run says
+ * where they do not (run_event_doubt). Not at the very start of the run; at its end, also where it is due but for
+ * rounding. Those at the same time but for rounding are at one, in the order of definition.
  */
 #define LIMIT_EVENTS 16 /* looked for at once */
 #define LIMIT_HAPPENINGS 1000000 /* kept of a run: one more is STOP_FULL */
@@ -167,22 +169,30 @@ struct event {
     const struct expr *left, *right; /* the value is left - right; right NULL: left */
     double left_factor, right_factor; /* of units */
     int direction;                   /* 1: rising, -1: falling, 0: both */
+    bool touching;                   /* also where it becomes 0, but for errors, and goes back */
     bool stop;                       /* the run stops there: STOP_CONDITION */
     const struct expr_scope *scope;  /* loads observables of the run's present state; set by the caller */
 };
 
-/* EXPR [rising|falling], or a comparison: where it becomes true. Fills left … direction; *used [byte]. */
+/* EXPR [rising|falling|touching], or a comparison: where it becomes true. Fills left … direction; *used [byte]. */
 bool event_compile(struct text text, const struct expr_scope *scope, struct arena *arena, struct event *event,
                    size_t *used, struct error *error);
 
 /* One that was noticed. */
 struct happening {
     int event;     /* place in the target's list */
-    int direction; /* 1 rising, -1 falling */
+    int direction; /* 1 rising, -1 falling, 0 touching */
     int64_t step;  /* of the run after it */
     double t;      /* [s] */
 };
 
+/* Where bounds did not prove that an event was not missed: steps were longer than its own time scale. */
+struct event_doubt {
+    int64_t steps;   /* 0: nowhere */
+    double from, to; /* [s] the first of them and the last */
+};
+
+struct event_doubt run_event_doubt(const struct run *run, int event); /* place in the targets' lists */
 size_t run_happenings(const struct run *run);
 const struct happening *run_happening(const struct run *run, size_t i);
 const double *run_happening_state(const struct run *run, size_t i); /* [n] */

@@ -32,6 +32,8 @@ struct expr_scope {
     double (*load)(const void *context, int slot);
     /* Offers every known name for "did you mean"; may be NULL. */
     void (*offer)(const void *context, struct suggestion *suggestion);
+    /* Where a run's names are wrapped: the slot in its own scope (run_scope), -1: of what does not move; NULL: as is. */
+    int (*moving)(const void *context, int slot);
 };
 
 struct expr;
@@ -53,6 +55,57 @@ double expr_gradient(const struct expr *expr, const struct expr_scope *scope, co
                      double *gradient);
 /* Is it, as it is written, linear in these names together: a0 + a1 x1 + a2 x2 with other names only in the a? */
 bool expr_linear(const struct expr *expr, const int *slot, int count);
+
+/* ---- bounds ---- */
+
+/* All numbers from lo to hi; both NAN: none, because the value is not a number. */
+struct interval {
+    double lo, hi;
+};
+
+/* Bounds of a function of one argument on a stretch of it, of its first and of its second derivative there. */
+struct jet {
+    struct interval value, slope, bend;
+};
+
+/*
+ * The bounds that follow from those of the names, jet [slot]; rounding is inside. At a jump the slope is unbounded, at
+ * a corner the second derivative (Moore 1966, Interval Analysis; natural extension, forward mode).
+ */
+struct jet expr_jet(const struct expr *expr, const struct jet *jet);
+/*
+ * Where a function of x passes through 0 on a stretch: every place, which its bounds prove, or it says from where on
+ * they do not.
+ */
+struct root_search {
+    void *context;
+    double (*value)(void *context, double x);
+    struct jet (*bounds)(void *context, double a, double b);
+    /* In the order of x: the sign beyond, 0 where it only touches. False: no more are looked for. */
+    bool (*found)(void *context, double x, int sign);
+    bool (*touches)(void *context, double x); /* is the value 0 there, within errors? NULL: who touches is not asked */
+    double least; /* stretches are not cut below this length */
+    int budget;   /* bounds asked for, beside some for each root */
+
+    int sign; /* in: of the value before, where it was last not 0; out: at the end */
+
+    int used, count;
+    bool unsure;        /* the bounds did not decide from here on */
+    double unsure_from;
+    bool nonzero;       /* some value inside was not 0; only ever set */
+    bool stopped, touched;
+    double last_touch;
+};
+
+/* From a, where the value is fa, to b. */
+void roots_find(struct root_search *roots, double a, double fa, double b, double fb);
+
+/*
+ * The same expression where the names that move have the slots that `slot` says, and others, for which it is < 0, are
+ * the numbers that they are now. NULL: no memory.
+ */
+const struct expr *expr_settle(const struct expr *expr, const struct expr_scope *scope,
+                               int (*slot)(void *context, int slot), void *context, struct arena *arena);
 
 /* ---- programs ----
  *

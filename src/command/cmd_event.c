@@ -143,9 +143,13 @@ HANDLER(event)
 #endif
 
 COMMAND(event, .row = {"event", "", "watch for a moment on the way of runs", "", NULL}, .group = "EQUATIONS",
-        .text = "The moment at which EXPR passes through 0 (rising: from below, falling: from above), or at which a "
-                "comparison becomes true,\n"
-                "is located inside of the step. 'do record' makes a row for 'list events' and 'export FILE events'; "
+        .text = "The moment at which EXPR passes through 0 (rising: from below, falling: from above; touching: also "
+                "where it becomes 0 and\n"
+                "goes back), or at which a comparison becomes true, is located inside of the step. Bounds of EXPR "
+                "prove that none is missed\n"
+                "between the ends of steps, or the run says from when to when it may be incomplete; one that the "
+                "run starts at is none, one at\n"
+                "its end is. 'do record' makes a row for 'list events' and 'export FILE events'; "
                 "'do stop' stops the run\n"
                 "there, and 'continue' goes on to where it was to end; a string of commands is executed after it has "
                 "stopped, and where\n"

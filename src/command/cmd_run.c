@@ -190,6 +190,7 @@ static bool arrive(struct session *session, const struct journey *journey, const
     reply_vanished(run, reply);
     reply_phase_unknown(run, reply);
     reply_sliding(run, reply);
+    reply_event_doubts(journey->held, reply);
     if (run->stop == STOP_CANCELLED) {
         session->halted = session->front.watched;
         return session->front.watched ||

@@ -419,6 +419,7 @@ HANDLER(plan)
         return false;
     struct buffer text = {0};
     plan_describe(&setup->scene, &system, setup->method, &settings, &plan, &text);
+    events_plan(setup->events, &text);
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
     return true;

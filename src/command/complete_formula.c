@@ -120,7 +120,7 @@ void complete_events(struct completion *c)
         complete_offer(c, events->line[i].name, events->line[i].when);
 }
 
-/* NAME when EXPR [rising|falling] do stop|record|COMMANDS */
+/* NAME when EXPR [rising|falling|touching] do stop|record|COMMANDS */
 static void complete_event(struct completion *c, struct text rest)
 {
     const int words = count_words(rest);
@@ -148,7 +148,7 @@ static void complete_event(struct completion *c, struct text rest)
         if (text_is(last, "do") && text_trim(left).len > 0)
             return;
     }
-    const bool turned = text_is(last, "rising") || text_is(last, "falling");
+    const bool turned = text_is(last, "rising") || text_is(last, "falling") || text_is(last, "touching");
     if (text_is(last, "do")) {
         complete_offer(c, "stop", "the run stops there");
         complete_offer(c, "record", "a row of 'list events'");
@@ -161,6 +161,7 @@ static void complete_event(struct completion *c, struct text rest)
     if (!turned) {
         complete_offer(c, "rising", "from below");
         complete_offer(c, "falling", "from above");
+        complete_offer(c, "touching", "also where it only touches 0");
     }
     complete_offer(c, "do", "");
 }

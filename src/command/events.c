@@ -108,6 +108,16 @@ void events_save(const struct events *events, bool as_stop, struct buffer *text)
     }
 }
 
+void events_plan(const struct events *events, struct buffer *text)
+{
+    if (!events)
+        return;
+    buffer_put(text, TEXT("events    "));
+    for (int i = 0; i < events->count; i++)
+        buffer_format(text, "%s%s", i > 0 ? ", " : "", events->line[i].name);
+    buffer_put(text, TEXT(": looked for in every step; bounds of the expression there prove that none is missed\n"));
+}
+
 /* ---- for runs ---- */
 
 bool events_compile(const struct events *events, const struct expr_scope *scope, struct arena *arena,
@@ -222,7 +232,8 @@ static void reply_happening(const struct session *session, const struct held_run
     reply_begin(reply, "event");
     reply_int(reply, "run", run->number);
     reply_string(reply, "name", event_name(held, i));
-    reply_string(reply, "direction", happening->direction > 0 ? "rising" : "falling");
+    reply_string(reply, "direction",
+                 happening->direction > 0 ? "rising" : happening->direction < 0 ? "falling" : "touching");
     reply_real(reply, "t", happening->t);
     reply_object(reply, "state");
     for (int c = 0; c < columns_of(run); c++) {
@@ -231,6 +242,40 @@ static void reply_happening(const struct session *session, const struct held_run
     }
     reply_close(reply);
     reply_end(reply);
+}
+
+static void reply_count(const struct held_run *held, int event, const struct event_doubt *doubt, struct reply *reply)
+{
+    const size_t all = run_happenings(held->run);
+    long long count = 0;
+    for (size_t i = 0; i < all; i++)
+        count += run_happening(held->run, i)->event == event;
+    reply_begin(reply, "events");
+    reply_int(reply, "run", held->run->number);
+    reply_string(reply, "name", held->events->line[event].name);
+    reply_int(reply, "count", count);
+    reply_bool(reply, "complete", doubt->steps == 0);
+    reply_real(reply, "doubt_from", doubt->steps ? doubt->from : NAN);
+    reply_real(reply, "doubt_to", doubt->steps ? doubt->to : NAN);
+    reply_end(reply);
+}
+
+void reply_event_doubts(struct held_run *held, struct reply *reply)
+{
+    struct run *run = held->run;
+    bool said = false;
+    for (int i = 0; held->events && i < held->events->count; i++) {
+        const struct event_doubt doubt = run_event_doubt(run, i);
+        if (reply->format != FORMAT_TEXT)
+            reply_count(held, i, &doubt, reply);
+        if (doubt.steps == 0 || run->warned_doubt)
+            continue;
+        reply_warning(reply, "event %s may be incomplete from t = %.6g s to %.6g s (%lld step%s): the step was longer "
+                      "than the event's own time scale", held->events->line[i].name, doubt.from, doubt.to,
+                      (long long)doubt.steps, doubt.steps == 1 ? "" : "s");
+        said = true;
+    }
+    run->warned_doubt = run->warned_doubt || said;
 }
 
 void reply_happenings(const struct session *session, struct reply *reply)

@@ -13,7 +13,7 @@ enum event_action { EVENT_STOP, EVENT_RECORD, EVENT_COMMANDS };
 struct event_line {
     char name[LIMIT_NAME + 1];
     enum event_action action;
-    const char *when;     /* EXPR [rising|falling], as typed */
+    const char *when;     /* EXPR [rising|falling|touching], as typed */
     const char *commands; /* EVENT_COMMANDS: executed where the run has stopped; may end in `continue` */
 };
 
@@ -39,6 +39,7 @@ bool refuse_in_event(const struct command *command, struct text where, struct er
 /* "event top when x*y - beta*z falling do record"; as_stop: without what would be executed. */
 void event_describe(const struct event_line *line, bool as_stop, struct buffer *text);
 void events_save(const struct events *events, bool as_stop, struct buffer *text);
+void events_plan(const struct events *events, struct buffer *text); /* a line of `plan` */
 /* For a run: the list in the arena, *count of them. */
 bool events_compile(const struct events *events, const struct expr_scope *scope, struct arena *arena,
                     const struct event **event, int *count, struct error *error);
@@ -70,6 +71,8 @@ bool event_react(struct session *session, const struct event_line *event, const 
 bool events_pass(struct session *session, const struct run_target *target, struct passage *passage,
                  const struct arguments *given, struct reply *reply, bool *ok, struct error *error);
 
+/* Where events may have been missed: a warning, once; with `format json` a record of each event, how many were noticed. */
+void reply_event_doubts(struct held_run *held, struct reply *reply);
 /* Lines and records of all that happened in the current run. */
 void reply_happenings(const struct session *session, struct reply *reply);
 bool export_happenings(const struct session *session, struct export *export, struct error *error);

@@ -230,9 +230,26 @@ static void scope_offer(const void *context, struct suggestion *suggestion)
     suggestion_offer(suggestion, "pi");
 }
 
+/* In the scope of the run (run_scope). */
+static int scope_moving(const void *context, int slot)
+{
+    const struct model *moving = state_model(context);
+    const int place = slot & ((1 << SLOT_KIND) - 1);
+    switch ((enum name_kind)(slot >> SLOT_KIND)) {
+    case NAME_STATE:
+        return place;
+    case NAME_OBSERVED:
+        return moving->n + place;
+    case NAME_OBSERVABLE:
+        return moving->n + model_observed(moving) + place;
+    default:
+        return -1;
+    }
+}
+
 struct expr_scope names_scope(const struct names *names)
 {
-    return (struct expr_scope){names, scope_find, scope_load, scope_offer};
+    return (struct expr_scope){names, scope_find, scope_load, scope_offer, scope_moving};
 }
 
 bool names_value(const struct session *session, struct text name, struct named_value *value)

@@ -150,6 +150,17 @@ enum step_status method_step(const struct method *method, struct step *step)
     return status;
 }
 
+int method_dense_degree(const struct method *method)
+{
+    if (!method->dense)
+        return 3;
+    if (method->tableau)
+        return 3 + method->tableau->bends;
+    if (method->implicit)
+        return method->implicit->stages;
+    return method->rosenbrock ? method->rosenbrock->degree + 1 : DENSE_DEGREE;
+}
+
 void method_dense(const struct method *method, const struct step *step, const double *before, double theta, double *y)
 {
     if (method->dense) {

@@ -53,8 +53,7 @@ static enum stop leg_begin(struct run *run, const struct run_target *target, str
         leg->between = run->plan.adaptive || !trace_in_step(run->trace);
     }
     leg->armed = target->condition && !holds(leg);
-    events_begin(run, leg);
-    return STOP_NONE;
+    return events_begin(run, leg) ? STOP_NONE : STOP_FULL;
 }
 
 bool run_in_bounds(const struct run *run, const double *y)
@@ -174,12 +173,11 @@ static enum stop advance_step(struct run *run, struct leg *leg)
     }
     bool off_grid = run->steps == leg->last, cold = !run->plan.adaptive, noticed = true;
     enum stop refused = STOP_NONE;
-    struct crossings crossings;
     run->steps++;
     run->t = end;
     enum stop stop = STOP_NONE;
     if (leg->target->events > 0)
-        events_find(run, leg, t, h, &crossings);
+        noticed = events_find(run, leg, t, h);
     if (leg->target->condition) {
         bool now = holds(leg);
         if (now && leg->armed) {
@@ -193,7 +191,7 @@ static enum stop advance_step(struct run *run, struct leg *leg)
         refused = even_record(run, cold, t, stop == STOP_CONDITION ? run->t - t : h);
     if (leg->target->events > 0) {
         bool stops = false;
-        noticed = events_keep(run, leg, &crossings, h, &stops);
+        noticed = noticed && events_keep(run, leg, h, &stops);
         off_grid |= stops;
         if (stops && run->trace->interval > 0)
             even_drop(run->trace, run->t);

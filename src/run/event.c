@@ -1,284 +1,287 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Events: sign changes of an expression, located on the dense output of the step in which they happen. */
-#include "private.h"
+#include "watch.h"
 
 #include <float.h>
-#include <math.h>
 #include <stdlib.h>
 
-/* ---- from text ---- */
+#define ROUNDED 16 /* of rounding units, what a sum of one term a step may be off, beside one for each step */
+#define TOUCH 1e-7 /* of a step: touches so near are one */
+#define SAME 8     /* units of the last place of t: moments so near are one */
 
-static size_t blanks(struct text text, size_t at)
+static int sign_of(double value)
 {
-    while (at < text.len && (text.at[at] == ' ' || text.at[at] == '\t'))
-        at++;
-    return at;
+    return (value > 0) - (value < 0);
 }
 
-static struct text from(struct text text, size_t at)
+/* Of a state: the share of each variable's size that it may be off. */
+static double share_of_error(const struct run *run)
 {
-    return (struct text){text.at + at, text.len - at};
+    const double rounding = (ROUNDED + (double)run->steps) * DBL_EPSILON;
+    return run->plan.adaptive ? fmax(rounding, run->settings.tol) : rounding;
 }
 
-/* An expression and its unit at text[*at]. */
-static const struct expr *side(struct text text, size_t *at, const struct expr_scope *scope, struct arena *arena,
-                               const struct unit **unit, struct error *error)
+/* ---- where a leg begins ---- */
+
+bool events_begin(struct run *run, const struct leg *leg)
 {
-    size_t used;
-    const struct expr *expr = expr_compile(from(text, *at), scope, arena, &used, error);
-    if (!expr)
-        return NULL;
-    *at = blanks(text, *at + used);
-    *unit = unit_match(from(text, *at));
-    if (*unit)
-        *at = blanks(text, *at + text_of((*unit)->row.name).len);
-    return expr;
-}
-
-/* The word at text[*at], if it is there. */
-static bool take_word(struct text text, size_t *at, struct text word)
-{
-    const struct text rest = from(text, *at);
-    if (!text_starts(rest, word) || (rest.len > word.len && rest.at[word.len] != ' ' && rest.at[word.len] != '\t'))
-        return false;
-    *at += word.len;
-    return true;
-}
-
-bool event_compile(struct text text, const struct expr_scope *scope, struct arena *arena, struct event *event,
-                   size_t *used, struct error *error)
-{
-    const struct unit *left = NULL, *right = NULL;
-    size_t at = 0;
-    struct event made = {.left = side(text, &at, scope, arena, &left, error), .scope = scope};
-    if (!made.left)
-        return false;
-    if (at < text.len && (text.at[at] == '<' || text.at[at] == '>')) {
-        made.direction = text.at[at] == '<' ? -1 : 1;
-        at++;
-        at += at < text.len && text.at[at] == '=';
-        made.right = side(text, &at, scope, arena, &right, error);
-        if (!made.right)
-            return false;
-        if (left && right && left->quantity != right->quantity)
-            return error_at(error, text, "the two sides do not compare: %s is a unit of %s, %s of %s", left->row.name,
-                            quantity_name(left->quantity), right->row.name, quantity_name(right->quantity));
-    }
-    const size_t word = at;
-    const int direction = take_word(text, &at, TEXT("rising")) ? 1 : take_word(text, &at, TEXT("falling")) ? -1 : 0;
-    if (direction != 0 && made.right)
-        return error_at(error, (struct text){text.at + word, at - word},
-                        "a comparison happens where it becomes true, rising or falling are for expressions");
-    made.direction = direction != 0 ? direction : made.direction;
-    made.left_factor = left ? left->factor : 1;
-    made.right_factor = right ? right->factor : 1;
-    memcpy(made.name, event->name, sizeof made.name);
-    made.stop = event->stop;
-    *event = made;
-    *used = at;
-    return true;
-}
-
-/* ---- values inside of a step ---- */
-
-/* The step that was taken: the run's present state is its end. */
-struct interval {
-    struct run *run;
-    const struct event *event;
-    struct inside inside;
-    double t, h, end_t;
-    double end[LIMIT_VARIABLES];
-};
-
-struct inside inside_of(struct run *run, bool cold, double t, double h)
-{
-    struct inside inside = {run, *run->method, t, h};
-    if (cold && method_turns(run->method, &run->system))
-        inside.method.dense = NULL;
-    return inside;
-}
-
-/* Steps of an adaptive method may be so long that a cubic through their ends says little: a shorter step does. */
-void inside_state(const struct inside *inside, double theta, double *y)
-{
-    struct run *run = inside->run;
     struct run_private *p = run->private_state;
-    struct sliding sliding;
-    struct system frozen;
-    struct step last = p->step;
-    if (run->plan.adaptive)
-        last.system = method_adapted(&run->system, &run->controller, &sliding, &frozen);
-    if (p->side) {
-        struct step step = last;
-        step.kernel = last.system == &run->system ? last.kernel : NULL;
-        step.t = inside->t;
-        step.h = theta * inside->h;
-        step.y = y;
-        step.work = p->side;
-        step.error = step.low = NULL;
-        step.warm = step.again = false;
-        copy_state(y, p->before, run->system.n);
-        const enum step_status status = method_turning_step(run->method, &step);
-        p->step.cost = step.cost;
-        if (status == STEP_OK)
-            return;
-    }
-    method_dense(&inside->method, &last, p->before, theta, y);
-}
-
-static void state_at(const struct interval *interval, double theta, double *y)
-{
-    const struct run *run = interval->run;
-    struct run_private *p = run->private_state;
-    if (theta <= 0 || theta >= 1) {
-        copy_state(y, theta <= 0 ? p->before : interval->end, run->system.n);
-        return;
-    }
-    inside_state(&interval->inside, theta, y);
-}
-
-static double time_at(const struct interval *interval, double theta)
-{
-    return theta >= 1 ? interval->end_t : interval->t + theta * interval->h;
-}
-
-static double event_value(const struct event *event)
-{
-    double value = expr_value(event->left, event->scope) * event->left_factor;
-    return event->right ? value - expr_value(event->right, event->scope) * event->right_factor : value;
-}
-
-/* The scope knows the run's present state only: it is put there for a moment. */
-static double value_at(const struct interval *interval, double theta)
-{
-    struct run *run = interval->run;
-    double y[LIMIT_VARIABLES];
-    state_at(interval, theta, y);
-    copy_state(run->y, y, run->system.n);
-    run->t = time_at(interval, theta);
-    const double value = event_value(interval->event);
-    copy_state(run->y, interval->end, run->system.n);
-    run->t = interval->end_t;
-    return value;
-}
-
-/*
- * Where the value passes through 0 between a and b, where it is fa and fb: the point beyond. Regula falsi with the
- * Illinois rule, every third time a bisection.
- */
-static double locate(const struct interval *interval, double a, double fa, double b, double fb)
-{
-    const double least = DBL_EPSILON * fmax(fabs(interval->t), fabs(interval->end_t));
-    double ga = fa, gb = fb;
-    for (int i = 0; i < 200 && fb != 0 && fabs((b - a) * interval->h) > least; i++) {
-        double x = i % 3 == 2 ? a + (b - a) / 2 : a + (b - a) * (ga / (ga - gb));
-        if (!(x > a && x < b))
-            x = a + (b - a) / 2;
-        if (!(x > a && x < b))
-            break;
-        const double f = value_at(interval, x);
-        if ((f < 0) == (fa < 0) && f != 0) {
-            a = x;
-            ga = f;
-            gb /= 2;
-        } else {
-            b = x;
-            fb = gb = f;
-            ga /= 2;
-        }
-    }
-    return b;
-}
-
-static signed char sign_of(double value)
-{
-    return (signed char)((value > 0) - (value < 0));
-}
-
-/* ---- in the course of a run ---- */
-
-void events_begin(const struct run *run, struct leg *leg)
-{
-    for (int i = 0; i < leg->target->events; i++) {
-        leg->sign[i] = sign_of(event_value(&leg->target->event[i]));
-        leg->departs[i] = leg->sign[i] == 0;
+    if (leg->target->events == 0)
+        return true;
+    if (!p->watch)
+        p->watch = calloc(1, sizeof *p->watch);
+    struct watch *watch = p->watch;
+    if (!watch || !events_watch_begin(watch, run, leg->target))
+        return false;
+    for (int i = 0; i < watch->events; i++) {
+        struct watched *watched = &watch->event[i];
+        watched->value = events_watch_value(watch, watched, run->t, run->y);
+        watched->known = true;
+        watched->departs = watched->value == 0 ||
+                           (run->steps == 0 && events_watch_is_zero(watch, watched, run->t, run->y, DBL_EPSILON));
+        watched->sign = watched->departs ? 0 : sign_of(watched->value);
     }
     for (size_t i = run_happenings(run); i > 0 && run_happening(run, i - 1)->t == run->t; i--)
-        leg->departs[run_happening(run, i - 1)->event] = true;
+        if (run_happening(run, i - 1)->event < watch->events)
+            watch->event[run_happening(run, i - 1)->event].departs = true;
+    return true;
+}
+
+/* ---- inside of a step ---- */
+
+/* What a search goes by. */
+struct look {
+    struct watch *watch;
+    struct watched *watched;
+    int event;
+    double until; /* an event that stops the run is there: what comes after does not happen */
+    bool failed;
+};
+
+static double look_value(void *context, double theta)
+{
+    const struct look *look = context;
+    double y[LIMIT_VARIABLES];
+    path_state(&look->watch->path, theta, y);
+    return events_watch_value(look->watch, look->watched, path_time(&look->watch->path, theta), y);
+}
+
+static struct jet look_bounds(void *context, double a, double b)
+{
+    const struct look *look = context;
+    return events_watch_bounds(look->watch, look->watched, a, b);
+}
+
+static bool look_touches(void *context, double theta)
+{
+    const struct look *look = context;
+    const struct path *path = &look->watch->path;
+    double y[LIMIT_VARIABLES];
+    path_state(path, theta, y);
+    return events_watch_is_zero(look->watch, look->watched, path_time(path, theta), y, share_of_error(path->inside.run));
+}
+
+static bool add(struct watch *watch, const struct crossing *crossing)
+{
+    const size_t n = (size_t)watch->run->system.n;
+    if (watch->count == watch->rooms) {
+        const size_t room = watch->rooms ? 2 * watch->rooms : 16;
+        struct crossing *found = realloc(watch->found, room * sizeof *found);
+        watch->found = found ? found : watch->found;
+        double *state = found ? realloc(watch->state, room * n * sizeof *state) : NULL;
+        watch->state = state ? state : watch->state;
+        if (!state)
+            return false;
+        watch->rooms = room;
+    }
+    watch->found[watch->count++] = *crossing;
+    return true;
+}
+
+static bool look_found(void *context, double theta, int sign)
+{
+    struct look *look = context;
+    const struct path *path = &look->watch->path;
+    const struct event *event = look->watched->event;
+    const int direction = path->inside.h > 0 ? sign : -sign;
+    if (event->direction != 0 && event->direction != direction)
+        return true;
+    if (sign == 0 && fabs(path_time(path, theta) - look->watched->touched) <= TOUCH * fabs(path->inside.h))
+        return true; /* at the end of the step before */
+    if (sign == 0)
+        look->watched->touched = path_time(path, theta);
+    const struct crossing crossing = {theta, path_time(path, theta), look->event, direction};
+    look->failed = look->failed || !add(look->watch, &crossing);
+    if (event->stop)
+        look->until = fmin(look->until, theta);
+    return !look->failed && !event->stop && look->watch->count <= LIMIT_HAPPENINGS;
 }
 
 /*
- * Where a leg begins at an event, the value there is rounding; its sign is the one a moment later, from where it grows
- * steadily. A ball that has just been thrown up may be back long before the end of the step. *theta, *value: that
- * moment; those of the beginning if the value does not grow.
+ * Where a leg begins at an event, the value there is rounding; its sign is the one a moment later, up to which bounds of
+ * the slope, or of the second derivative, exclude another event. A ball that has just been thrown up may be back long
+ * before the end of the step. The share of the step at that moment, where *value is; 0: there is none.
  */
-static void depart(const struct interval *interval, struct leg *leg, int event, double *theta, double *value)
+static double depart(struct look *look, double *value)
 {
-    double last = *value, least = 4 * fabs(*value), a = 0;
-    int grows = 0;
-    leg->departs[event] = false;
-    for (double b = 0x1p-40; b < 0.5; b *= 2) {
-        const double f = value_at(interval, b);
-        const bool steady = fabs(f) > least && sign_of(f) == sign_of(last) && fabs(f) > 1.5 * fabs(last);
-        grows = steady ? grows + 1 : 0;
-        if (grows == 1)
-            a = b;
-        if (grows == 3) {
-            *theta = a;
-            *value = value_at(interval, a);
-            leg->sign[event] = sign_of(*value);
-            return;
+    struct watched *watched = look->watched;
+    watched->departs = false;
+    for (double b = 1; b > 0x1p-44; b /= 2) {
+        const struct jet jet = events_watch_bounds(look->watch, watched, 0, b);
+        int sign = (jet.slope.lo > 0) - (jet.slope.hi < 0);
+        if (sign == 0 && jet.bend.lo * jet.bend.hi > 0) {
+            const struct interval slope = events_watch_bounds(look->watch, watched, 0, 0).slope;
+            const int bend = sign_of(jet.bend.lo);
+            sign = slope.lo <= 0 && slope.hi >= 0 ? bend : 0;
         }
-        last = f;
+        *value = sign != 0 ? look_value(look, b) : 0;
+        if (sign == 0 || sign_of(*value) != sign)
+            continue;
+        watched->sign = sign;
+        return b;
+    }
+    watched->sign = 0;
+    *value = 0;
+    return 0;
+}
+
+/* At a step's end, where the value is 0: the sign beyond, which is that before where it only touches. */
+static int sign_beyond(const struct look *look, int before)
+{
+    const struct jet jet = events_watch_bounds(look->watch, look->watched, 1, 1);
+    const int slope = jet.slope.lo > 0 ? 1 : jet.slope.hi < 0 ? -1 : 0, bend = sign_of(jet.bend.lo + jet.bend.hi);
+    return slope != 0 ? slope : bend != 0 ? bend : -before;
+}
+
+/* Where the run ends, an event is there that is due within the rounding of the sums that led there. */
+static bool is_due(const struct look *look, const struct run_target *target)
+{
+    const struct run *run = look->watch->run;
+    const struct watched *watched = look->watched;
+    if (run->t != target->t || watched->sign == 0 || watched->value == 0)
+        return false;
+    const struct interval slope = events_watch_bounds(look->watch, watched, 1, 1).slope;
+    const double mean = slope.lo + (slope.hi - slope.lo) / 2, after = -watched->value / mean;
+    const double size = fmax(fabs(run->t), fabs(run->t - run->system.t0));
+    return after > 0 && after * fabs(look->watch->path.inside.h) <=
+                            (ROUNDED + (double)run->steps) * DBL_EPSILON * size;
+}
+
+static void doubt(struct run *run, const struct look *look, double from)
+{
+    struct event_doubt *doubt = &run->private_state->doubt[look->event];
+    const struct path *path = &look->watch->path;
+    doubt->from = doubt->steps == 0 ? path_time(path, from) : doubt->from;
+    doubt->to = path->end_t;
+    doubt->steps++;
+}
+
+static void search(struct look *look, double from, double value, double to)
+{
+    struct watched *watched = look->watched;
+    struct watch *watch = look->watch;
+    const struct path *path = &watch->path;
+    const double times = fmax(fabs(path->inside.t), fabs(path->end_t));
+    struct root_search roots = {.context = look, .value = look_value, .bounds = look_bounds, .found = look_found,
+                          .touches = watched->event->touching ? look_touches : NULL,
+                          .least = fmax(DBL_EPSILON * times / fabs(path->inside.h), DBL_EPSILON),
+                          .budget = watched->budget, .sign = watched->sign};
+    roots.nonzero = value != 0 || watched->value != 0;
+    roots_find(&roots, from, value, to, to < 1 ? look_value(look, to) : watched->value);
+    watched->sign = roots.sign;
+    if (roots.unsure && roots.nonzero)
+        doubt(watch->run, look, roots.unsure_from);
+    if (roots.unsure)
+        watched->budget = watched->budget / 2 + 8;
+    else if (watched->budget < 1000)
+        watched->budget *= 2;
+}
+
+/* In the step just taken, up to look->until. */
+static void look_at(struct look *look, const struct run_target *target)
+{
+    struct watched *watched = look->watched;
+    const struct path *path = &look->watch->path;
+    double from = 0, value = watched->value;
+    const double near = SAME * DBL_EPSILON * fmax(fabs(path->inside.t), fabs(path->end_t)) / fabs(path->inside.h);
+    const double to = fmin(look->until + near, 1);
+    watched->value = events_watch_value(look->watch, watched, path->end_t, path->end);
+    if (watched->departs)
+        from = depart(look, &value);
+    const size_t before = look->watch->count;
+    if (from < to)
+        search(look, from, value, to);
+    if (to < 1 || look->until < 1)
+        return;
+    const int sign = watched->sign;
+    if (watched->value == 0 && sign != 0) {
+        watched->sign = sign_beyond(look, sign);
+        if (watched->sign != sign)
+            look_found(look, 1, watched->sign);
+    } else if (is_due(look, target) && (look->watch->count == before || look->watch->found[before].theta < 1)) {
+        watched->sign = -sign;
+        look_found(look, 1, -sign);
     }
 }
 
-static void insert(struct crossings *crossings, const struct crossing *crossing, double h)
+static int by_time(const void *a, const void *b)
 {
-    int place = crossings->count++;
-    for (; place > 0 && (crossings->found[place - 1].t - crossing->t) * h > 0; place--)
-        crossings->found[place] = crossings->found[place - 1];
-    crossings->found[place] = *crossing;
+    const struct crossing *p = a, *q = b;
+    return p->theta != q->theta ? (p->theta > q->theta) - (p->theta < q->theta) : p->event - q->event;
 }
 
-/* From one half of the step to its end: value `fa` at `a`, the sign before it is leg->sign. */
-static double look_at(const struct interval *interval, struct leg *leg, int event, double a, double fa, double b,
-                      struct crossings *crossings)
+/* In order; those at the same time but for rounding are at one, in the order of definition. */
+static void put_in_order(struct watch *watch)
 {
-    const double fb = value_at(interval, b);
-    const signed char before = leg->sign[event], after = fb == 0 ? (signed char)-before : sign_of(fb);
-    if (after == 0 || fb != fb)
-        return fb;
-    leg->sign[event] = after;
-    const int direction = interval->h > 0 ? after : -after;
-    const int wanted = interval->event->direction;
-    if (before == 0 || before == after || (wanted != 0 && wanted != direction))
-        return fb;
-    struct crossing crossing = {.event = event, .direction = direction};
-    const double theta = sign_of(fa) == before ? locate(interval, a, fa, b, fb) : a;
-    crossing.t = time_at(interval, theta);
-    state_at(interval, theta, crossing.y);
-    insert(crossings, &crossing, interval->h);
-    return fb;
-}
-
-void events_find(struct run *run, struct leg *leg, double t, double h, struct crossings *crossings)
-{
-    struct interval interval = {
-        .run = run, .inside = inside_of(run, !run->plan.adaptive, t, h), .t = t, .h = h, .end_t = run->t};
-    copy_state(interval.end, run->y, run->system.n);
-    crossings->count = 0;
-    for (int i = 0; i < leg->target->events; i++) {
-        interval.event = &leg->target->event[i];
-        double begin = 0, value = value_at(&interval, 0);
-        if (leg->departs[i])
-            depart(&interval, leg, i, &begin, &value);
-        value = look_at(&interval, leg, i, begin, value, 0.5, crossings);
-        look_at(&interval, leg, i, 0.5, value, 1, crossings);
+    const struct path *path = &watch->path;
+    const size_t n = (size_t)watch->run->system.n;
+    struct crossing *found = watch->found;
+    qsort(found, watch->count, sizeof *found, by_time);
+    for (size_t i = 1, first = 0; i < watch->count; i++) {
+        const double near = SAME * DBL_EPSILON * fmax(fabs(found[i].t), fabs(path->inside.t));
+        if (fabs(found[i].t - found[first].t) > near) {
+            first = i;
+            continue;
+        }
+        struct crossing moved = found[i];
+        moved.theta = found[first].theta;
+        moved.t = found[first].t;
+        size_t at = i;
+        for (; at > first && found[at - 1].event > moved.event; at--)
+            found[at] = found[at - 1];
+        found[at] = moved;
     }
+    for (size_t i = 0; i < watch->count; i++)
+        if (i > 0 && found[i].theta == found[i - 1].theta)
+            memcpy(watch->state + i * n, watch->state + (i - 1) * n, n * sizeof *watch->state);
+        else
+            path_state(path, found[i].theta, watch->state + i * n);
 }
 
-static bool keep(struct run *run, const struct crossing *crossing)
+/* Those that stop the run first: the others are looked for up to there. */
+bool events_find(struct run *run, const struct leg *leg, double t, double h)
+{
+    struct watch *watch = run->private_state->watch;
+    const struct inside inside = inside_of(run, !run->plan.adaptive, t, h);
+    struct look look = {.watch = watch, .until = 1};
+    path_begin(&watch->path, &inside);
+    watch->count = 0;
+    for (int pass = 0; pass < 2; pass++)
+        for (int i = 0; i < watch->events; i++) {
+            if (watch->event[i].event->stop != (pass == 0))
+                continue;
+            look.watched = &watch->event[i];
+            look.event = i;
+            look_at(&look, leg->target);
+        }
+    if (watch->count > 0 && !look.failed)
+        put_in_order(watch);
+    return !look.failed;
+}
+
+/* ---- what has happened ---- */
+
+static bool keep(struct run *run, const struct crossing *crossing, const double *state)
 {
     struct happenings *all = &run->private_state->happenings;
     const size_t n = (size_t)run->system.n;
@@ -288,34 +291,42 @@ static bool keep(struct run *run, const struct crossing *crossing)
         const size_t room = all->room ? 2 * all->room : 16;
         struct happening *at = realloc(all->at, room * sizeof *at);
         all->at = at ? at : all->at;
-        double *state = at ? realloc(all->state, room * n * sizeof *state) : NULL;
-        all->state = state ? state : all->state;
-        if (!state)
+        double *more = at ? realloc(all->state, room * n * sizeof *all->state) : NULL;
+        all->state = more ? more : all->state;
+        if (!more)
             return false;
         all->room = room;
     }
     all->at[all->count] = (struct happening){crossing->event, crossing->direction, run->steps, crossing->t};
-    memcpy(all->state + all->count++ * n, crossing->y, n * sizeof *crossing->y);
+    memcpy(all->state + all->count++ * n, state, n * sizeof *all->state);
     return true;
 }
 
-bool events_keep(struct run *run, const struct leg *leg, const struct crossings *crossings, double h, bool *stops)
+bool events_keep(struct run *run, const struct leg *leg, double h, bool *stops)
 {
-    for (int i = 0; i < crossings->count; i++) {
-        const struct crossing *crossing = &crossings->found[i];
+    const struct watch *watch = run->private_state->watch;
+    const int n = run->system.n;
+    for (size_t i = 0; i < watch->count; i++) {
+        const struct crossing *crossing = &watch->found[i];
+        const double *state = watch->state + i * (size_t)n;
         if ((crossing->t - run->t) * h > 0)
             break;
-        if (!keep(run, crossing))
+        if (!keep(run, crossing, state))
             return false;
         if (!leg->target->event[crossing->event].stop || *stops)
             continue;
-        copy_state(run->y, crossing->y, run->system.n);
+        copy_state(run->y, state, n);
         run->t = crossing->t;
-        forget_rounding(run->private_state, run->system.n);
+        forget_rounding(run->private_state, n);
         run->private_state->step.warm = false;
         *stops = true;
     }
     return true;
+}
+
+struct event_doubt run_event_doubt(const struct run *run, int event)
+{
+    return run->private_state->doubt[event];
 }
 
 void happenings_truncate(struct run *run, double ahead)

@@ -387,8 +387,21 @@ static void scope_offer(const void *context, struct suggestion *suggestion)
 
 bool run_scope(const struct run *run, struct expr_scope *scope)
 {
-    *scope = (struct expr_scope){run, scope_find, scope_load, scope_offer};
+    *scope = (struct expr_scope){run, scope_find, scope_load, scope_offer, NULL};
     return run != NULL;
+}
+
+struct moving run_scope_moving(const struct run *run, int slot)
+{
+    const int n = run->system.n, above = slot - n - model_observed(run->system.model);
+    if (slot < n)
+        return (struct moving){MOVING_STATE, slot};
+    double (*const value)(const struct sample *) = above < 0 ? NULL : observables[above].value;
+    if (value == value_t)
+        return (struct moving){MOVING_TIME, 0};
+    if (value == value_y || (value == value_v && run->system.order == 2))
+        return (struct moving){MOVING_STATE, value == value_v ? n / 2 : 0};
+    return (struct moving){MOVING_OTHER, slot};
 }
 
 int run_scope_slots(const struct run *run)

@@ -226,6 +226,8 @@ struct run_private {
     size_t saves, save_room;
     struct turns turns;
     struct happenings happenings;
+    struct watch *watch; /* watch.h; NULL: there are no events */
+    struct event_doubt doubt[LIMIT_EVENTS];
     struct kick *kick;
     size_t kicks, kick_room;
 };
@@ -247,8 +249,6 @@ struct leg {
     int64_t limit; /* step index to stop at */
     bool between;  /* rows at even times are between the steps */
     bool armed;    /* the condition was false since it was last true */
-    signed char sign[LIMIT_EVENTS]; /* of each event's value where it was last not 0 */
-    bool departs[LIMIT_EVENTS];     /* the leg begins where the value is 0 but for rounding */
 };
 
 /* ---- even.c: rows at even times, where trace->interval is there ---- */
@@ -268,7 +268,17 @@ void even_drop(struct trace *trace, double t); /* the rows beyond t */
 /* Is the last row the present state? */
 bool even_present(const struct trace *trace, double row_time);
 
-/* ---- event.c ---- */
+/* What a slot of the run's scope is: a column of its rows, or a function of them. */
+enum moving_kind { MOVING_TIME, MOVING_STATE, MOVING_OTHER };
+
+struct moving {
+    enum moving_kind kind;
+    int index; /* of the state variable, or the slot */
+};
+
+struct moving run_scope_moving(const struct run *run, int slot);
+
+/* ---- event.c, inside.c ---- */
 
 /* The state in the step just taken from p->before over h, at its share theta; the run still is at its end. */
 struct inside {
@@ -279,26 +289,16 @@ struct inside {
 
 /* cold: the step went by method_turning_step(), perhaps in parts. */
 struct inside inside_of(struct run *run, bool cold, double t, double h);
+/* The system that the last step was taken of: p->step, or another in *frozen. */
+struct step inside_step(const struct inside *inside, struct sliding *sliding, struct system *frozen);
 void inside_state(const struct inside *inside, double theta, double *y);
 
-#define CROSSINGS_MOST (2 * LIMIT_EVENTS) /* in a step: both halves are looked at */
-
-struct crossing {
-    double t;
-    int event, direction; /* 1 rising with time */
-    double y[LIMIT_VARIABLES];
-};
-
-struct crossings {
-    struct crossing found[CROSSINGS_MOST]; /* in the order of the step */
-    int count;
-};
-
-void events_begin(const struct run *run, struct leg *leg); /* signs at the run's present state */
-/* What happened in the step just taken from p->before at t over h. */
-void events_find(struct run *run, struct leg *leg, double t, double h, struct crossings *crossings);
+/* Compiles the target's events for the run as it is now, signs at its present state. False: no memory. */
+bool events_begin(struct run *run, const struct leg *leg);
+/* What happened in the step just taken from p->before at t over h. False: no memory. */
+bool events_find(struct run *run, const struct leg *leg, double t, double h);
 /* Keeps those up to the present time; ends at one that stops the run, and puts the run there. False: no memory. */
-bool events_keep(struct run *run, const struct leg *leg, const struct crossings *crossings, double h, bool *stops);
+bool events_keep(struct run *run, const struct leg *leg, double h, bool *stops);
 /* Drops those after the present step; of that step those ahead of the present time. */
 void happenings_truncate(struct run *run, double ahead);
 

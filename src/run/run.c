@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Runs: creation, going back, changing the scene on the way. */
-#include "private.h"
+#include "watch.h"
 
 #include <float.h>
 #include <math.h>
@@ -176,6 +176,7 @@ void run_destroy(struct run *run)
         free(run->private_state->scratch);
         free(run->private_state->propagator);
         free(run->private_state->epoch);
+        events_watch_destroy(run->private_state->watch);
         free(run->private_state->happenings.at);
         free(run->private_state->happenings.state);
         free(run->private_state->kick);

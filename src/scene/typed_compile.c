@@ -10,7 +10,7 @@
 
 static bool read_expr(struct compile *c, const struct typed_line *line, const struct expr **expr)
 {
-    const struct expr_scope scope = {c, typed_find, NULL, typed_offer};
+    const struct expr_scope scope = {.context = c, .find = typed_find, .offer = typed_offer};
     const struct text text = line->expr;
     size_t used;
     *expr = expr_compile(text, &scope, &c->typed->arena, &used, c->error);
