@@ -180,6 +180,9 @@ struct curve_options {
     const double *low, *high; /* [parameters] bounds, NULL: none; -INFINITY and INFINITY: none on that side */
     bool robust;    /* soft-L1, then bisquare (4.685 robust sigma): what is far off has no weight, and is counted */
     bool rough;     /* a start for another fit is wanted: neither the last digits nor what is determined */
+    /* an evaluation takes long, as where a motion is integrated: weights settle on the curve's tangent, and digits far
+     * below the uncertainties are not looked for */
+    bool costly;
     /* robust: so many samples in a row are judged by their own scatter, where that is larger than that of all: what the
      * curve misses for long is no outlier; 0: all together */
     size_t stretch;

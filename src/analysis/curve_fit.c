@@ -16,6 +16,9 @@ enum { ITERATIONS = 500, ROBUST_ROUNDS = 40, SOFT_ROUNDS = 5, MANY = 20000 };
 #define NO_VALUE 1e140 /* residual where the curve has none: the step is refused */
 #define BISQUARE 4.685 /* robust standard deviations: 95 % efficient for normal noise */
 #define SOFT_L1 1.345
+#define WEIGHTS_STAY 1e-3 /* change of a weight from which on they stay */
+#define LENGTH_EXACT 1e-14 /* of the step that is polished no further, relative to value or uncertainty */
+#define LENGTH_COSTLY 1e-10
 
 /* ---- bounds: x = low + (high - low)(1 + sin u)/2, or low - 1 + sqrt(u^2 + 1) in units of the start ---- */
 
@@ -150,7 +153,8 @@ static bool polish(struct problem *p, double *x, struct curve_fit *fit)
     if (!judge(p, x, false, fit))
         return false;
     double length = p->length, floor = fit->rss * (1 + 1e-12) + p->size * p->size * 1e-31;
-    for (int k = 0; k < STEPS && fit->small_gradient && length > 1e-14 && !cancelled(p->cancel); k++) {
+    const double least = p->costly ? LENGTH_COSTLY : LENGTH_EXACT;
+    for (int k = 0; k < STEPS && fit->small_gradient && length > least && !cancelled(p->cancel); k++) {
         double trial[CURVE_PARAMETERS];
         bool allowed = true;
         for (int j = 0; j < count; j++) {
@@ -279,6 +283,65 @@ static enum outcome come_nearer(struct problem *p, double *x, int most, int *ite
     return outcome == OUTCOME_DONE && !judge(p, x, false, fit) ? OUTCOME_MEMORY : outcome;
 }
 
+/*
+ * Weights and steps by turns on the tangent of the curve at the last judged point, `left` [n] being what its residuals
+ * become; round: counted on. False: no memory.
+ */
+static bool settle_on_tangent(struct problem *p, const struct curve_fit *fit, double *left, double *step, int *round)
+{
+    const size_t count = (size_t)fit->parameters;
+    memcpy(left, fit->residual, p->n * sizeof *left);
+    memset(step, 0, count * sizeof *step);
+    for (; *round < ROBUST_ROUNDS; ++*round) {
+        const bool soft = *round < SOFT_ROUNDS;
+        if (set_weights(p, left, soft) < WEIGHTS_STAY && !soft)
+            break;
+        if (!tangent_step(p, fit, fit->residual, step))
+            return false;
+        for (size_t i = 0; i < p->n; i++) {
+            left[i] = fit->residual[i];
+            for (size_t j = 0; j < count; j++)
+                left[i] -= p->derivative[i * count + j] * step[j];
+        }
+    }
+    return true;
+}
+
+/*
+ * The robust rounds of a curve that is costly: it is evaluated only where the weights have settled on its tangent.
+ * Stops where the curve leaves that tangent; x is then the best point, and judged. soft: the soft rounds are done.
+ */
+static enum outcome approach_on_tangent(struct problem *p, double *x, bool *soft, int *iterations,
+                                        struct curve_fit *fit)
+{
+    enum { TURNS = 8 };
+    const size_t count = (size_t)p->curve->parameters;
+    int round = *soft ? SOFT_ROUNDS : 0;
+    for (int turn = 0; turn < TURNS && !cancelled(p->cancel); turn++) {
+        double step[CURVE_PARAMETERS], trial[CURVE_PARAMETERS], *left = p->value, expected = 0;
+        const int before = round;
+        if (!settle_on_tangent(p, fit, left, step, &round))
+            return OUTCOME_MEMORY;
+        if (round == before) /* the weights stay at once */
+            break;
+        for (size_t i = 0; i < p->n; i++)
+            expected += p->weight[i] * left[i] * left[i];
+        for (size_t j = 0; j < count; j++) {
+            trial[j] = x[j] + step[j];
+            trial[j] = p->low ? fmax(trial[j], p->low[j]) : trial[j];
+            trial[j] = p->high ? fmin(trial[j], p->high[j]) : trial[j];
+        }
+        if (!judge(p, trial, false, fit))
+            return OUTCOME_MEMORY;
+        if (!(fit->rss <= 1.1 * expected))
+            return judge(p, x, false, fit) ? OUTCOME_DONE : OUTCOME_MEMORY;
+        memcpy(x, trial, count * sizeof *x);
+        ++*iterations;
+        *soft = true;
+    }
+    return OUTCOME_DONE;
+}
+
 static enum outcome minimise_robust(struct problem *p, double *x, int most, struct curve_fit *fit)
 {
     int iterations = 0;
@@ -287,9 +350,11 @@ static enum outcome minimise_robust(struct problem *p, double *x, int most, stru
     p->rough = true; /* until the weights stay */
     enum outcome outcome =
         is_long ? come_nearer(p, x, most, &iterations, fit) : minimise(p, x, most, &iterations, fit);
-    bool settles = false;
-    for (int round = is_long ? SOFT_ROUNDS : 0; round < ROBUST_ROUNDS && outcome == OUTCOME_DONE && !settles; round++) {
-        settles = set_weights(p, fit->residual, round < SOFT_ROUNDS) < 1e-3 && round >= SOFT_ROUNDS;
+    bool settles = false, soft = is_long; /* the soft rounds are done */
+    if (p->costly && outcome == OUTCOME_DONE)
+        outcome = approach_on_tangent(p, x, &soft, &iterations, fit);
+    for (int round = soft ? SOFT_ROUNDS : 0; round < ROBUST_ROUNDS && outcome == OUTCOME_DONE && !settles; round++) {
+        settles = set_weights(p, fit->residual, round < SOFT_ROUNDS) < WEIGHTS_STAY && round >= SOFT_ROUNDS;
         if (!settles)
             outcome = come_nearer(p, x, most, &iterations, fit);
     }
@@ -387,7 +452,7 @@ bool curve_fit(const struct fit_curve *curve, const struct series *series, const
     static const struct curve_options none;
     const struct curve_options *o = options ? options : &none;
     struct problem p = {.curve = curve, .low = o->low, .high = o->high, .robust = o->robust, .rough = o->rough,
-                        .stretch = o->stretch, .cancel = o->cancel};
+                        .costly = o->costly, .stretch = o->stretch, .cancel = o->cancel};
     double x[CURVE_PARAMETERS];
     int count = curve->parameters, most = o->iterations > 0 ? o->iterations : ITERATIONS, iterations = 0;
     *fit = (struct curve_fit){.parameters = count};

@@ -232,6 +232,22 @@ bool judge(struct problem *p, const double *x, bool probe, struct curve_fit *fit
     return true;
 }
 
+bool tangent_step(const struct problem *p, const struct curve_fit *fit, const double *residual, double *step)
+{
+    struct linear l = {.count = 0};
+    struct curve_fit unused = {.parameters = fit->parameters};
+    memset(step, 0, (size_t)fit->parameters * sizeof *step);
+    for (int j = 0; j < fit->parameters; j++)
+        if (!fit->bound[j])
+            l.at[l.count++] = j;
+    if (l.count == 0)
+        return true;
+    if (!decompose(p, residual, &l))
+        return false;
+    solve(p, &l, step, &unused);
+    return true;
+}
+
 /* ---- conclude ---- */
 
 /* Runs of equal sign, in standard deviations from chance (Wald & Wolfowitz 1940), and lag-1 autocorrelation. */

@@ -14,7 +14,7 @@ struct problem {
     double *derivative;               /* [n][parameters] */
     double size;                      /* length of y: rounding */
     double scale;                     /* robust standard deviation the weights were set with */
-    bool robust, rough;
+    bool robust, rough, costly;
     size_t stretch; /* see struct curve_options */
     /* what judge() leaves: the full Gauss-Newton step from there, and its length relative to value or uncertainty */
     double step[CURVE_PARAMETERS], length;
@@ -30,6 +30,9 @@ double inside(const struct problem *p, int j, double u, double *slope);
 /* Fills values, covariance (not widened), what is determined, the two criteria, residual and rss; probe: also look a
  * standard deviation to either side, which takes two evaluations a parameter. False: no memory. */
 bool judge(struct problem *p, const double *x, bool probe, struct curve_fit *fit);
+/* The Gauss-Newton step [parameters] for these residuals [n], with the present weights and the derivatives that
+ * judge() left; nothing for parameters on their bounds. False: no memory. */
+bool tangent_step(const struct problem *p, const struct curve_fit *fit, const double *residual, double *step);
 /* Diagnostics of the residuals, widening, intervals, words. */
 void conclude(const struct problem *p, struct curve_fit *fit);
 /* Intervals from fits to the fitted curve with new noise of the same size and autocorrelation. */

@@ -139,6 +139,7 @@ static bool fit_part(struct fitting *f, size_t n, bool last, struct curve_fit *f
     part.n = n;
     options.robust = last && f->request->robust && f->sigma > NOTHING * f->spread;
     options.rough = !last;
+    options.costly = true;
     options.stretch = f->stretch;
     options.bootstrap = last ? f->request->bootstrap : 0;
     options.iterations = ITERATIONS;
