@@ -136,9 +136,10 @@ bool archive_unpack(struct text bytes, const char *shown, bool (*wanted)(const c
     bool done = u.archive || error_memory(error);
     if (done) {
         api.archive_read_support_filter_gzip(u.archive);
-        api.archive_read_support_format_zip(u.archive);
         if (text_starts(bytes, TEXT("\x1F\x8B")))
             api.archive_read_support_format_raw(u.archive);
+        else
+            api.archive_read_support_format_zip(u.archive);
         done = (api.archive_read_open_memory(u.archive, bytes.at, bytes.len) == ARCHIVE_OK || damaged(&u, error)) &&
                read_entries(&u, wanted, content, error);
         api.archive_read_free(u.archive);

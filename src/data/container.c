@@ -142,12 +142,27 @@ static struct text entry_name(const char *path)
     return (struct text){name, dot && dot > name ? (size_t)(dot - name) : strlen(name)};
 }
 
+/* An archive ends in its directory, the end of which has at most 65535 bytes of remarks behind it (APPNOTE 4.3.16). */
+static bool has_directory(struct text bytes)
+{
+    enum { END = 22, REMARKS = 65535 };
+    const size_t from = bytes.len > END + REMARKS ? bytes.len - END - REMARKS : 0;
+    for (size_t at = bytes.len; at-- > from;)
+        if (text_starts((struct text){bytes.at + at, bytes.len - at}, TEXT("PK\5\6")))
+            return true;
+    return false;
+}
+
 static bool from_zip(struct text bytes, const char *shown, struct contents *contents, struct error *error)
 {
     struct archive_content *content = calloc(1, sizeof *content);
     if (!content)
         return error_memory(error);
     bool done = archive_unpack(bytes, shown, is_wanted, content, error);
+    if (done && !has_directory(bytes)) {
+        error_set(error, ERROR_IO, "%s is cut short: the directory at the end of the archive is missing", shown);
+        done = error_hint(error, "transfer the file again, or export the data as CSV");
+    }
     if (done && archive_content_find(content, "xl/workbook.xml")) {
         contents->container = "xlsx";
         done = workbook_sheets(content, shown, contents, error);
@@ -173,6 +188,12 @@ static bool from_zip(struct text bytes, const char *shown, struct contents *cont
 static bool unpack(const char *path, const char *shown, struct buffer *bytes, struct contents *contents,
                    struct error *error);
 
+static bool is_archive(struct text bytes)
+{
+    return text_starts(bytes, TEXT("\x1F\x8B")) || text_starts(bytes, TEXT("PK\x03\x04")) ||
+           text_starts(bytes, TEXT("\xD0\xCF\x11\xE0"));
+}
+
 static bool from_gzip(const char *path, const char *shown, struct text bytes, struct contents *contents,
                       struct error *error)
 {
@@ -182,8 +203,8 @@ static bool from_gzip(const char *path, const char *shown, struct text bytes, st
     bool done = archive_unpack(bytes, shown, NULL, content, error);
     if (done && content->entries == 0)
         done = error_set(error, ERROR_IO, "%s is an empty archive", shown);
-    if (done && text_starts(buffer_text(&content->entry[0].bytes), TEXT("\x1F\x8B")))
-        done = error_set(error, ERROR_IO, "%s is an archive in an archive: unpack it first", shown);
+    if (done && is_archive(buffer_text(&content->entry[0].bytes)))
+        done = error_set(error, ERROR_IO, "%s holds an archive or a workbook in an archive: unpack it first", shown);
     else if (done)
         done = unpack(path, shown, &content->entry[0].bytes, contents, error);
     contents->container = contents->container ? contents->container : "gzip";

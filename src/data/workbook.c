@@ -14,6 +14,7 @@
 #define EPOCH_1900 25569.0 /* [day] 1970-01-01 in Excel's count */
 #define EPOCH_1904 24107.0 /* … in that of old Macintosh files */
 #define CELLS_MAX 20000000
+#define GROWTH_MAX 4 /* times the size of its XML that a workbook's text may have, beyond EXPANSION_FREE */
 
 enum style { STYLE_NUMBER, STYLE_DATE, STYLE_TIME };
 
@@ -45,6 +46,7 @@ struct workbook {
     char type[16];
     enum style cell_style;
     size_t cells;
+    size_t left; /* [byte] of text that all sheets may still become */
 };
 
 bool workbook_wanted(const char *path)
@@ -246,6 +248,18 @@ static void put_value(struct workbook *book)
     }
 }
 
+/* Words that many cells share, sheets that are named again, and columns left empty make much of little. */
+static bool bounded(struct workbook *book)
+{
+    if (book->out->failed)
+        return error_memory(book->error);
+    if (book->out->len <= book->left)
+        return true;
+    error_set(book->error, ERROR_IO, "%s has sheets that become more than %d times their size: refused", book->shown,
+              GROWTH_MAX);
+    return error_hint(book->error, "save the sheet with the data as CSV");
+}
+
 static bool sheet_end(void *context, const char *name)
 {
     struct workbook *book = context;
@@ -255,6 +269,7 @@ static bool sheet_end(void *context, const char *name)
         for (; book->filled < book->column; book->filled++)
             buffer_char(book->out, '\t');
         put_value(book);
+        return bounded(book);
     } else if (strcmp(name, "row") == 0) {
         buffer_char(book->out, '\n');
     }
@@ -265,6 +280,9 @@ static bool read_sheet(struct workbook *book, int i, struct contents *contents)
 {
     const struct xml_reader reader = {book, sheet_start, sheet_end, keep_text};
     const struct buffer *sheet = book->sheet[i].path ? archive_content_find(book->content, book->sheet[i].path) : NULL;
+    for (int k = 0; k < i && sheet; k++)
+        if (book->sheet[k].path && strcmp(book->sheet[k].path, book->sheet[i].path) == 0)
+            return true; /* under another name: read already */
     if (!sheet)
         return true;
     struct part *part = contents_add(contents, text_of(book->sheet[i].name));
@@ -272,7 +290,9 @@ static bool read_sheet(struct workbook *book, int i, struct contents *contents)
         return contents->parts == PARTS_MAX || error_memory(book->error);
     book->out = &part->text;
     buffer_put(book->out, TEXT(""));
-    return xml_read(buffer_text(sheet), book->shown, &reader, book->error);
+    const bool done = xml_read(buffer_text(sheet), book->shown, &reader, book->error);
+    book->left -= book->out->len < book->left ? book->out->len : book->left;
+    return done;
 }
 
 /* A document of the archive, if it is there. */
@@ -296,6 +316,9 @@ bool workbook_sheets(const struct archive_content *content, const char *shown, s
     book->shown = shown;
     book->error = error;
     book->epoch = EPOCH_1900;
+    book->left = EXPANSION_FREE;
+    for (size_t i = 0; i < content->entries; i++)
+        book->left += GROWTH_MAX * content->entry[i].bytes.len;
     bool done = read_document(book, "xl/workbook.xml", workbook_start, no_end) &&
                 read_document(book, "xl/_rels/workbook.xml.rels", relation_start, no_end) &&
                 read_document(book, "xl/styles.xml", style_start, style_end) &&

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* XML documents, by expat, which is loaded when one is met. A document that declares entities is refused. */
+/*
+ * XML documents, by expat, which is loaded when one is met. A document that declares
+ * its type, and so could declare entities, is refused.
+ */
 #include "container.h"
 
 #include <string.h>
@@ -17,6 +20,7 @@ const char *xml_attribute(const char **attributes, const char *name)
 
 #define LIBRARY "libexpat.so.1"
 #define PIECE (1u << 20) /* [byte] parsed at a time */
+#define DEPTH_MAX 200    /* elements in elements: an instrument nests fewer than twenty */
 
 #define EXPAT_FUNCTIONS(X)                                                                                             \
     X(XML_ParserCreate)                                                                                                \
@@ -24,7 +28,7 @@ const char *xml_attribute(const char **attributes, const char *name)
     X(XML_SetUserData)                                                                                                 \
     X(XML_SetElementHandler)                                                                                           \
     X(XML_SetCharacterDataHandler)                                                                                     \
-    X(XML_SetEntityDeclHandler)                                                                                        \
+    X(XML_SetStartDoctypeDeclHandler)                                                                                  \
     X(XML_StopParser)                                                                                                  \
     X(XML_Parse)                                                                                                       \
     X(XML_GetErrorCode)                                                                                                \
@@ -56,7 +60,8 @@ struct parsing {
     struct expat_api api;
     XML_Parser parser;
     const struct xml_reader *reader;
-    bool stopped, entities;
+    int depth;
+    bool stopped, typed;
 };
 
 static void stop(struct parsing *p)
@@ -68,13 +73,14 @@ static void stop(struct parsing *p)
 static void on_start(void *data, const XML_Char *name, const XML_Char **attributes)
 {
     struct parsing *p = data;
-    if (!p->stopped && !p->reader->start(p->reader->context, name, attributes))
+    if (!p->stopped && (++p->depth > DEPTH_MAX || !p->reader->start(p->reader->context, name, attributes)))
         stop(p);
 }
 
 static void on_end(void *data, const XML_Char *name)
 {
     struct parsing *p = data;
+    p->depth -= !p->stopped;
     if (!p->stopped && !p->reader->end(p->reader->context, name))
         stop(p);
 }
@@ -86,12 +92,11 @@ static void on_text(void *data, const XML_Char *text, int len)
         stop(p);
 }
 
-static void on_entity(void *data, const XML_Char *name, int is_parameter, const XML_Char *value, int len,
-                      const XML_Char *base, const XML_Char *system, const XML_Char *public, const XML_Char *notation)
+static void on_type(void *data, const XML_Char *name, const XML_Char *system, const XML_Char *public, int internal)
 {
     struct parsing *p = data;
-    (void)name, (void)is_parameter, (void)value, (void)len, (void)base, (void)system, (void)public, (void)notation;
-    p->entities = true;
+    (void)name, (void)system, (void)public, (void)internal;
+    p->typed = true;
     stop(p);
 }
 
@@ -104,8 +109,9 @@ static bool parse(struct parsing *p, struct text document, const char *shown, st
         if (at + len == document.len)
             break;
     }
-    if (p->entities) {
-        error_set(error, ERROR_IO, "%s declares XML entities, which no instrument does: refused", shown);
+    if (p->typed || p->depth > DEPTH_MAX) {
+        error_set(error, ERROR_IO, "%s %s, which no instrument does: refused", shown,
+                  p->typed ? "declares its document type, as for XML entities" : "nests XML elements without end");
         return error_hint(error, "export the data as CSV");
     }
     if (!done && !p->stopped) {
@@ -128,7 +134,7 @@ bool xml_read(struct text document, const char *shown, const struct xml_reader *
         p.api.XML_SetUserData(p.parser, &p);
         p.api.XML_SetElementHandler(p.parser, on_start, on_end);
         p.api.XML_SetCharacterDataHandler(p.parser, on_text);
-        p.api.XML_SetEntityDeclHandler(p.parser, on_entity);
+        p.api.XML_SetStartDoctypeDeclHandler(p.parser, on_type);
         done = parse(&p, document, shown, error);
         p.api.XML_ParserFree(p.parser);
     }
