@@ -58,6 +58,7 @@ static void leave_out(struct adoption *a, const char *what)
 
 #define STANDARD_GRAVITY 9.80665 /* [m/s^2] */
 #define AGREES 1.2   /* rms of the run over that of the fit, at most */
+#define ROUNDING 1e-8 /* of the amplitude: what the run's own errors may add */
 #define ACCURATE 1e-10
 #define ROWS 200 /* recorded in a radian of the natural frequency */
 
@@ -108,7 +109,7 @@ static void warn_apart(const struct adoption *a, double rms, struct reply *reply
 static void reply_adoption(const struct adoption *a, struct buffer *text, struct reply *reply)
 {
     const struct fit *fit = &a->session->fit;
-    const double rms = rms_of_run(a);
+    const double rms = rms_of_run(a), allowed = AGREES * fit->rms + ROUNDING * fit->amplitude.value;
     const struct recording *of = a->data >= 0 ? a->session->recording[a->data]->recording : NULL;
     const enum quantity quantity = of ? of->column[of->value].quantity : QUANTITY_LENGTH;
     if (isfinite(rms)) {
@@ -130,11 +131,15 @@ static void reply_adoption(const struct adoption *a, struct buffer *text, struct
     reply_real(reply, "rms_fit", fit->rms);
     reply_real(reply, "rms_run", rms);
     if (isfinite(rms))
-        reply_bool(reply, "agrees", rms <= AGREES * fit->rms);
+        reply_bool(reply, "agrees", rms <= allowed);
     else
         reply_null(reply, "agrees");
     reply_end(reply);
-    if (rms > AGREES * fit->rms)
+    if (of && recorded_bare(of))
+        reply_warning(reply,
+                      "%s has no unit: its numbers were taken as metres or radians ('load FILE unit=cm' says otherwise)",
+                      of->name);
+    if (rms > allowed)
         warn_apart(a, rms, reply);
 }
 

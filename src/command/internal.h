@@ -333,6 +333,8 @@ struct data_distance {
     size_t bad; /* samples left out: missed echoes would hide how well the run fits */
     int derivative; /* of what the recording holds: 0 position, 1 velocity, 2 acceleration */
 };
+/* Numbers without a unit: taken as positions, in metres or radians, and said to be. */
+bool recorded_bare(const struct recording *recording);
 /* The same of a recording and the first coordinate of a run (NULL: by the quantity alone); -1: neither. */
 int recorded_derivative(const struct recording *recording, const struct run *run);
 struct variable run_derivative(const struct run *run, int derivative); /* its name and quantity */

@@ -15,17 +15,23 @@ static double state_value(const struct run *run, const char *name)
     return variable < 0 ? NAN : run->y[variable];
 }
 
-/* Why a recording of the same time is neither drawn over the run nor compared with it. */
+/* Why a recording of the same time is neither drawn over the run nor compared with it; or how, where it has no unit. */
 static void say_apart(const struct session *session, const struct run *run, struct reply *reply)
 {
     const struct recording *recording = session_recording(session);
     const struct variable first = system_variable(&run->system, 0);
-    if (!recording || run->system.order != 2 || run->system.n != 2 || recorded_derivative(recording, run) >= 0 ||
+    const bool bare = recording && recorded_bare(recording);
+    if (!recording || run->system.order != 2 || run->system.n != 2 ||
+        (recorded_derivative(recording, run) >= 0 && !bare) ||
         !(fmin(run->system.t0, run->t) < recording->window[1] && fmax(run->system.t0, run->t) > recording->window[0]))
         return;
     const struct column *value = &recording->column[recording->value];
     const char *needs = first.quantity == QUANTITY_ANGLE ? "deg" : "cm";
-    if (value->quantity == QUANTITY_OTHER)
+    if (bare)
+        reply_line(reply,
+                   "%s: %s has no unit: its numbers are laid over the run as %s ('load FILE unit=%s' says otherwise)",
+                   recording->name, value->name, quantity_unit(first.quantity), needs);
+    else if (value->quantity == QUANTITY_OTHER)
         reply_line(reply,
                    "%s is not laid over the run, nor compared with it: %s has no unit that is known ('load FILE unit=%s')",
                    recording->name, value->name, needs);

@@ -200,6 +200,12 @@ static double squared_distance(const struct run *run, const struct series *data,
     return sum;
 }
 
+bool recorded_bare(const struct recording *recording)
+{
+    const struct column *value = &recording->column[recording->value];
+    return value->quantity == QUANTITY_OTHER && !value->unit[0];
+}
+
 int recorded_derivative(const struct recording *recording, const struct run *run)
 {
     const enum quantity quantity = recording->column[recording->value].quantity;
@@ -208,7 +214,7 @@ int recorded_derivative(const struct recording *recording, const struct run *run
                : quantity == QUANTITY_ACCELERATION || quantity == QUANTITY_ANGULAR_ACCELERATION ? 2
                                                                                                 : 0;
     const struct system *system = &run->system;
-    if (quantity == system_variable(system, 0).quantity)
+    if (quantity == system_variable(system, 0).quantity || recorded_bare(recording))
         return 0;
     if (system->order != 2)
         return -1;
