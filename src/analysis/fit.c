@@ -4,6 +4,7 @@
 
 #include <gsl/gsl_errno.h>
 #include <math.h>
+#include <stdio.h>
 
 #define SIGNIFICANT 3.0 /* standard deviations of gamma above 0 before laws of drag are compared */
 
@@ -138,10 +139,11 @@ static bool fit_harmonic(const char *model, enum harmonic_free unknowns, enum la
     fit->autocorrelation = m.autocorrelation;
     report(&m.samples, m.residual, &m.harmonic, (int)unknowns, fit->t0, fit);
     if (m.tracked && !fit->converged && !drag) {
-        error_set(error, ERROR_NUMERICAL,
-                  "it oscillates, every %.4g s on average, but one %s sine does not follow it: %zu of %zu samples "
-                  "would be left out",
-                  m.overview.period, unknowns == FREE_GAMMA ? "damped" : "plain", fit->rejected, series->n);
+        char without[64] = "";
+        if (fit->rejected > 0)
+            snprintf(without, sizeof without, ": %zu of %zu samples would be left out", fit->rejected, series->n);
+        error_set(error, ERROR_NUMERICAL, "it oscillates, every %.4g s on average, but one %s sine does not follow it%s",
+                  m.overview.period, unknowns == FREE_GAMMA ? "damped" : "plain", without);
         struct mode_pair pair;
         return two_lines(&m.samples, &pair)
                    ? error_hint(error, "two frequencies, T = %.5g and %.5g s: fit modes 2", pair.period[0],
