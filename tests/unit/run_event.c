@@ -135,6 +135,37 @@ static void test_slices_do_not_matter(void **state)
     }
 }
 
+/* x = t: sin(200 x) rises through 0 at each 2 pi/200, however long the steps are; the start is none of them. */
+static void test_counts(void **state)
+{
+    static const struct {
+        const char *method;
+        double dt, tol;
+    } row[] = {{"bogacki-shampine", 0.1, 1e-3},    {"dopri5", 0.1, 1e-3}, {"dopri5", 0.1, 1e-12}, {"tsit5", 0.1, 1e-6},
+               {"dop853", 0.1, 1e-6}, {"odex", 0.1, 1e-3},   {"radau5", 0.1, 1e-6},  {"tr-bdf2", 0.1, 1e-3},
+               {"rodas5p", 0.1, 1e-12}, {"rk4", 2, 0},       {"euler", 0.5, 0},      {"abm4", 0.25, 0},
+               {"bdf2", 0.25, 0},     {"gauss4", 1, 0}};
+    struct fixture *f = *state;
+    const char *const lines[] = {"var x = 0", "x' = 1", NULL};
+    scene_init(&f->scene, NULL);
+    assert_true(type_scene(f->models, &f->scene, lines));
+    for (size_t k = 0; k < COUNT_OF(row); k++) {
+        start(f, row[k].method, row[k].dt, row[k].tol);
+        add(f, "sin(200*x) rising", false);
+        add(f, "(x-5)^2 touching", false);
+        add(f, "(x-3)*(x-3.000001)", false);
+        add(f, "x-10", false);
+        go(f, 10, -1);
+        int count[4] = {0};
+        for (size_t i = 0; i < run_happenings(f->run); i++)
+            count[run_happening(f->run, i)->event]++;
+        if (count[0] != 318 || count[1] != 1 || count[2] != 2 || count[3] != 1 ||
+            run_event_doubt(f->run, 0).steps != 0)
+            fail_msg("%s, tol %g: %d of 318 crossings, %d touches, %d of a pair, %d at the end", row[k].method,
+                     row[k].tol, count[0], count[1], count[2], count[3]);
+    }
+}
+
 /* ---- stopping and going on ---- */
 
 static void test_stop(void **state)
@@ -357,6 +388,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         TEST_CASE(test_times),
+        TEST_CASE(test_counts),
         TEST_CASE(test_slices_do_not_matter),
         TEST_CASE(test_stop),
         TEST_CASE(test_order_in_a_step),
