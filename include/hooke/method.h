@@ -300,11 +300,15 @@ const struct system *method_adapted(const struct system *system, const struct co
 bool method_amplification(const struct method *method, enum drag drag, double x, double zeta, double matrix[4]);
 double matrix_spectral_radius(const double matrix[4]);
 /* Amplitude factor a step, the spectral radius: also for methods that have no one-step matrix. NAN: does not apply. */
-double method_growth(const struct method *method, enum drag drag, double x, double zeta, enum stiffness_sign sign);
+double method_growth(const struct method *method, enum drag drag, double x, double zeta);
+/* The same where the stiffness has that sign. */
+double method_growth_signed(const struct method *method, enum drag drag, double x, double zeta,
+                            enum stiffness_sign sign);
 /*
  * Supremum of the x with growth <= 1 counted from 0: HUGE_VAL where every step is stable, 0 where none is, NAN where
  * the method or variant does not apply. Growth of up to 1e-12 is taken for rounding, unless it rises as a power of x.
  */
-double method_stable_limit(const struct method *method, enum drag drag, double zeta, enum stiffness_sign sign);
+double method_stable_limit(const struct method *method, enum drag drag, double zeta);
+double method_stable_limit_signed(const struct method *method, enum drag drag, double zeta, enum stiffness_sign sign);
 
 #endif

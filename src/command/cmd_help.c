@@ -106,7 +106,7 @@ static void put_stable_limit(const struct method *method, struct buffer *text)
     scene_init(&scene, NULL);
     if (!scene_bind(&scene, &system, &ignored) || !method_applies(method, &system, &drag, &ignored))
         return;
-    const double limit = method_stable_limit(method, drag, 0, STIFFNESS_POSITIVE);
+    const double limit = method_stable_limit(method, drag, 0);
     if (isnan(limit)) /* it chooses its own steps */
         return;
     buffer_put(text, TEXT("\nstability: on the undamped oscillator "));

@@ -38,7 +38,7 @@ static void list_row(const struct catalog *catalog, const struct row *row, struc
         reply_bool(reply, "symplectic", (method->flags & METHOD_SYMPLECTIC) != 0);
         reply_bool(reply, "adaptive", (method->flags & METHOD_ADAPTIVE) != 0);
         reply_bool(reply, "yardstick", (method->flags & METHOD_YARDSTICK) != 0);
-        reply_real(reply, "stable_limit", method_stable_limit(method, DRAG_DEFAULT, 0, STIFFNESS_POSITIVE));
+        reply_real(reply, "stable_limit", method_stable_limit(method, DRAG_DEFAULT, 0));
         reply_string(reply, "formula", method->formula);
     }
     if (catalog == &limit_catalog)

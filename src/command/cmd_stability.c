@@ -124,11 +124,11 @@ static double finite_or(double value, double otherwise)
 /* Upper half of the z plane, the lower one is its mirror image: # where |R(z)| <= 1. */
 static void put_region(struct buffer *out, const struct stability *s)
 {
-    const double real = finite_or(method_stable_limit(s->by.method, s->by.drag, 1, STIFFNESS_POSITIVE), 6),
-                 high = finite_or(method_stable_limit(s->by.method, s->by.drag, 0, STIFFNESS_POSITIVE), 0);
+    const double real = finite_or(method_stable_limit(s->by.method, s->by.drag, 1), 6),
+                 high = finite_or(method_stable_limit(s->by.method, s->by.drag, 0), 0);
     const double left = -1.25 * real, right = 0.45 * real;
     const double top =
-        1.25 * fmax(fmax(high, real * 0.7), finite_or(method_stable_limit(s->by.method, s->by.drag, 0.3, STIFFNESS_POSITIVE), 0));
+        1.25 * fmax(fmax(high, real * 0.7), finite_or(method_stable_limit(s->by.method, s->by.drag, 0.3), 0));
     const double dx = (right - left) / REGION_COLUMNS, dy = top / (REGION_ROWS - 1);
     char line[REGION_COLUMNS + 1];
     bool shown = false;
@@ -164,7 +164,7 @@ static bool put_growth_figure(struct buffer *out, const struct session *session,
 {
     enum { POINTS = 400, BETWEEN = 16 };
     double *x = arena_array(arena, POINTS, sizeof *x), *y = arena_array(arena, POINTS, sizeof *y);
-    const double limit = finite_or(method_stable_limit(s->by.method, s->by.drag, 0, STIFFNESS_POSITIVE), 4);
+    const double limit = finite_or(method_stable_limit(s->by.method, s->by.drag, 0), 4);
     int width, height;
     if (!x || !y)
         return false;
@@ -172,7 +172,7 @@ static bool put_growth_figure(struct buffer *out, const struct session *session,
         x[i] = 1.3 * limit * (i + 1) / POINTS;
         for (int k = 0; k < BETWEEN; k++) { /* a resonance is narrower than a point */
             const double at = 1.3 * limit * (i + (double)(k + 1) / BETWEEN) / POINTS;
-            y[i] = fmax(y[i], method_growth(s->by.method, s->by.drag, at, 0, STIFFNESS_POSITIVE) - 1);
+            y[i] = fmax(y[i], method_growth(s->by.method, s->by.drag, at, 0) - 1);
         }
     }
     const struct curve curve = {.label = s->by.method->row.name, .x = x, .y = y, .n = POINTS};

@@ -96,10 +96,16 @@ static double growth_factor(const struct oscillation *oscillation, double x)
     return matrix_spectral_radius(matrix);
 }
 
-double method_growth(const struct method *method, enum drag drag, double x, double zeta, enum stiffness_sign sign)
+double method_growth_signed(const struct method *method, enum drag drag, double x, double zeta,
+                            enum stiffness_sign sign)
 {
     struct oscillation oscillation;
     return oscillation_init(&oscillation, method, drag, zeta, sign) ? growth_factor(&oscillation, x) : NAN;
+}
+
+double method_growth(const struct method *method, enum drag drag, double x, double zeta)
+{
+    return method_growth_signed(method, drag, x, zeta, STIFFNESS_POSITIVE);
 }
 
 /* Above 0: this step grows. */
@@ -109,7 +115,7 @@ static double growth(const struct oscillation *oscillation, double x)
     return isnan(radius) ? HUGE_VAL : radius - 1;
 }
 
-double method_stable_limit(const struct method *method, enum drag drag, double zeta, enum stiffness_sign sign)
+double method_stable_limit_signed(const struct method *method, enum drag drag, double zeta, enum stiffness_sign sign)
 {
     struct oscillation oscillation;
     if (!oscillation_init(&oscillation, method, drag, zeta, sign))
@@ -138,4 +144,9 @@ double method_stable_limit(const struct method *method, enum drag drag, double z
         *(growth(&oscillation, x) <= margin ? &low : &high) = x;
     }
     return low;
+}
+
+double method_stable_limit(const struct method *method, enum drag drag, double zeta)
+{
+    return method_stable_limit_signed(method, drag, zeta, STIFFNESS_POSITIVE);
 }

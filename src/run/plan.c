@@ -75,13 +75,13 @@ double plan_stable_limit(const struct system *system, const struct method *metho
     double omega0, zeta;
     if (!oscillation(system, &omega0, &zeta) || zeta < 0) /* with negative damping the true motion grows */
         return NAN;
-    return method_stable_limit(method, drag, zeta, STIFFNESS_POSITIVE) / omega0;
+    return method_stable_limit(method, drag, zeta) / omega0;
 }
 
 static double predicted_growth(const struct system *system, const struct method *method, enum drag drag, double dt)
 {
     double omega0, zeta;
-    return oscillation(system, &omega0, &zeta) ? method_growth(method, drag, omega0 * dt, zeta, STIFFNESS_POSITIVE) : NAN;
+    return oscillation(system, &omega0, &zeta) ? method_growth(method, drag, omega0 * dt, zeta) : NAN;
 }
 
 bool plan_make(const struct system *system, const struct method *method, const struct run_settings *settings,

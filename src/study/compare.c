@@ -63,12 +63,12 @@ static struct prediction predict(const struct run *run)
     double matrix[4];
     bool one_step = method_amplification(run->method, run->settings.drag, x, zeta, matrix);
     if (isnan(prediction.growth)) { /* a method of several steps */
-        prediction.growth = method_growth(run->method, run->settings.drag, x, zeta, STIFFNESS_POSITIVE);
+        prediction.growth = method_growth(run->method, run->settings.drag, x, zeta);
     }
     prediction.known = !isnan(prediction.growth);
     const double dt = fabs(run->settings.dt), last = fabs(run->t - run->system.t0) - (double)(run->steps - 1) * dt;
     if (last > 0 && last < (1 - SHORTER) * dt) {
-        const double end = method_growth(run->method, run->settings.drag, omega * last, zeta, STIFFNESS_POSITIVE);
+        const double end = method_growth(run->method, run->settings.drag, omega * last, zeta);
         prediction.amplitude = (double)(run->steps - 1) * log(prediction.growth) + log(end);
         if (run->steps == 1) {
             prediction.growth = end;

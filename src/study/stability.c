@@ -32,19 +32,19 @@ const struct catalog stability_verdict_catalog = CATALOG("verdict", verdicts);
 /* A step so large that it overflows grows beyond all bounds. */
 double mode_growth(const struct contender *by, const struct mode *mode, double dt)
 {
-    const double x = mode->omega * dt, growth = method_growth(by->method, by->drag, x, mode->zeta, mode->sign);
+    const double x = mode->omega * dt, growth = method_growth_signed(by->method, by->drag, x, mode->zeta, mode->sign);
     return isnan(growth) && x > HUGE_STEP ? HUGE_VAL : growth;
 }
 
 double mode_limit(const struct contender *by, const struct mode *mode)
 {
-    return method_stable_limit(by->method, by->drag, mode->zeta, mode->sign) / mode->omega;
+    return method_stable_limit_signed(by->method, by->drag, mode->zeta, mode->sign) / mode->omega;
 }
 
 double stability_growth(const struct contender *by, double re, double im)
 {
     const double size = hypot(re, im);
-    return size > 0 ? method_growth(by->method, by->drag, size, fmax(-1, fmin(1, -re / size)), STIFFNESS_POSITIVE) : 1;
+    return size > 0 ? method_growth(by->method, by->drag, size, fmax(-1, fmin(1, -re / size))) : 1;
 }
 
 void mode_eigenvalues(const struct mode *mode, double re[2], double *im)

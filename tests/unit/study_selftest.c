@@ -39,7 +39,7 @@ static void fails(struct method method, enum selftest_check check)
 static double too_tame(const struct method *method, double x, double zeta, enum stiffness_sign sign)
 {
     (void)method;
-    return method_growth(method_named("ab3"), DRAG_DEFAULT, x / 1.1, zeta, sign);
+    return method_growth_signed(method_named("ab3"), DRAG_DEFAULT, x / 1.1, zeta, sign);
 }
 
 static void test_false_claims(void **state)

@@ -120,7 +120,7 @@ static void test_every_method_agrees(void **state)
 static double off(const struct method *method, double x, double zeta, enum stiffness_sign sign)
 {
     (void)method;
-    return method_growth(method_named("ab3"), DRAG_DEFAULT, x, zeta, sign) * 1.005;
+    return method_growth_signed(method_named("ab3"), DRAG_DEFAULT, x, zeta, sign) * 1.005;
 }
 
 static void test_a_wrong_formula_is_found_out(void **state)
