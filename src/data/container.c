@@ -98,6 +98,25 @@ static bool is_utf16(struct text bytes)
     return text_starts(bytes, TEXT("\xFF\xFE")) || text_starts(bytes, TEXT("\xFE\xFF"));
 }
 
+/*
+ * Where numbers of one byte a character begin behind UTF-16, as when a program appends to a file of another: units of
+ * which both bytes are of numbers, so many in a row as no script has. The length of `bytes`: nowhere.
+ */
+static size_t narrow_numbers(struct text bytes)
+{
+    enum { UNITS = 16 };
+    size_t units = 0;
+    for (size_t i = 2; i + 1 < bytes.len; i += 2) {
+        bool both = true;
+        for (size_t k = i; k < i + 2; k++)
+            both = both && bytes.at[k] && strchr("0123456789.,;\t\r\n -+eE", bytes.at[k]);
+        units = both ? units + 1 : 0;
+        if (units == UNITS)
+            return i - 2 * (UNITS - 1);
+    }
+    return bytes.len;
+}
+
 /* One part that is the text itself. `bytes` is given away. */
 static bool add_text(struct contents *contents, struct text name, struct buffer *bytes, struct error *error)
 {
@@ -105,6 +124,11 @@ static bool add_text(struct contents *contents, struct text name, struct buffer 
     if (!part)
         return contents->parts == PARTS_MAX || error_memory(error);
     const struct text raw = buffer_text(bytes);
+    if (is_utf16(raw) && narrow_numbers(raw) < raw.len) {
+        error_set(error, ERROR_IO, "the file begins in UTF-16, but from byte %zu on has one byte a character",
+                  narrow_numbers(raw) + 1);
+        return error_hint(error, "split it there, or export the data anew as UTF-8");
+    }
     if (is_utf16(raw))
         return from_utf16(raw, raw.at[0] == '\xFE', &part->text) || error_memory(error);
     part->text = *bytes;

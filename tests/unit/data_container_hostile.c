@@ -214,6 +214,33 @@ static void a_sheet_named_again_is_read_once(void **state)
     buffer_free(&bytes);
 }
 
+/* UTF-16 and then UTF-8, and the other way round. */
+static void a_file_that_mixes_encodings_is_refused(void **state)
+{
+    (void)state;
+    struct buffer text = {0}, wide = {0}, both = {0};
+    struct error error;
+    put_long_table(&text);
+    for (size_t i = 0; i < text.len; i++)
+        put_number(&wide, (uint32_t)text.data[i], 2);
+    buffer_put(&both, TEXT("\xFF\xFE"));
+    buffer_put(&both, buffer_text(&wide));
+    struct recording *r = load_bytes(&both, "", &error);
+    if (!r)
+        fail_msg("%s", error.text);
+    assert_int_equal(r->rows, 400);
+    recording_destroy(r);
+    buffer_put(&both, (struct text){text.data + 23, text.len - 23});
+    assert_true(refused(load_bytes(&both, "", &error), &error, "begins in UTF-16"));
+    buffer_clear(&both);
+    buffer_put(&both, buffer_text(&text));
+    buffer_put(&both, buffer_text(&wide));
+    assert_true(refused(load_bytes(&both, "", &error), &error, "NUL byte in line 402"));
+    buffer_free(&text);
+    buffer_free(&wide);
+    buffer_free(&both);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -222,6 +249,7 @@ int main(void)
         cmocka_unit_test(documents_that_declare_a_type_or_nest_without_end_are_refused),
         cmocka_unit_test(workbooks_that_grow_without_bound_are_refused),
         cmocka_unit_test(a_sheet_named_again_is_read_once),
+        cmocka_unit_test(a_file_that_mixes_encodings_is_refused),
     };
     return cmocka_run_group_tests(tests, fixture_setup, fixture_teardown);
 }

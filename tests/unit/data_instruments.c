@@ -238,6 +238,12 @@ static const struct dialect dialects[] = {
      .options = "unit=cm"},
     {"Siglent", "Record Length,Analog:120\nSample Interval,0.02\nVertical Units,V\nSource,CH1\nSecond,Value\n", ',',
      '.', SECONDS, .per_second = 1, .t_digits = 6, CM, .options = "unit=cm"},
+    {"Siglent SDS1000X-E",
+     "Record Length,Analog:120\nSample Rate,50.0\nVertical Scale,CH1: 0.05\nVertical Offset,CH1:0.00000\n"
+     "Horizontal Scale, 0.200000000\nSecond,Volt\n",
+     ',', '.', SECONDS, .per_second = 1, .t_digits = 11, CM, .options = "unit=cm", .t0 = -1},
+    {"Hantek, dso-via-scpi", "nr,time,ch1,ch2\n", ',', '.', SECONDS, .per_second = 1, .t_digits = 6, CM,
+     .prefix = "3,", .suffix = ",-0.02", .options = "t=2 y=3 unit=cm"},
     {"Rigol DS1000E", "Time,X(CH1)\nSecond,Volt\n", ',', '.', SECONDS, .per_second = 1, .t_digits = 6, CM,
      .suffix = ",", .options = "unit=cm"},
     {"Rigol DS1000Z", "X,CH1,Start,Increment,\nSequence,Volt,-1.000000e+00,2.000000e-02,\n", ',', '.', COUNT, S, CM,
