@@ -73,7 +73,7 @@ struct jet path_fit(const double *value, int degree, double a, double b)
     double tail = 0;
     for (int k = 0; k <= degree; k++, power /= 2) {
         sum += fabs(c[k]) * power;
-        tail += k > degree - 2 ? fabs(c[k]) * power : 0;
+        tail += k > degree - 6 ? fabs(c[k]) * power : 0;
     }
     struct jet jet = bounds(c, degree, 0.5, TAIL * tail + ROUNDING * sum);
     const double scale = 1 / (b - a);

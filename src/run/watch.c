@@ -6,7 +6,7 @@
 #include <stdlib.h>
 
 #define BUDGET 4000 /* bounds of an event in a step, before it is said that it may have been missed */
-#define SAMPLES 8   /* parts of a stretch, where a column that is no variable is looked at */
+#define SAMPLES 12  /* parts of a stretch, where a column that is no variable is looked at */
 
 /* ---- columns ---- */
 
