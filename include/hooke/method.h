@@ -239,7 +239,8 @@ int64_t lanes_evals(const struct lanes *lanes, int lane); /* so far */
  * relative to the scene's own sizes, never to raw SI numbers: scale_i = (mean of max(|y_i|, s_i)^(1/4))^4 over the time
  * of the run so far, where s_i is the system's. So a size that was guessed too small does no harm, and none is 0 or
  * infinite; and a short peak, of which a relaxation oscillation is full, does not make what is between peaks
- * inaccurate, as the largest |y_i| seen would (the phase of the Oregonator was off by 3e-7 at tol 1e-13). The row's share makes all methods alike: after some ten
+ * inaccurate, as the largest |y_i| seen would (the phase of the Oregonator was off by 3e-7 at tol 1e-13). Where the
+ * scene gives an atol_i it takes the place of that: tol scale_i = atol_i. The row's share makes all methods alike: after some ten
  * periods of an oscillation the error that has added up is at most ten times tol.
  *
  * Steps towards t_end (either side of t), never past it; a step that reaches it sets t = t_end exactly and leaves the

@@ -253,6 +253,9 @@ void run_diagnose(struct run *run);
 /* Why it stopped, as a sentence for the user: "diverged at t = 12.31 s (step 18): dt = 0.7 s is above …; try dt <= 0.06
  * s". */
 void run_explain(const struct run *run, struct buffer *text);
+/* below [n]: variables of an adaptive run whose values are less than the error that it allows, and not only because
+ * they pass through 0: none of their digits is certain. How many. */
+int run_below_tolerance(const struct run *run, bool *below);
 
 /* ---- observables ----
  *

@@ -231,6 +231,7 @@ struct scene {
     double uncertainty[PARAM_MAX]; /* one standard uncertainty, 0: exact */
     bool given[PARAM_MAX];         /* set by the user since the preset */
     bool across;                   /* methods step across kinks at turning points, as they are printed */
+    double atol[LIMIT_VARIABLES];  /* [n] errors of adaptive methods that do not matter, SI; 0: not given */
 };
 
 /* Settings of a model under a name. */
@@ -269,6 +270,7 @@ int scene_param(const struct scene *scene, const char *name); /* place, -1: this
 void scene_init(struct scene *scene, const struct preset *preset); /* NULL: "spring" with the lab's defaults */
 /* Checks the range (m > 0, …, finite) and that k/m does not overflow; the scene is unchanged on error. */
 bool scene_set(struct scene *scene, int param, struct measured value, struct error *error);
+void scene_set_atol(struct scene *scene, int variable, double atol); /* 0: not given */
 void scene_unset(struct scene *scene, int param); /* back to the preset's value */
 
 /* Quantities that follow from the parameters: omega0, T0, f0, zeta, Q, omega_d, T_d, equilibrium … NaN where not
@@ -404,6 +406,7 @@ struct system {
     double start[LIMIT_VARIABLES]; /* state at t0 */
     double t0;                     /* [s] */
     double scale[LIMIT_VARIABLES]; /* natural size of each variable (amplitude, amplitude * omega): error norms; > 0 */
+    double atol[LIMIT_VARIABLES];  /* as the scene's */
 };
 
 bool scene_bind(const struct scene *scene, struct system *system, struct error *error);

@@ -188,6 +188,7 @@ static bool arrive(struct session *session, const struct journey *journey, const
     reply_growth(run, reply);
     reply_unsound(run, reply);
     reply_vanished(run, reply);
+    reply_below_tolerance(run, reply);
     reply_phase_unknown(run, reply);
     reply_sliding(run, reply);
     reply_event_doubts(journey->held, reply);

@@ -141,7 +141,7 @@ HANDLER(scene)
 /* ---- set, unset, let ---- */
 
 /* What stands after NAME, without the "=" of an assignment. */
-static struct parser value_parser(struct session *session, const struct arguments *given)
+struct parser value_parser(struct session *session, const struct arguments *given)
 {
     struct text value = given_for(given, "VALUE")->item->text;
     if (value.len > 0 && value.at[0] == '\'') /* of a velocity's name */
@@ -152,8 +152,7 @@ static struct parser value_parser(struct session *session, const struct argument
     return (struct parser){session, given->scope, given->arena, value};
 }
 
-static bool read_value(struct parser *parser, const char *what, enum quantity quantity, struct item *item,
-                       struct error *error)
+bool read_value(struct parser *parser, const char *what, enum quantity quantity, struct item *item, struct error *error)
 {
     return parse_value(parser, what, quantity, item, error) && refuse_rest(parser, item, error);
 }

@@ -128,6 +128,8 @@ static void complete_arguments(struct completion *c, const struct command *comma
         complete_item(c, option, TEXT(""));
     else if (strcmp(name, "help") == 0)
         complete_topics(c);
+    else if (strcmp(name, "atol") == 0)
+        complete_atol(c, count_words(before) > 0);
     else if (strcmp(name, "show") == 0) {
         complete_catalog(c, &show_catalog);
         complete_names(c);

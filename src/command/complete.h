@@ -20,6 +20,7 @@ void complete_affixed(struct completion *c, const char *before, const char *name
 void complete_catalog(struct completion *c, const struct catalog *catalog);
 void complete_units(struct completion *c, enum quantity quantity); /* QUANTITY_OTHER: all */
 void complete_settable(struct completion *c);
+void complete_atol(struct completion *c, bool named); /* variables of the scene, and how to take them back */
 void complete_names(struct completion *c);    /* with a value in expressions */
 void complete_operands(struct completion *c); /* these and functions */
 /* State variables and observables of the current run, or of the one that the scene would give; not what stands in

@@ -51,6 +51,14 @@ void complete_settable(struct completion *c)
         complete_offer(c, c->session->setup.let[i].name, "variable");
 }
 
+void complete_atol(struct completion *c, bool named)
+{
+    const struct model *model = c->session->setup.scene.model;
+    for (int i = 0; i < model->n && !named; i++)
+        complete_offer(c, model->variable[i].name, "variable of the scene");
+    complete_offer(c, "off", named ? "as large as tol says" : "all of them as large as tol says");
+}
+
 void complete_names(struct completion *c)
 {
     names_each(c->session, offer_name, c);

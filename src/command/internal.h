@@ -178,6 +178,9 @@ bool parse_integer(struct parser *parser, const char *what, bool negative, struc
 /* Refuses what is left, with the likely reason: decimal comma, unknown unit, word too many. number: what was read
  * before, NULL: no number. */
 bool refuse_rest(const struct parser *parser, const struct item *number, struct error *error);
+/* The argument VALUE of a statement NAME = VALUE, to be read with read_value() (cmd_scene.c). */
+struct parser value_parser(struct session *session, const struct arguments *given);
+bool read_value(struct parser *parser, const char *what, enum quantity quantity, struct item *item, struct error *error);
 /* Both sides of a comparison must be of one quantity, where that is known. */
 bool check_condition(struct parser *parser, struct text condition, struct error *error);
 /* One item of this argument, which may end at one of `stops` (items.c). */
@@ -202,6 +205,8 @@ void scene_lines(const struct scene *scene, const char *before, struct buffer *t
 /* The same, each before `end`, in an order in which they can be typed: a line may use one that was typed after it,
  * where it has taken the place of another. */
 void scene_script(const struct scene *scene, const char *end, struct buffer *text);
+/* The absolute tolerances that were given, the same way (cmd_tolerance.c). */
+void atol_script(const struct scene *scene, const char *end, struct buffer *text);
 int model_variable(const struct model *model, struct text name); /* place, -1: none; y' is vy of a typed model */
 int model_observation(const struct model *model, struct text name); /* place of what a typed model observes, -1: none */
 const struct model *model_with(struct text name); /* the first with such a parameter, derived quantity or variable */
@@ -309,6 +314,7 @@ void reply_growth(struct run *run, struct reply *reply);
 void reply_unsound(struct run *run, struct reply *reply);
 void reply_sliding(struct run *run, struct reply *reply); /* along switches, or these pile up; once */
 void reply_vanished(const struct run *run, struct reply *reply); /* every value is below the smallest number */
+void reply_below_tolerance(const struct run *run, struct reply *reply);
 /* Of an exact solution so long that roundings of the parameters move its phase. */
 void reply_phase_unknown(const struct run *run, struct reply *reply);
 /* Warns of a state whose squares underflow. */

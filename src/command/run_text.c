@@ -107,6 +107,13 @@ void reply_run(const struct session *session, const struct run *run, struct repl
     for (int i = 0; i < run->system.n; i++)
         reply_real(reply, system_variable(&run->system, i).name, run->y[i]);
     reply_close(reply);
+    bool below[LIMIT_VARIABLES];
+    run_below_tolerance(run, below);
+    reply_array(reply, "below_tolerance");
+    for (int i = 0; i < run->system.n; i++)
+        if (below[i])
+            reply_string(reply, NULL, system_variable(&run->system, i).name);
+    reply_close(reply);
     reply_real(reply, "energy", ledger.final);
     if (run->system.order == 2 && !run->system.energy)
         reply_real(reply, "kinetic", run_observable(run, observable_energy(&run->system)));
@@ -195,6 +202,31 @@ void reply_vanished(const struct run *run, struct reply *reply)
     }
     if (start >= DBL_MIN && size < DBL_MIN && run->steps > 0)
         reply_warning(reply, "the motion has vanished: every value is below the smallest number, %.3g", DBL_MIN);
+}
+
+/* In text; JSON has a list of them. */
+void reply_below_tolerance(const struct run *run, struct reply *reply)
+{
+    enum { NAMED = 3 };
+    bool below[LIMIT_VARIABLES];
+    const int count = run_below_tolerance(run, below);
+    struct buffer names = {0};
+    int first = -1;
+    for (int i = 0, named = 0; i < run->system.n && named < NAMED; i++) {
+        if (!below[i])
+            continue;
+        first = first < 0 ? i : first;
+        buffer_format(&names, "%s%s", named++ > 0 ? ", " : "", system_variable(&run->system, i).name);
+    }
+    if (count > NAMED)
+        buffer_format(&names, " and %d more", count - NAMED);
+    if (count > 0) {
+        reply_line(reply, "no digit is certain of %s: below %s tolerance", buffer_view(&names),
+                   count > 1 ? "their" : "its");
+        reply_line(reply, "'atol %s = VALUE' asks for errors as small as that",
+                   system_variable(&run->system, first).name);
+    }
+    buffer_free(&names);
 }
 
 void reply_sliding(struct run *run, struct reply *reply)

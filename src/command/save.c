@@ -25,6 +25,7 @@ static void save_scene(const struct scene *scene, bool always, struct buffer *te
         buffer_exact(text, (struct measured){scene->value[i], scene->uncertainty[i]}, param->quantity);
         buffer_char(text, '\n');
     }
+    atol_script(scene, "\n", text);
 }
 
 static void save_method(const struct setup *setup, bool always, struct buffer *text)

@@ -49,6 +49,12 @@ void keys_add_scene(struct keys *keys, const struct scene *scene)
         lines.len -= lines.failed ? 0 : 2;
         keys_add(keys, "typed", &lines);
     }
+    struct buffer atol = {0};
+    atol_script(scene, "; ", &atol);
+    if (atol.len > 0 || atol.failed) {
+        atol.len -= atol.failed ? 0 : 2;
+        keys_add(keys, "tolerances", &atol);
+    }
     for (size_t i = 0; i < scene_params(scene)->count; i++) {
         const struct param_row *param = param_at(scene, (int)i);
         struct buffer value = {0};

@@ -47,6 +47,11 @@ static double norm(const struct step *step, double tol, const double *x, const d
     return sqrt(scaled_square(n, step_scale(step), x, y, z) / (n * tol * tol));
 }
 
+static double tolerance(const struct controller *controller)
+{
+    return fmax(controller->tol, 10 * DBL_EPSILON);
+}
+
 /* One more sample of the sizes, at the start of a step. */
 static void follow(const struct step *step, struct controller *controller)
 {
@@ -58,6 +63,10 @@ static void follow(const struct step *step, struct controller *controller)
     for (int i = 0; i < system->n; i++) {
         const double least = system->scale[i], size = fabs(step->y[i]);
         double mean = 1;
+        if (system->atol[i] > 0) {
+            controller->scale[i] = fmin(system->atol[i] / tolerance(controller), DBL_MAX);
+            continue;
+        }
         if (size > least)
             controller->excess[i] += by * (sqrt(sqrt(size / least)) - 1);
         if (controller->excess[i] > 0)
@@ -178,8 +187,7 @@ static void take_back(struct step *step, struct controller *controller, double t
 static enum step_status adapt(const struct method *method, struct step *step, struct controller *controller,
                               double t_end, struct switches_state *switches)
 {
-    const double least = 10 * DBL_EPSILON, tol = controller->tol > least ? controller->tol : least;
-    const double t = step->t, span = t_end - t;
+    const double tol = tolerance(controller), t = step->t, span = t_end - t;
     const double most = largest_estimate(method, tol);
     const bool turns = !switches && method_turns(method, step->system);
     const double planned = controller->h; /* after a failure another try begins where this one did */
@@ -296,7 +304,7 @@ static enum step_status adapt_between_switches(const struct method *method, stru
 enum step_status method_adapt(const struct method *method, struct step *step, struct controller *controller,
                               double t_end)
 {
-    const double least = 10 * DBL_EPSILON, span = t_end - step->t;
+    const double span = t_end - step->t;
     assert(method->flags & METHOD_ADAPTIVE);
     if (span == 0)
         return STEP_OK;
@@ -307,7 +315,7 @@ enum step_status method_adapt(const struct method *method, struct step *step, st
         status = method->adapt(method, step, controller, t_end);
     } else {
         if (controller->h == 0)
-            controller->h = first_step(step, controller->tol > least ? controller->tol : least, method->order, span);
+            controller->h = first_step(step, tolerance(controller), method->order, span);
         controller->h = copysign(controller->h, span);
         status = step->system->switches > 0 ? adapt_between_switches(method, step, controller, t_end)
                                             : adapt(method, step, controller, t_end, NULL);

@@ -149,6 +149,11 @@ static void describe_method(const struct system *system, const struct method *me
         buffer_short(text, settings->tol, 3);
         buffer_format(text, " of the scene's own scale; the first guess is dt = ");
         buffer_quantity(text, settings->dt, QUANTITY_TIME, 6);
+        for (int i = 0; i < system->n; i++)
+            if (system->atol[i] > 0) {
+                buffer_format(text, "\n%-10satol %s = ", "", system_variable(system, i).name);
+                buffer_quantity(text, system->atol[i], system_variable(system, i).quantity, 6);
+            }
         buffer_char(text, '\n');
         return;
     }

@@ -63,6 +63,11 @@ void scene_init(struct scene *scene, const struct preset *preset)
         scene_unset(scene, (int)i);
 }
 
+void scene_set_atol(struct scene *scene, int variable, double atol)
+{
+    scene->atol[variable] = atol;
+}
+
 void scene_unset(struct scene *scene, int param)
 {
     scene->value[param] = preset_value(scene, param);

@@ -270,6 +270,7 @@ bool scene_bind_motion(const struct scene *scene, struct system *system, struct 
     if (model->coherent && !model->coherent(param, error))
         return false;
     begin(model, system);
+    memcpy(system->atol, scene->atol, sizeof system->atol);
     bind_rows(param, system);
     system_sum_up(system);
     system->across = scene->across;

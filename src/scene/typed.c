@@ -344,6 +344,10 @@ void scene_remodel(struct scene *scene, const struct model *model)
         scene->uncertainty[i] = was.uncertainty[place];
         scene->given[i] = was.given[place];
     }
+    for (int i = 0; i < LIMIT_VARIABLES; i++) {
+        const int place = i < model->n ? model_state(was.model, text_of(model->variable[i].name)) : -1;
+        scene->atol[i] = place < 0 ? 0 : was.atol[place];
+    }
 }
 
 /* ---- what there is to look at ---- */
