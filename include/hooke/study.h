@@ -481,7 +481,7 @@ struct spread_request {
 /*
  * Standard deviation [n] of the variable to first order: sqrt(s^T C s) with the derivatives s by
  * the parameters of the equation of motion, solved to 1e-10 whatever method a run has (variational
- * equations; Bock 1981).
+ * equations; Bock 1981). Where its field jumps they are differences of two runs.
  */
 bool study_spread(const struct spread_request *request, struct arena *arena, double *deviation,
                   struct error *error);

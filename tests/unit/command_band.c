@@ -30,14 +30,20 @@ static double normal(uint64_t *seed)
     return sum;
 }
 
-/* 8 s of y'' + gamma y' + b|y'|y' + 72 y = 0 from 5 cm on, with noise. */
-static void record(const char *name, double gamma, double b, double noise, uint64_t seed)
+static struct equation motion_of(double gamma, double b, double f)
+{
+    return (struct equation){.value = {[EQUATION_START] = 0.05,
+                                       [EQUATION_OMEGA] = 8.5,
+                                       [EQUATION_RATE] = gamma,
+                                       [EQUATION_RATE + 1] = b,
+                                       [EQUATION_RATE + 2] = f}};
+}
+
+/* 8 s of y'' + gamma y' + b|y'|y' + f sign(y') + 72 y = 0 from 5 cm on, with noise. */
+static void record(const char *name, double gamma, double b, double f, double noise, uint64_t seed)
 {
     enum { SAMPLES = 400 };
-    const struct equation motion = {.value = {[EQUATION_START] = 0.05,
-                                              [EQUATION_OMEGA] = 8.5,
-                                              [EQUATION_RATE] = gamma,
-                                              [EQUATION_RATE + 1] = b}};
+    const struct equation motion = motion_of(gamma, b, f);
     double t[SAMPLES], y[SAMPLES];
     struct buffer text = {0};
     for (int i = 0; i < SAMPLES; i++)
@@ -178,13 +184,72 @@ static void check_draws(const char *line)
 static void test_band_holds_95_percent(void **state)
 {
     (void)state;
-    record("damped.csv", 0.2, 0, 2e-3, 1);
-    record("disk.csv", 0, 2, 1e-3, 2);
+    record("damped.csv", 0.2, 0, 0, 2e-3, 1);
+    record("disk.csv", 0, 2, 0, 1e-3, 2);
+    record("rub.csv", 0, 0, 0.08, 1e-3, 4);
     check_draws("load damped.csv; fit");
     check_draws("load damped.csv; fit drag");
     check_draws("load damped.csv; fit scene free=k,gamma,y0,v0");
     check_draws("scene drag; C = 1; m = 200 g; load disk.csv; fit drag");
+    check_draws("load rub.csv; fit drag");
     check_draws("g = 9.81 m/s^2; load damped.csv; fit");
+}
+
+/* ---- against what is true ---- */
+
+/* Sum of ((run - truth)/standard deviation)^2 over the rows, which are counted. */
+static void add_deviations(struct bench *bench, const struct equation *truth, double *square,
+                           double *inside, double *count)
+{
+    struct arena arena = {0};
+    struct figure figure;
+    draw_band(bench, &arena, &figure);
+    const struct curve *curve = &figure.curve[0];
+    double *y = arena_array(&arena, curve->n, sizeof *y);
+    assert_non_null(y);
+    assert_true(equation_solve(truth, curve->x, curve->n, y, NULL));
+    for (size_t i = 0; i < curve->n; i++) {
+        const double z = (curve->y[i] - y[i]) / curve->spread[i];
+        *square += 1.96 * 1.96 * z * z;
+        *inside += fabs(z) < 1;
+        ++*count;
+    }
+    arena_reset(&arena);
+}
+
+/*
+ * Recordings that differ in their noise alone: runs of what was adopted scatter about the truth as
+ * the band says. Each has four parameters, so the mean square of 40 recordings, 1, is uncertain by
+ * sqrt(2/160) = 0.11, and the share inside, 0.95, by about 0.03; both get three times that. Half
+ * of the run lies beyond the recording. Without the correlations of the fit the mean is 0.4.
+ */
+static void check_scatter(const char *scene, const char *fit, double gamma, double b, double f,
+                          double noise)
+{
+    enum { RECORDINGS = 40 };
+    const struct equation truth = motion_of(gamma, b, f);
+    double square = 0, inside = 0, count = 0;
+    for (uint64_t seed = 0; seed < RECORDINGS; seed++) {
+        struct bench bench;
+        bench_open(&bench, false);
+        record("again.csv", gamma, b, f, noise, 100 + seed);
+        type_ok(&bench, scene);
+        type_ok(&bench, "m = 200 g; method rk4 dt=20ms; load again.csv");
+        type_ok(&bench, fit);
+        type_ok(&bench, "adopt; method dop853 tol=1e-9; run 16 s");
+        add_deviations(&bench, &truth, &square, &inside, &count);
+        bench_close(&bench);
+    }
+    if (!(square / count > 0.6 && square / count < 1.5 && inside / count > 0.86))
+        fail_msg("%s: mean square %.3f, %.1f %% inside", fit, square / count, 100 * inside / count);
+}
+
+static void test_band_covers_the_truth(void **state)
+{
+    (void)state;
+    check_scatter("scene spring", "fit", 0.2, 0, 0, 2e-3);
+    check_scatter("scene spring", "fit scene free=k,gamma,y0,v0", 0.2, 0, 0, 2e-3);
+    check_scatter("scene drag; gamma = 0", "fit drag", 0, 2, 0, 1e-3);
 }
 
 /* ---- the picture ---- */
@@ -252,7 +317,7 @@ static void test_picture_has_the_curve_in_its_band(void **state)
     static double band[MOST_POINTS][2], line[MOST_POINTS][2];
     struct bench bench;
     bench_open(&bench, false);
-    record("wide.csv", 0.2, 0, 1e-2, 3);
+    record("wide.csv", 0.2, 0, 0, 1e-2, 3);
     type_ok(&bench, "m = 200 g; method rk4 dt=20ms; load wide.csv; fit; adopt; run 8 s; plot "
                     "position --band > band.svg");
     assert_says(&bench.out, "95 % of the fit: at most +- ");
@@ -292,7 +357,7 @@ static void test_text_has_the_band(void **state)
     (void)state;
     struct bench bench;
     bench_open(&bench, false);
-    record("wide.csv", 0.2, 0, 1e-2, 3);
+    record("wide.csv", 0.2, 0, 0, 1e-2, 3);
     type_ok(&bench, "m = 200 g; method rk4 dt=20ms; load wide.csv; fit; adopt; run 8 s");
     type_ok(&bench, "set charset ascii; plot position --band");
     assert_says(&bench.out, ": 95 % of the fit");
@@ -301,6 +366,25 @@ static void test_text_has_the_band(void **state)
     type_ok(&bench, "plot position");
     assert_null(strstr(said(&bench.out), "95 %"));
     assert_null(strstr(said(&bench.out), "\xE2\x96\x91"));
+    bench_close(&bench);
+}
+
+static void take_offer(void *context, const char *candidate, const char *brief)
+{
+    (void)brief;
+    *(bool *)context |= strcmp(candidate, "--band") == 0;
+}
+
+static void test_option_is_completed(void **state)
+{
+    (void)state;
+    const char *line = "plot position --ba";
+    struct bench bench;
+    bool offered = false;
+    size_t start;
+    bench_open(&bench, true);
+    command_complete(bench.session, text_of(line), strlen(line), &start, take_offer, &offered);
+    assert_true(offered);
     bench_close(&bench);
 }
 
@@ -318,7 +402,7 @@ static void test_refusals(void **state)
     (void)state;
     struct bench bench;
     bench_open(&bench, false);
-    record("damped.csv", 0.2, 0, 2e-3, 1);
+    record("damped.csv", 0.2, 0, 0, 2e-3, 1);
     type_ok(&bench, "method rk4 dt=10ms; run 3 s");
     refused(&bench, "plot position --band", "there is no adopted fit");
     refused(&bench, "plot energy --band", "--band is for positions over time");
@@ -347,8 +431,10 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_band_holds_95_percent),
+        cmocka_unit_test(test_band_covers_the_truth),
         cmocka_unit_test(test_picture_has_the_curve_in_its_band),
         cmocka_unit_test(test_text_has_the_band),
+        cmocka_unit_test(test_option_is_completed),
         cmocka_unit_test(test_refusals),
     };
     return cmocka_run_group_tests(tests, enter_folder, leave_folder);
