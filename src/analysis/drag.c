@@ -168,12 +168,28 @@ static size_t judge_samples(struct fitting *f, const double *residual)
     return changed;
 }
 
+/*
+ * Where friction stops a body is a triangle of its friction, a tooth for each half swing: a long rest at the end has an
+ * answer in every tooth. So what moves comes first, and finds the right one. False: it does not come to rest.
+ */
+static bool fit_motion_first(struct fitting *f)
+{
+    const struct samples *x = &f->motion->samples;
+    const size_t rest = samples_rest(x, TWO_PI / f->start.value[EQUATION_OMEGA]);
+    if (rest >= x->n)
+        return false;
+    memset(f->use + rest, 0, x->n - rest);
+    fit_laws(f, false, FINALLY);
+    memcpy(f->use + rest, x->use + rest, x->n - rest);
+    return true;
+}
+
 /* The samples of the fits and the fits themselves, until both agree. False: no law converged. */
 static bool settle(struct fitting *f, size_t *edge)
 {
     struct motion *m = f->motion;
-    bool local = false, changes = false;
-    fit_laws(f, false, NEARLY);
+    bool local = false, changes = fit_motion_first(f);
+    fit_laws(f, changes, NEARLY);
     for (int round = 0; round < ROUNDS; round++) {
         const int at = nearest(f);
         if (at < 0 || !law_residuals(&f->samples, &f->fit[at], m->residual, NULL, NULL))

@@ -158,9 +158,11 @@ static bool fit_harmonic(const char *model, enum harmonic_free unknowns, enum la
     }
     double sway = NAN;
     if (unknowns == FREE_GAMMA) {
-        size_t middle = samples_index(&m.samples, 0.5 * (fit->window[0] + fit->window[1]));
+        /* what rests has no half to compare */
+        const size_t moves = samples_rest(&m.samples, TWO_PI / m.harmonic.omega);
+        size_t middle = samples_index(&m.samples, 0.5 * (fit->window[0] + series->t[moves - 1]));
         fit_half(&m, 0, middle, 0, fit);
-        fit_half(&m, middle, series->n, 1, fit);
+        fit_half(&m, middle, moves, 1, fit);
         double formal = fit->gamma.uncertainty;
         widen_by_halves(fit->halves, &fit->gamma);
         widen_by_halves(fit->half_periods, &fit->period);

@@ -6,6 +6,9 @@
 
 enum { CHUNK = 128, ITERATIONS = 60, COLUMNS = LAW_PARAMETERS + 1 }; /* derivatives, then the residual */
 
+/* With friction a minimum may lie where a half swing more begins, in a kink: no step promises little there. */
+#define KINK 1e8 /* damping at which none goes down */
+enum { SMALL_MOST = 4 };
 
 struct normal {
     double product[COLUMNS][COLUMNS]; /* lower part; the last row is that of the residual */
@@ -232,6 +235,7 @@ bool law_descend(const struct law_samples *x, double trust, double rounding, str
     struct normal normal, next;
     struct law_fit trial;
     double step[LAW_PARAMETERS], full[LAW_PARAMETERS], lambda = 1e-3;
+    int small = 0; /* steps in a row that went down by less than a hundredth of a variance */
     fit->converged = false;
     fit->rss = pass(x, fit, &normal);
     for (int i = 0; i < ITERATIONS && isfinite(fit->rss) && !cancelled(x->cancel); i++) {
@@ -248,11 +252,16 @@ bool law_descend(const struct law_samples *x, double trust, double rounding, str
         move(fit, step, &trial);
         trial.rss = pass(x, &trial, &next);
         if (trial.rss <= fit->rss) {
+            small = fit->rss - trial.rss < 0.01 * unit ? small + 1 : 0;
             *fit = trial;
             normal = next;
             lambda *= 0.01;
         } else {
             lambda = fmax(lambda * 10, 1e-6);
+        }
+        if (fit->motion.value[EQUATION_RATE + 2] > 0 && (lambda > KINK || small >= SMALL_MOST)) {
+            fit->converged = true;
+            break;
         }
     }
     fit->converged = fit->converged && invert(&normal, fit);

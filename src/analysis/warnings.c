@@ -54,8 +54,13 @@ static void warn_ends(const struct motion *m, struct fit *fit)
             }
         }
     }
-    if (bad[0] + bad[1] > 0) {
-        const struct samples *x = &m->samples;
+    const struct samples *x = &m->samples;
+    const size_t rest = samples_rest(x, TWO_PI / m->harmonic.omega);
+    if (rest < x->n) { /* the laws with dry friction know what sticks */
+        if (fit->drag.candidates == 0)
+            fit_warn(fit, "it rests from %.4g s on, which no damped sine does: try window=%.4g..%.4g s", x->t[rest],
+                     x->t[m->segment[bad[0]].from], x->t[rest - 1]);
+    } else if (bad[0] + bad[1] > 0) {
         fit_warn(fit, "the %s of the window is no free oscillation (rest, hand or release): try window=%.4g..%.4g s",
                  bad[0] && bad[1] ? "start and the end"
                  : bad[0]         ? "start"

@@ -10,7 +10,7 @@ static const struct finding_row rows[] = {
     [FINDING_SPIKES] = ROW("spikes", "missed echoes", REMEDY_MASK, "masked"),
     [FINDING_SHOULDERS] = ROW("shoulders", "double echoes, several samples in a row", REMEDY_MASK, "masked"),
     [FINDING_STUCK] = ROW("stuck", "the same value again while it moves", REMEDY_MASK, "masked"),
-    [FINDING_CLIPPED] = ROW("clipped", "flat tops", REMEDY_KEEP, "kept: the fit takes them as censored"),
+    [FINDING_CLIPPED] = ROW("clipped", "flat tops", REMEDY_KEEP, "kept: fits judge them, and say what they leave out"),
     [FINDING_QUANTISED] = ROW("steps", "few different values", REMEDY_KEEP, "kept: noise of step/sqrt(12)"),
     [FINDING_START] =
         ROW("start", "rest, hand or release before it swings freely", REMEDY_WINDOW, "left out by the window"),

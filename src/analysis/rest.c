@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Where a motion comes to rest before its recording ends. */
+#include "internal.h"
+
+#include <math.h>
+
+#define PERIODS_LEAST 2.0 /* of rest, and of motion before it */
+#define QUIET 0.2  /* of the scatter at the start: so small must that at the end be */
+#define ALIKE 1.5  /* times the scatter at the end: so large may that of half a period be */
+
+struct spread {
+    double mean, deviation, count;
+};
+
+static struct spread spread_of(const struct samples *x, size_t from, size_t to)
+{
+    struct spread s = {0};
+    for (size_t i = from; i < to; i++)
+        if (x->use[i]) { /* Welford 1962 */
+            const double off = x->y[i] - s.mean;
+            s.mean += off / ++s.count;
+            s.deviation += off * (x->y[i] - s.mean);
+        }
+    s.deviation = s.count > 1 ? sqrt(s.deviation / (s.count - 1)) : NAN;
+    return s;
+}
+
+size_t samples_rest(const struct samples *x, double period)
+{
+    const double first = x->t[0], last = x->t[x->n - 1], least = PERIODS_LEAST * period;
+    if (!(period > 0) || last - first < 2 * least)
+        return x->n;
+    const struct spread start = spread_of(x, 0, samples_index(x, first + least));
+    const struct spread end = spread_of(x, samples_index(x, last - least), x->n);
+    if (!(end.count > 4) || !(end.deviation < QUIET * start.deviation))
+        return x->n;
+    size_t rest = samples_index(x, last - least);
+    for (double t = last - least - 0.5 * period; t > first + least; t -= 0.5 * period) {
+        const size_t from = samples_index(x, t);
+        const struct spread s = spread_of(x, from, rest);
+        const double off = fabs(s.mean - end.mean);
+        if (s.count > 1 && (s.deviation > ALIKE * end.deviation || off > end.deviation))
+            return rest;
+        rest = from;
+    }
+    return x->n; /* it never moved */
+}
