@@ -193,4 +193,15 @@ bool table_write(const struct table *table, enum table_format format, const char
 void buffer_json_text(struct buffer *out, struct text text); /* quoted and escaped, valid UTF-8 */
 void buffer_json_real(struct buffer *out, double value);     /* null where not finite */
 
+/* Samples of a motion; those count whose mask [n] is `wanted`. */
+struct motion_rows {
+    const double *t, *y;
+    const unsigned char *mask;
+    unsigned char wanted;
+    size_t n;
+};
+
+/* The first sample from which on nothing moves, for two periods at least and two periods after the start; n: none. */
+size_t motion_rest(const struct motion_rows *rows, double period);
+
 #endif

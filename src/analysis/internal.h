@@ -25,7 +25,10 @@ bool samples_init(struct samples *samples, const struct series *series, struct a
 struct samples samples_part(const struct samples *samples, size_t from, size_t to); /* [from, to), shares memory */
 size_t samples_index(const struct samples *samples, double t);                      /* first sample at or after t [s] */
 /* The first sample from which on nothing moves, for two periods at least and two periods after the start; n: none. */
-size_t samples_rest(const struct samples *x, double period);
+static inline size_t samples_rest(const struct samples *x, double period)
+{
+    return motion_rest(&(struct motion_rows){x->t, x->y, x->use, 1, x->n}, period);
+}
 double samples_noise(const struct samples *samples, double *scratch);
 void samples_flag_spikes(struct samples *samples, double *scratch); /* clears `use` of short far excursions */
 double quantile(double *values, size_t n, double q);                /* reorders the values */

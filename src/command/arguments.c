@@ -154,8 +154,8 @@ static int next_place(const struct progress *progress, struct text word)
             (has(progress->arguments, i) && !(command->argument[i].flags & ARG_MANY)))
             continue;
         last = i;
-        /* What is no recording goes to the next place, if there is one. */
-        if (command->argument[i].type != TYPE_RECORDING ||
+        /* What is no recording goes to the next place, if there is one and none came before it. */
+        if (command->argument[i].type != TYPE_RECORDING || has(progress->arguments, i) ||
             session_find_recording(progress->parser->session, word) >= 0)
             return i;
     }

@@ -83,7 +83,7 @@ static void put_law(const struct fit *fit, struct buffer *text)
     buffer_short(text, fit->evidence[1], 6);
     buffer_put(text, TEXT(", linear+quadratic "));
     buffer_short(text, fit->evidence[2], 6);
-    buffer_char(text, ')');
+    buffer_put(text, TEXT(");\n  'fit drag' judges by the motion itself, and decides"));
 }
 
 static void cell_rate(struct text_table *table, struct measured value, const char *unit, bool measured)

@@ -173,8 +173,11 @@ static void find_ends(struct cleaning *c)
     const size_t before = bad_stretches(c, false, fall), after = bad_stretches(c, true, fall);
     if (before + after >= c->locals)
         return;
-    const size_t from = before > 0 ? c->local[before].from : 0,
-                 to = after > 0 ? c->local[c->locals - 1 - after].to : c->n;
+    const struct motion_rows rows = {c->t, c->y, c->excluded, 0, c->n};
+    const size_t from = before > 0 ? c->local[before].from : 0, rest = motion_rest(&rows, c->period);
+    const size_t to = rest < c->n && rest > from ? rest
+                      : after > 0                ? c->local[c->locals - 1 - after].to
+                                                 : c->n;
     c->findings->window[0] = c->t[from];
     c->findings->window[1] = c->t[to - 1];
     if (from > 0)

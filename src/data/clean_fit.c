@@ -127,15 +127,7 @@ static void terms_at(double t, double middle, double period, double term[TERMS])
 
 static size_t row_at(const struct cleaning *c, double t)
 {
-    size_t low = 0, high = c->n;
-    while (low < high) {
-        const size_t middle = low + (high - low) / 2;
-        if (c->t[middle] < t)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low;
+    return first_row(&(struct motion_rows){.t = c->t, .n = c->n}, t);
 }
 
 static void fit_local(struct cleaning *c, struct local *local, const struct stretch *work)

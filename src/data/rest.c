@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Where a motion comes to rest before its recording ends. */
-#include "internal.h"
+#include "clean.h"
 
 #include <math.h>
 
@@ -12,11 +12,11 @@ struct spread {
     double mean, deviation, count;
 };
 
-static struct spread spread_of(const struct samples *x, size_t from, size_t to)
+static struct spread spread_of(const struct motion_rows *x, size_t from, size_t to)
 {
     struct spread s = {0};
     for (size_t i = from; i < to; i++)
-        if (x->use[i]) { /* Welford 1962 */
+        if (x->mask[i] == x->wanted) { /* Welford 1962 */
             const double off = x->y[i] - s.mean;
             s.mean += off / ++s.count;
             s.deviation += off * (x->y[i] - s.mean);
@@ -25,18 +25,31 @@ static struct spread spread_of(const struct samples *x, size_t from, size_t to)
     return s;
 }
 
-size_t samples_rest(const struct samples *x, double period)
+size_t first_row(const struct motion_rows *x, double t)
+{
+    size_t low = 0, high = x->n;
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+        if (x->t[middle] < t)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+size_t motion_rest(const struct motion_rows *x, double period)
 {
     const double first = x->t[0], last = x->t[x->n - 1], least = PERIODS_LEAST * period;
     if (!(period > 0) || last - first < 2 * least)
         return x->n;
-    const struct spread start = spread_of(x, 0, samples_index(x, first + least));
-    const struct spread end = spread_of(x, samples_index(x, last - least), x->n);
+    const struct spread start = spread_of(x, 0, first_row(x, first + least));
+    const struct spread end = spread_of(x, first_row(x, last - least), x->n);
     if (!(end.count > 4) || !(end.deviation < QUIET * start.deviation))
         return x->n;
-    size_t rest = samples_index(x, last - least);
+    size_t rest = first_row(x, last - least);
     for (double t = last - least - 0.5 * period; t > first + least; t -= 0.5 * period) {
-        const size_t from = samples_index(x, t);
+        const size_t from = first_row(x, t);
         const struct spread s = spread_of(x, from, rest);
         const double off = fabs(s.mean - end.mean);
         if (s.count > 1 && (s.deviation > ALIKE * end.deviation || off > end.deviation))
