@@ -264,7 +264,7 @@ static bool compare_one(const struct compare_request *request, const struct cont
             measure(row, reference, request->cancel);
     }
     run_ledger(row->run, &row->ledger);
-    row->energy_factor = row->ledger.final / row->ledger.initial;
+    row->energy_factor = row->ledger.factor;
     row->path = study_path(&row->run->system, contender->method, &row->run->settings);
     row->time = (struct timing_result){.minimum = NAN, .median = NAN, .spread = NAN};
     judge(row);
