@@ -336,6 +336,7 @@ struct ledger {
     double work;      /* [J] W at the end */
     double error;     /* (E - E0 - W)/E0 at the end */
     double error_max; /* largest |…| so far */
+    double factor;    /* E/E0 at the end, where both may be below the smallest number */
 };
 void run_ledger(const struct run *run, struct ledger *ledger);
 /*

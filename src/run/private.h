@@ -339,7 +339,8 @@ bool run_creeps(struct run *run);
 
 /* sound.c: from y [n] at t to `end` by an accurate method for stiff equations, into `to` [n] or NULL. False: it did not
  * get there, or would take too long. */
-bool run_solve(const struct system *system, double t, const double *y, double end, double *to);
+#define RUN_SOLVE_TOL 1e-7
+bool run_solve(const struct system *system, double t, const double *y, double end, double tol, double *to);
 /* Compares the step from recorded row i to the next with the solution from there: run->unsound. */
 void run_check_step(struct run *run, size_t i);
 

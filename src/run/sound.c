@@ -9,20 +9,19 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define TOL 1e-7
 #define STEPS_MOST 2000
 #define UNSOUND 1.2    /* times the values before and after it: such an error leaves nothing of them */
 #define STEPS_AHEAD 32 /* what is still small grows within so many */
 #define CHECKS 64      /* of steps one by one */
 
-bool run_solve(const struct system *system, double t, const double *y, double end, double *to)
+bool run_solve(const struct system *system, double t, const double *y, double end, double tol, double *to)
 {
     const struct method *method =
         (const struct method *)(const void *)catalog_find(&method_catalog, TEXT("radau5"));
     double state[LIMIT_VARIABLES], *work = method ? malloc((method_work_size(method, system->n) + 1) * sizeof *work)
                                                   : NULL;
     struct step step = {.system = system, .y = state, .work = work, .t = t};
-    struct controller controller = {.tol = TOL};
+    struct controller controller = {.tol = tol};
     if (!work)
         return false;
     copy_state(state, y, system->n);
@@ -40,11 +39,11 @@ bool run_solve(const struct system *system, double t, const double *y, double en
 static bool sizes(const struct system *system, double t, double h, const double *y, double *solution, double *size)
 {
     double next[LIMIT_VARIABLES];
-    if (!run_solve(system, t, y, t + h, solution))
+    if (!run_solve(system, t, y, t + h, RUN_SOLVE_TOL, solution))
         return false;
     for (int k = 0; k < system->n; k++)
         size[k] = fmax(fabs(y[k]), fabs(solution[k]));
-    for (double ahead = 2; ahead <= STEPS_AHEAD && run_solve(system, t, y, t + ahead * h, next); ahead *= 4)
+    for (double ahead = 2; ahead <= STEPS_AHEAD && run_solve(system, t, y, t + ahead * h, RUN_SOLVE_TOL, next); ahead *= 4)
         for (int k = 0; k < system->n; k++)
             size[k] = fmax(size[k], fabs(next[k]));
     return true;

@@ -114,6 +114,7 @@ static double energy_trend(const struct run *run)
 
 #define ADAPTIVE_STEPS 2000000 /* of one method: a stiff scene makes explicit ones creep */
 #define ROUNDING 1e-12 /* energy errors below are rounding */
+#define KEEPS_ENERGY (METHOD_SYMPLECTIC | METHOD_SYMMETRIC | METHOD_ENERGY)
 #define STEADY 1.5     /* a drift makes it four times as large, what is bounded stays */
 
 static void balance_text(const struct run *run, const struct ledger *ledger, const char *span, char *out, size_t size)
@@ -140,8 +141,10 @@ static void observe(struct comparison *row, const char *span)
         snprintf(out, size, "vanished: the energy is below the smallest number in %s", span);
     else if (!row->run->system.conservative)
         balance_text(row->run, ledger, span, out, size);
-    else if (energy_trend(row->run) <= STEADY)
-        snprintf(out, size, "energy bounded: within %.2g of E0 in %s", ledger->error_max, span);
+    else if (energy_trend(row->run) <= STEADY) /* after an orbit or two, of others too: they still drift */
+        snprintf(out, size, "energy %swithin %.2g of E0 in %s",
+                 row->run->method->flags & KEEPS_ENERGY && !row->run->plan.adaptive ? "bounded: " : "",
+                 ledger->error_max, span);
     else if (row->energy_factor < 0.5 && row->energy_factor >= 0)
         snprintf(out, size, "damped away by the method: energy x %.2g in %s", row->energy_factor, span);
     else if (row->energy_factor > 2)
@@ -261,7 +264,7 @@ static bool compare_one(const struct compare_request *request, const struct cont
             measure(row, reference, request->cancel);
     }
     run_ledger(row->run, &row->ledger);
-    row->energy_factor = row->ledger.final / row->ledger.initial;
+    row->energy_factor = row->ledger.factor;
     row->path = study_path(&row->run->system, contender->method, &row->run->settings);
     row->time = (struct timing_result){.minimum = NAN, .median = NAN, .spread = NAN};
     judge(row);

@@ -53,7 +53,9 @@ static struct scene make_scene(size_t i)
     return scene;
 }
 
-static const char *const methods[] = {"symplectic-euler", "verlet", "rk4", "implicit-midpoint"};
+/* One of each class: partitioned, Runge-Kutta, implicit, several steps explicit and implicit, Rosenbrock, structural. */
+static const char *const methods[] = {"symplectic-euler", "verlet", "rk4",   "implicit-midpoint", "gauss4",
+                                      "ab4",              "bdf3",   "ros3p", "newmark",           "wilson-theta"};
 
 static void test_whatever_is_recorded(void **state)
 {
@@ -82,7 +84,7 @@ static void test_whatever_is_recorded(void **state)
 static void test_adaptive(void **state)
 {
     (void)state;
-    static const char *const adaptive[] = {"dopri5", "dop853", "radau5"};
+    static const char *const adaptive[] = {"dopri5", "dop853", "radau5", "rodas5p"};
     for (size_t i = 0; i < COUNT_OF(scenes); i++) {
         const struct scene scene = make_scene(i);
         for (size_t m = 0; m < COUNT_OF(adaptive); m++) {
