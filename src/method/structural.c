@@ -101,7 +101,7 @@ static void increment_jacobian(const void *forces, double t, const double *to, d
     const struct increment *all = forces;
     const struct structural *s = all->structural;
     const int n = all->system->n, d = n / 2;
-    double at[LIMIT_VARIABLES];
+    double at[LIMIT_VARIABLES] = {0};
     between(all, to, at);
     system_jacobian(all->system, t, at, jacobian);
     for (int i = 0; i < d; i++)
@@ -124,7 +124,7 @@ static bool follow(const struct structural *s, struct step *step, double tau, co
                                      .rest = increment_rest,
                                      .jacobian = increment_jacobian,
                                      .forces = &all};
-    double weight[LIMIT_VARIABLES];
+    double weight[LIMIT_VARIABLES] = {0};
     newton_weights(step_scale(step), n, step->y, weight);
     if (!newton_follow(&equations, step, n, step->t, tau, step->y, z, weight, work))
         return false;
