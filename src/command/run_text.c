@@ -15,12 +15,34 @@ static double state_value(const struct run *run, const char *name)
     return variable < 0 ? NAN : run->y[variable];
 }
 
+#define STANDARD_GRAVITY 9.80665 /* [m/s^2] */
+#define NEAR_GRAVITY 0.05        /* share of it by which a sensor may be off */
+
+/* An acceleration whose mean is that of gravity, to either side, was measured with it: NAN, or the mean [m/s^2]. */
+static double gravity_in(const struct recording *recording)
+{
+    double sum = 0;
+    size_t count = 0;
+    for (size_t i = 0; i < recording->rows; i++)
+        if (isfinite(recording->y[i])) {
+            sum += recording->y[i] - recording->zero;
+            count++;
+        }
+    const double mean = sum / (double)count;
+    const bool near = fabs(fabs(mean) - STANDARD_GRAVITY) < NEAR_GRAVITY * STANDARD_GRAVITY;
+    return near && recording->column[recording->value].quantity == QUANTITY_ACCELERATION ? mean : NAN;
+}
+
 /* Why a recording of the same time is neither drawn over the run nor compared with it; or how, where it has no unit. */
 static void say_apart(const struct session *session, const struct run *run, struct reply *reply)
 {
     const struct recording *recording = session_recording(session);
     const struct variable first = system_variable(&run->system, 0);
     const bool bare = recording && recorded_bare(recording);
+    const double gravity = recording && recorded_derivative(recording, run) == 2 ? gravity_in(recording) : NAN;
+    if (isfinite(gravity))
+        reply_line(reply, "%s holds gravity: its mean is %.4g m/s^2, and the rms counts it ('data zero %.6g m/s^2')",
+                   recording->name, gravity, recording->zero + gravity);
     if (!recording || run->system.order != 2 || run->system.n != 2 ||
         (recorded_derivative(recording, run) >= 0 && !bare) ||
         !(fmin(run->system.t0, run->t) < recording->window[1] && fmax(run->system.t0, run->t) > recording->window[0]))
