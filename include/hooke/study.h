@@ -111,7 +111,7 @@ struct precision_point {
     bool refused; /* the method takes no steps of this size here */
     struct study_errors errors;
     bool probed; /* lost already where the motion goes furthest: steps, cost and error are of that 1/256 alone */
-    double seconds;    /* [s] the one solve that was measured, sampling included */
+    double seconds;    /* [s] of the processor, for the one solve that was measured, sampling included */
     int64_t timed_steps; /* the time is that of so many, scaled to all of them; 0: of whole solves */
     double order;      /* log(error ratio)/log(dt or tol ratio) to the point before, NAN for the first */
     bool below;        /* below the accuracy of the reference */

@@ -87,7 +87,7 @@ static void put_marks(struct buffer *text, const struct precision *precision)
     if (probed)
         buffer_put(text, TEXT("probe: lost in the 1/256 of the time where most happens; no more was solved\n"));
     if (scaled)
-        buffer_put(text, TEXT("=  the time of 30000 steps, scaled to all; one a method was timed whole, too\n"));
+        buffer_put(text, TEXT("+  the time of 30000 steps, scaled to all; one a method was timed whole, too\n"));
 }
 
 static void reply_study(const struct session *session, const struct arguments *given, const struct precision *precision,

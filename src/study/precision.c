@@ -169,9 +169,9 @@ static bool measure(struct sweeping *sweep, struct precision_point *point, bool 
     point->errors.max = NAN;
     if (!solver_init(&solver, &precision->system, curve->by.method, &settings, precision->duration))
         return false;
-    const int64_t begin = clock_ns();
+    const int64_t begin = clock_cpu_ns();
     point->stop = solve(sweep, &solver, asked);
-    point->seconds = seconds_since(begin);
+    point->seconds = (double)(clock_cpu_ns() - begin) * 1e-9;
     point->steps = solver.steps;
     point->cost = solver.step.cost;
     solver_free(&solver);
