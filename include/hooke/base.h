@@ -371,5 +371,6 @@ extern const struct catalog limit_catalog;
 
 /* Wall clock that only goes forward [ns]. */
 int64_t clock_ns(void);
+int64_t clock_cpu_ns(void); /* that this thread has used */
 
 #endif

@@ -97,7 +97,7 @@ struct precision_request {
     double duration; /* [s] */
     bool compensated; /* sums of fixed steps */
     enum timing timing;
-    double seconds; /* [s] about what all of it may take besides the reference, 0: 12, on stiff scenes 20 */
+    double seconds; /* [s] about what all of it may take besides the reference, 0: chosen */
     bool recording; /* time a run that records, too */
     const struct cancel *cancel;
 };
@@ -110,7 +110,9 @@ struct precision_point {
     enum stop stop;
     bool refused; /* the method takes no steps of this size here */
     struct study_errors errors;
-    double seconds;    /* [s] the one solve that was measured, sampling included */
+    bool probed; /* lost already where the motion goes furthest: steps, cost and error are of that 1/256 alone */
+    double seconds;    /* [s] of the processor, for the one solve that was measured, sampling included */
+    int64_t timed_steps; /* the time is that of so many, scaled to all of them; 0: of whole solves */
     double order;      /* log(error ratio)/log(dt or tol ratio) to the point before, NAN for the first */
     bool below;        /* below the accuracy of the reference */
     bool asymptotic;   /* takes part in the fit */

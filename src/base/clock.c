@@ -3,6 +3,13 @@
 
 #include <time.h>
 
+int64_t clock_cpu_ns(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return (int64_t)now.tv_sec * 1000000000 + now.tv_nsec;
+}
+
 int64_t clock_ns(void)
 {
     struct timespec now;

@@ -63,13 +63,15 @@ static bool check_range(const struct given *range, const char *example, struct e
 
 static void put_marks(struct buffer *text, const struct precision *precision)
 {
-    bool few = false, spread = false, below = false, fit = false, lost = false;
+    bool few = false, spread = false, below = false, fit = false, lost = false, probed = false, scaled = false;
     for (int i = 0; i < precision->points; i++) {
         const struct precision_point *point = &precision->point[i];
         few |= point->time.few;
         spread |= point->time.spread > TIMING_SPREAD;
         below |= point->below;
         fit |= point->asymptotic;
+        probed |= point->probed;
+        scaled |= point->timed_steps > 0;
         lost |= point->stop == STOP_END && !point->refused && !precision_meaningful(point);
     }
     if (fit)
@@ -79,9 +81,13 @@ static void put_marks(struct buffer *text, const struct precision *precision)
     if (spread)
         buffer_put(text, TEXT("~  the times scatter by more than 10 % (the machine is busy)\n"));
     if (few)
-        buffer_put(text, TEXT("!  fewer than 15 samples: a solve takes long\n"));
+        buffer_put(text, TEXT("!  fewer samples than of the others: a solve takes long\n"));
     if (lost)
         buffer_put(text, TEXT("lost: the error is as large as the motion\n"));
+    if (probed)
+        buffer_put(text, TEXT("probe: lost in the 1/256 of the time where most happens; no more was solved\n"));
+    if (scaled)
+        buffer_put(text, TEXT("+  the time of 30000 steps, scaled to all; one a method was timed whole, too\n"));
 }
 
 static void reply_study(const struct session *session, const struct arguments *given, const struct precision *precision,
@@ -136,8 +142,7 @@ HANDLER(precision)
     struct precision_request request = {.scene = &session->setup.scene,
                                         .contender = contender,
                                         .duration = session->setup.settings.duration,
-                                        .timing =
-                                            session->setup.settings.timing == TIMING_OFF ? TIMING_OFF : TIMING_FULL,
+                                        .timing = session->setup.settings.timing,
                                         .compensated = session_run_settings(session).compensated,
                                         .recording = is_given(given, "recording"),
                                         .cancel = session->front.cancel};
@@ -178,7 +183,9 @@ COMMAND(
         "amplitude;\n"
         "the solution is the closed form or what two methods of different kinds agree on, and the report says how "
         "well. Times\n"
-        "(unless 'timing off') are of solves that record nothing, 15 samples interleaved at random; ns/step is the shortest divided by the steps. Methods "
+        "(unless 'timing off') are of solves that record nothing, interleaved at random: with 'timing quick' 5 samples, of "
+        "at most 30000 fixed steps\n"
+        "scaled to all, with 'timing full' 15 of whole solves; ns/step is the shortest divided by the steps. Methods "
         "without\n"
         "code of their own for these forces are timed by the general code and not ranked against the others. Without METHOD "
         "a dozen\n"

@@ -73,6 +73,10 @@ static void marks_cell(struct text_table *table, const struct precision_point *p
         buffer_char(&text, '~');
     if (point->time.few)
         buffer_char(&text, '!');
+    if (point->timed_steps > 0)
+        buffer_char(&text, '+');
+    if (point->probed)
+        buffer_put(&text, TEXT(" probe"));
     cell_take(table, &text);
 }
 

@@ -180,7 +180,12 @@ static void describe_method(const struct system *system, const struct method *me
         buffer_format(text, "general: each force is called at each stage\n");
     if (!isnan(plan->steps)) {
         key(text, "evals");
-        buffer_format(text, "about %.6g, estimated time ", plan->propagates ? 0 : plan->steps * method->evals);
+        const bool starts = method->flags & METHOD_MULTISTEP;
+        buffer_format(text, "about %.6g%s, estimated time ", plan->propagates ? 0 : plan->steps * method->evals,
+                      plan->propagates ? ""
+                      : starts         ? " and those of the starter"
+                      : turns          ? " and those of steps that end at turning points"
+                                       : "");
         buffer_quantity(text, plan->seconds, QUANTITY_TIME, 1);
         buffer_char(text, '\n');
     }

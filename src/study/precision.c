@@ -8,12 +8,17 @@
 #define SECONDS 12.0       /* allowed unless the request says, */
 #define SECONDS_STIFF 20.0 /* and on stiff scenes, where one solve can take half a second */
 #define SWEEP_SHARE 0.45   /* of them for the errors, the rest for the times */
+#define SECONDS_QUICK 0.4  /* for the times alone, with `timing quick` */
+#define LONG 0.02          /* [s] a solve; no second one is made for its time then */
+#define PART 30000         /* steps that are timed of a longer solve of fixed steps */
+#define PART_OFF 0.15
 #define LOG2_FIRST 0       /* the coarsest step is duration/2^this */
 #define LOG2_LAST 27
 #define TOL_FIRST 1e-2
 #define TOL_LAST 1e-14
 #define COST_USUAL 2.1e6 /* a solve's evaluations, Jacobians and solves, once a curve has ENOUGH points */
-#define COST_MOST 3.4e7  /* before that: explicit methods on stiff scenes */
+#define COST_MOST 6e6    /* before that */
+#define COST_TRIAL 2e5   /* of an adaptive solve, before what all of it would cost is known */
 #define ENOUGH 4
 #define FLOOR_ERROR 1e-9 /* errors that stop falling are rounding only below this, or near the reference's accuracy */
 #define SETTLED 0.05     /* once an error was this small, */
@@ -30,6 +35,7 @@ struct sweeping {
     struct precision *precision;
     struct precision_curve *curve;
     double *grid;
+    int hardest;   /* grid time before the interval where the motion goes furthest */
     size_t room;   /* points allocated */
     int64_t begin; /* clock */
     int meaningful;
@@ -74,8 +80,75 @@ static double local_order(const struct precision_point *coarse, const struct pre
     return precision_meaningful(coarse) && precision_meaningful(fine) && isfinite(order) ? order : NAN;
 }
 
-/* Solves and measures; false without memory. */
-static bool measure(struct sweeping *sweep, struct precision_point *point)
+static double work_of(const struct cost *cost, int64_t steps)
+{
+    return (double)(cost->evals + cost->jacobians + cost->solves + steps);
+}
+
+static int hardest_interval(const struct precision *precision)
+{
+    const struct reference *reference = &precision->reference;
+    double most = 0;
+    int found = 0;
+    for (int k = 0; k + 1 < STUDY_TIMES; k++) {
+        const double *y = reference->y + k * reference->n;
+        const double distance = grid_distance(reference, y, y + reference->n);
+        if (distance > most) {
+            most = distance;
+            found = k;
+        }
+    }
+    return found;
+}
+
+/*
+ * Steps that already lose the motion in the one of 256 intervals where it goes furthest, started on the solution, lose
+ * all of it: 1/256 of the cost finds that out. False: nothing is lost there, or the steps are longer than the interval.
+ */
+static bool lost_in_probe(const struct sweeping *sweep, struct precision_point *point, bool *memory)
+{
+    const struct precision *precision = sweep->precision;
+    const struct reference *reference = &precision->reference;
+    const double interval = precision->duration / (STUDY_TIMES - 1);
+    const double *from = reference->y + sweep->hardest * reference->n;
+    const struct run_settings settings = settings_of(precision, point);
+    struct system system = precision->system;
+    struct solver solver;
+    if (point->tol > 0 || point->dt > interval / 4)
+        return false;
+    system.t0 += interval * sweep->hardest;
+    memcpy(system.start, from, (size_t)system.n * sizeof *from);
+    *memory = solver_init(&solver, &system, sweep->curve->by.method, &settings, interval);
+    if (!*memory)
+        return false;
+    point->stop = solver_run(&solver, NULL, sweep->request->cancel);
+    point->steps = solver.steps;
+    point->cost = solver.step.cost;
+    if (point->stop == STOP_END)
+        point->errors.max = grid_distance(reference, solver.y, from + reference->n);
+    solver_free(&solver);
+    point->probed = !precision_meaningful(point);
+    return point->probed;
+}
+
+/* An adaptive solve, given up where the part that COST_TRIAL reaches says that all of it costs too much. */
+static enum stop solve(const struct sweeping *sweep, struct solver *solver, bool asked)
+{
+    const struct cancel *cancel = sweep->request->cancel;
+    if (solver->tol > 0 && !asked) {
+        solver->most = (int64_t)COST_TRIAL;
+        const enum stop stop = solver_run(solver, sweep->grid, cancel);
+        const double part = (solver->step.t - solver->system->t0) / solver->span;
+        if (stop != STOP_FULL || work_of(&solver->step.cost, solver->steps) > part * COST_MOST)
+            return stop;
+        solver_start(solver);
+    }
+    solver->most = (int64_t)(4 * COST_MOST);
+    return solver_run(solver, sweep->grid, cancel);
+}
+
+/* Solves and measures; false without memory. asked: this very setting, so it is solved whatever a probe would say. */
+static bool measure(struct sweeping *sweep, struct precision_point *point, bool asked)
 {
     const struct precision *precision = sweep->precision;
     const struct precision_curve *curve = sweep->curve;
@@ -90,12 +163,15 @@ static bool measure(struct sweeping *sweep, struct precision_point *point)
         point->refused = true;
         return true;
     }
+    bool memory = true;
+    if ((!asked && lost_in_probe(sweep, point, &memory)) || !memory)
+        return memory;
+    point->errors.max = NAN;
     if (!solver_init(&solver, &precision->system, curve->by.method, &settings, precision->duration))
         return false;
-    solver.most = (int64_t)(4 * COST_MOST);
-    const int64_t begin = clock_ns();
-    point->stop = solver_run(&solver, sweep->grid, sweep->request->cancel);
-    point->seconds = seconds_since(begin);
+    const int64_t begin = clock_cpu_ns();
+    point->stop = solve(sweep, &solver, asked);
+    point->seconds = (double)(clock_cpu_ns() - begin) * 1e-9;
     point->steps = solver.steps;
     point->cost = solver.step.cost;
     solver_free(&solver);
@@ -110,10 +186,12 @@ static bool finished(struct sweeping *sweep, const struct precision_point *point
 {
     struct precision_curve *curve = sweep->curve;
     const double error = point->errors.max, accuracy = sweep->precision->reference.accuracy;
+    const double each = curve->adaptive ? pow(10, 1.0 / curve->by.method->order) : 2;
+    const double next = each * work_of(&point->cost, point->steps) * (point->probed ? STUDY_TIMES - 1 : 1);
     if (!precision_meaningful(point)) {
         curve->cut = seconds_since(sweep->begin) > 2 * share;
         sweep->failures++;
-        return curve->cut || (sweep->best < SETTLED && sweep->failures == FAILURES) || point->stop == STOP_FULL;
+        return curve->cut || next > COST_MOST || (sweep->best < SETTLED && sweep->failures == FAILURES) || point->stop == STOP_FULL;
     }
     sweep->meaningful++;
     sweep->failures = 0;
@@ -121,8 +199,6 @@ static bool finished(struct sweeping *sweep, const struct precision_point *point
     sweep->best = fmin(sweep->best, error);
     if (sweep->stale == FLOOR_POINTS || error == 0)
         return true;
-    const double each = curve->adaptive ? pow(10, 1.0 / curve->by.method->order) : 2;
-    const double next = each * (double)(point->cost.evals + point->cost.jacobians + point->cost.solves + point->steps);
     if (next > (sweep->meaningful >= ENOUGH ? COST_USUAL : COST_MOST))
         return true;
     curve->cut = seconds_since(sweep->begin) > share;
@@ -165,7 +241,7 @@ static bool sweep_curve(struct sweeping *sweep, double share, struct error *erro
     struct precision_point next = {.curve = precision->curves};
     for (int i = 0; setting_at(sweep, i, &next); i++) {
         struct precision_point point = next;
-        if (!measure(sweep, &point))
+        if (!measure(sweep, &point, asked))
             return error_memory(error);
         if (cancelled(sweep->request->cancel))
             return error_set(error, ERROR_CANCELLED, "stopped");
@@ -211,6 +287,57 @@ static double time_recording(const struct precision_request *request, const stru
     return shortest;
 }
 
+/* One that takes long was timed well enough when its error was measured. */
+static bool taken_as_timed(struct precision_point *point)
+{
+    if (point->seconds < LONG || (point->tol == 0 && point->steps > PART))
+        return false;
+    point->time = (struct timing_result){point->seconds, point->seconds, 0, 1, true};
+    return true;
+}
+
+/* Of fixed steps PART are timed: what one costs does not depend on how many there are. */
+static void shorten(const struct precision *precision, struct solver *solver, const int *place, int count)
+{
+    for (int i = 0; i < count; i++)
+        if (solver[i].tol == 0 && precision->point[place[i]].steps > PART)
+            solver[i].part = PART;
+}
+
+static void multiply(struct timing_result *time, double factor)
+{
+    time->minimum *= factor;
+    time->median *= factor;
+}
+
+/*
+ * Times of parts become those of whole solves, in proportion to what was evaluated. The first of each curve is timed
+ * whole, too: where that differs by more than PART_OFF, the steps do not all cost the same, and what it says holds.
+ */
+static void scale_up(struct precision *precision, struct solver *solver, const int *place, int count,
+                     const struct cancel *cancel)
+{
+    double factor = 1;
+    int curve = -1;
+    for (int i = 0; i < count; i++) {
+        struct precision_point *point = &precision->point[place[i]];
+        const struct solver *s = &solver[i];
+        if (s->part == 0 || isnan(point->time.minimum))
+            continue;
+        point->timed_steps = s->steps;
+        multiply(&point->time, work_of(&point->cost, point->steps) / work_of(&s->step.cost, s->steps));
+        if (point->curve != curve) {
+            struct timing_result whole;
+            solver[i].part = 0;
+            time_solvers(&solver[i], &whole, 1, TIMING_QUICK, LONG, cancel);
+            curve = point->curve;
+            factor = whole.minimum / point->time.minimum;
+            factor = factor > 1 + PART_OFF || factor < 1 - PART_OFF ? factor : 1;
+        }
+        multiply(&point->time, factor);
+    }
+}
+
 static bool time_points(const struct precision_request *request, struct precision *precision, double seconds,
                         struct error *error)
 {
@@ -224,14 +351,20 @@ static bool time_points(const struct precision_request *request, struct precisio
         const struct run_settings settings = settings_of(precision, point);
         if (!precision_meaningful(point))
             continue;
+        if (request->timing == TIMING_QUICK && taken_as_timed(&precision->point[i]))
+            continue;
         ok = solver_init(&solver[count], &precision->system, precision->curve[point->curve].by.method, &settings,
                          precision->duration);
         place[count++] = i;
     }
     if (ok) {
+        if (request->timing == TIMING_QUICK)
+            shorten(precision, solver, place, count);
         time_solvers(solver, result, count, request->timing, seconds, request->cancel);
         for (int i = 0; i < count; i++)
             precision->point[place[i]].time = result[i];
+        if (request->timing == TIMING_QUICK)
+            scale_up(precision, solver, place, count, request->cancel);
         for (int i = 0; i < count && request->recording && !cancelled(request->cancel); i++)
             precision->point[place[i]].recording = time_recording(request, precision, &precision->point[place[i]]);
     }
@@ -282,6 +415,7 @@ bool study_precision(const struct precision_request *request, struct precision *
     const double seconds = request->seconds > 0 ? request->seconds : usual;
     struct sweeping sweep = {.request = request, .precision = precision};
     sweep.grid = malloc((size_t)STUDY_TIMES * (size_t)precision->system.n * sizeof *sweep.grid);
+    sweep.hardest = hardest_interval(precision);
     bool ok = sweep.grid || error_memory(error);
     for (int c = 0; c < request->contenders && ok; c++) {
         const double left = SWEEP_SHARE * seconds - seconds_since(begin);
@@ -298,7 +432,11 @@ bool study_precision(const struct precision_request *request, struct precision *
         return error_set(error, ERROR_CANCELLED, "stopped: %d of %d methods finished, nothing timed", precision->curves,
                          request->contenders);
     if (ok && request->timing != TIMING_OFF)
-        ok = time_points(request, precision, fmax(seconds - seconds_since(begin), 0.1 * seconds), error);
+        ok = time_points(request, precision,
+                         request->timing == TIMING_QUICK && !(request->seconds > 0)
+                             ? SECONDS_QUICK
+                             : fmax(seconds - seconds_since(begin), 0.1 * seconds),
+                         error);
     return ok && (!cancelled(request->cancel) ||
                   error_set(error, ERROR_CANCELLED, "stopped: all errors are measured, not all times"));
 }

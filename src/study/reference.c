@@ -31,6 +31,9 @@ static const struct candidate {
 #define MEANING 1e-3   /* where two references differ by more, neither means anything */
 #define COST_MOST 40e6 /* evaluations, Jacobians and solves of one solution, over n */
 #define TRIES 3
+#define SHRINKS 1e4
+#define PARTS 4          /* of all but the first: no step is longer than a thousandth of the span, */
+#define PARTS_IN_TIME 32 /* where the law changes with time than an 8000th: there may be pulses */
 
 struct search {
     const struct system *system;
@@ -41,6 +44,7 @@ struct search {
     size_t size;                         /* [double] of one solution */
     bool failed;                         /* no memory */
     bool stiff;                          /* an explicit method became too dear: the others will, too */
+    int parts;                           /* adaptive steps end at so many parts of each grid interval */
 };
 
 static double *solution(const struct search *search, enum kind kind)
@@ -73,9 +77,10 @@ static double largest_distance(const struct search *search, const double *a, con
 
 /*
  * Every grid time is hit. Where the laws do not depend on time the clock starts anew at each of them, so that rounding
- * of the time does not add up. steps: in an interval, 0: adaptive.
+ * of the time does not add up. steps: in an interval, 0: adaptive, none across
+ * the ends of `parts` equal parts of it.
  */
-static enum stop walk(struct solver *s, int64_t steps, double *grid, const struct cancel *cancel)
+static enum stop walk(struct solver *s, int64_t steps, int parts, double *grid, const struct cancel *cancel)
 {
     const int n = s->system->n;
     const double interval = s->span / (STUDY_TIMES - 1);
@@ -91,13 +96,16 @@ static enum stop walk(struct solver *s, int64_t steps, double *grid, const struc
         const double to = anew ? interval : s->system->t0 + s->span * k / (STUDY_TIMES - 1);
         s->step.t = from;
         s->step.warm = s->step.again = false;
+        int part = 1;
         for (int64_t i = 0; steps > 0 ? i < steps : s->step.t != to; i++) {
             if (steps > 0) {
                 s->step.t = from + interval / (double)steps * (double)i;
                 s->step.h = interval / (double)steps;
                 status = method_turning_step(s->method, &s->step);
             } else {
-                status = method_adapt(s->method, &s->step, &controller, to);
+                const double next = part < parts ? from + (to - from) * part / parts : to;
+                status = method_adapt(s->method, &s->step, &controller, next);
+                part += s->step.t == next;
             }
             if (status != STEP_OK)
                 return solver_stop(status);
@@ -116,7 +124,7 @@ static enum stop walk(struct solver *s, int64_t steps, double *grid, const struc
 static bool solve_adaptive(struct search *search, struct solver *s, bool explicit, double *grid)
 {
     for (int try = 0; try < TRIES; try++, s->tol *= 10) {
-        const enum stop stop = walk(s, 0, grid, search->cancel);
+        const enum stop stop = walk(s, 0, search->parts, grid, search->cancel);
         search->stiff |= stop == STOP_FULL && explicit;
         if (stop == STOP_END || stop == STOP_CANCELLED || stop == STOP_FULL)
             return stop == STOP_END;
@@ -130,7 +138,7 @@ static bool solve_fixed(struct search *search, struct solver *s, double *grid)
     double *finer = solution(search, KIND_COUNT), moved = HUGE_VAL;
     bool have = false;
     for (int64_t steps = 1; steps <= 1 << 20; steps *= 2) {
-        if (walk(s, steps, finer, search->cancel) != STOP_END) {
+        if (walk(s, steps, 1, finer, search->cancel) != STOP_END) {
             if (have || solver_cost(s) > s->most || cancelled(search->cancel))
                 break;
             continue;
@@ -212,6 +220,36 @@ static void take_closed_form(const struct system *system, struct reference *refe
         reference->accuracy = fmax(reference->accuracy, most[i] / reference->amplitude[i]);
 }
 
+/*
+ * Damped much faster than the motion lasts: the rate at which volumes of the state space shrink at the start, times the
+ * span. There explicit methods take their steps for stability alone.
+ */
+static bool shrinks_fast(const struct system *system, double span)
+{
+    double jacobian[LIMIT_VARIABLES * LIMIT_VARIABLES], trace = 0;
+    system_jacobian(system, system->t0, system->start, jacobian);
+    for (int i = 0; i < system->n; i++)
+        trace += jacobian[i * system->n + i];
+    return -trace * span > SHRINKS;
+}
+
+/* All but the first take steps of a bounded size: a pulse that long ones step over does not escape both. */
+static void search_kinds(struct search *search, bool explicit_ones, bool others)
+{
+    struct reference *reference = search->reference;
+    for (size_t i = 0; i < COUNT_OF(candidates) && !cancelled(search->cancel) && !search->failed; i++) {
+        const bool explicit = candidates[i].kind == KIND_EXPLICIT;
+        if (explicit ? !explicit_ones : !others)
+            continue;
+        if (try_candidate(search, &candidates[i])) {
+            confront(search, candidates[i].kind);
+            search->parts = search->system->autonomous ? PARTS : PARTS_IN_TIME;
+        }
+        if (reference->by[1] && reference->accuracy <= ENOUGH)
+            break;
+    }
+}
+
 /* Looked for first: two methods that do not get there would take long to find out. */
 static bool refuse_singular(const struct system *system, struct reference *reference, struct error *error)
 {
@@ -243,18 +281,16 @@ bool study_reference(const struct system *system, double span, const struct canc
         return false;
     struct system smooth = *system; /* the reference keeps its order, whatever is compared with it */
     system_turn_at_kinks(&smooth);
-    struct search search = {.system = &smooth, .reference = reference, .cancel = cancel, .size = size};
+    struct search search = {.system = &smooth, .reference = reference, .cancel = cancel, .size = size, .parts = 1};
     search.grid = calloc((KIND_COUNT + 1) * size, sizeof *search.grid);
     if (!search.grid) {
         reference_free(reference);
         return error_memory(error);
     }
-    for (size_t i = 0; i < COUNT_OF(candidates) && !cancelled(cancel) && !search.failed; i++) {
-        if (try_candidate(&search, &candidates[i]))
-            confront(&search, candidates[i].kind);
-        if (reference->by[1] && reference->accuracy <= ENOUGH)
-            break;
-    }
+    const bool late = shrinks_fast(&smooth, span);
+    search_kinds(&search, !late, true);
+    if (late && !(reference->by[1] && reference->accuracy <= ENOUGH))
+        search_kinds(&search, true, false);
     free(search.grid);
     if (cancelled(cancel) || search.failed || !reference->by[1]) {
         reference_free(reference);

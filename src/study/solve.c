@@ -177,14 +177,16 @@ static enum stop run_adaptive(struct solver *s, struct sampler *sampler, const s
 
 #define ROOM 1024 /* [double] of states that a kernel leaves behind */
 
-static enum stop run_kernel(struct solver *s, double h, int64_t steps, const struct cancel *cancel)
+/* each: steps between two grid times, all of which are steps' ends; 0: nobody asks for them. */
+static enum stop run_kernel(struct solver *s, int64_t steps, int64_t each, struct sampler *sampler,
+                            const struct cancel *cancel)
 {
     const int n = s->system->n;
     const int64_t most = ROOM / n;
     double row[ROOM];
-    s->step.h = h;
     for (int64_t i = 0; i < steps;) {
-        const struct march march = {&s->step, s->system->t0, i, steps - i < most ? steps - i : most, row};
+        const int64_t to = each > 0 ? each * sampler->next : steps;
+        const struct march march = {&s->step, s->system->t0, i, to - i < most ? to - i : most, row};
         enum step_status status;
         if (method_turning_march(s->method, s->kernel, &march, &status) < march.count)
             return solver_stop(status);
@@ -193,6 +195,8 @@ static enum stop run_kernel(struct solver *s, double h, int64_t steps, const str
                 return STOP_DIVERGED;
         i += march.count;
         s->steps += march.count;
+        if (each > 0 && i == to)
+            memcpy(sampler->grid + sampler->next++ * n, s->y, (size_t)n * sizeof *s->y);
         if (spent(s) || cancelled(cancel))
             return cancelled(cancel) ? STOP_CANCELLED : STOP_FULL;
     }
@@ -203,10 +207,13 @@ static enum stop run_fixed(struct solver *s, struct sampler *sampler, const stru
 {
     const double ratio = fabs(s->span) / s->dt, t0 = s->system->t0, h = copysign(s->dt, s->span);
     const bool whole = fabs(ratio - nearbyint(ratio)) <= 4 * DBL_EPSILON * ratio;
-    const int64_t steps = (int64_t)(whole ? nearbyint(ratio) : floor(ratio));
-    const bool bulk = s->kernel && !sampler->grid;
-    const enum stop stop = bulk ? run_kernel(s, h, steps, cancel) : STOP_END;
+    const int64_t all = (int64_t)(whole ? nearbyint(ratio) : floor(ratio));
+    const int64_t steps = s->part > 0 && s->part < all ? s->part : all;
+    const bool met = whole && steps == all && all % (STUDY_TIMES - 1) == 0; /* every grid time, by a step's end */
+    const bool bulk = s->kernel && (!sampler->grid || met);
     s->step.h = h;
+    const enum stop stop =
+        bulk ? run_kernel(s, steps, sampler->grid ? all / (STUDY_TIMES - 1) : 0, sampler, cancel) : STOP_END;
     for (int64_t i = 0; i < steps && !bulk; i++) {
         s->step.t = t0 + (double)i * h;
         const enum step_status status = advance(s, NULL, 0, sampler);
@@ -215,7 +222,7 @@ static enum stop run_fixed(struct solver *s, struct sampler *sampler, const stru
         if ((i & 255) == 255 && (spent(s) || cancelled(cancel)))
             return cancelled(cancel) ? STOP_CANCELLED : STOP_FULL;
     }
-    if (whole || stop != STOP_END)
+    if (whole || steps < all || stop != STOP_END)
         return stop;
     s->step.t = t0 + (double)steps * h;
     s->step.h = t0 + s->span - s->step.t;

@@ -18,6 +18,7 @@ struct solver {
     bool turns;             /* fixed steps are taken in pieces that meet at turning points */
     march_function *kernel; /* where nobody looks at the states on the way: the same steps, to the bit; NULL: none */
     int64_t most;           /* evaluations, Jacobians and solves together it may cost; 0: no limit */
+    int64_t part;           /* fixed steps after which it stops, as if at the end; 0: none. For timing */
     int64_t steps;          /* taken */
     struct step step;       /* y, work, low and side belong to the solver */
     double *side;           /* work of a shorter step */

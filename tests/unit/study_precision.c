@@ -414,6 +414,65 @@ static void test_times(void **state)
     precision_free(&precision);
 }
 
+static struct precision stiff_study(const struct contender *contender, int count)
+{
+    struct scene scene;
+    struct precision precision;
+    struct error error = {0};
+    const struct row *stiff = catalog_find(&preset_catalog, TEXT("stiff-vanderpol"));
+    assert_non_null(stiff);
+    scene_init(&scene, (const struct preset *)(const void *)stiff);
+    assert_true(scene_set(&scene, scene_param(&scene, "mu"), (struct measured){1000, 0}, &error));
+    struct precision_request request = request_for(&scene, contender, count);
+    request.duration = 2000;
+    run_study(&request, &precision);
+    return precision;
+}
+
+/* Steps that jump the wrong way are found out on 1/256 of the motion; explicit solves are given up by forecast. */
+static void test_lost_rows_cost_little(void **state)
+{
+    (void)state;
+    const struct contender contender[] = {{method_named("trapezoid"), DRAG_DEFAULT},
+                                          {method_named("ros3p"), DRAG_DEFAULT},
+                                          {method_named("dopri5"), DRAG_DEFAULT},
+                                          {method_named("dop853"), DRAG_DEFAULT}};
+    struct precision precision = stiff_study(contender, 4);
+    for (int i = 0; i < precision.points; i++) {
+        const struct precision_point *point = &precision.point[i];
+        if (precision_meaningful(point))
+            continue;
+        const int64_t work = point->cost.evals + point->cost.jacobians + point->cost.solves + point->steps;
+        if (!(work < 400000)) {
+            print_error("%s: %lld for nothing\n", contender[point->curve].method->row.name, (long long)work);
+            fail();
+        }
+    }
+    precision_free(&precision);
+}
+
+/* The quick times of long solves are of a part, said to be so, and in proportion to the steps. */
+static void test_quick_times_are_of_a_part(void **state)
+{
+    (void)state;
+    struct scene scene;
+    struct precision precision;
+    const struct contender contender[] = {{method_named("rk4"), DRAG_DEFAULT}};
+    scene_init(&scene, NULL);
+    struct precision_request request = request_for(&scene, contender, 1);
+    request.dt[0] = ldexp(2, -17);
+    request.dt[1] = ldexp(2, -8);
+    request.timing = TIMING_QUICK;
+    run_study(&request, &precision);
+    assert_int_equal(precision.points, 10);
+    for (int i = 0; i < precision.points; i++) {
+        const struct precision_point *point = &precision.point[i];
+        assert_true(point->time.minimum > 0);
+        assert_int_equal(point->timed_steps, point->steps > 30000 ? 30000 : 0);
+    }
+    precision_free(&precision);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -428,6 +487,8 @@ int main(void)
         cmocka_unit_test(test_refused_before_anything_runs),
         cmocka_unit_test(test_defaults),
         cmocka_unit_test(test_times),
+        cmocka_unit_test(test_lost_rows_cost_little),
+        cmocka_unit_test(test_quick_times_are_of_a_part),
         cmocka_unit_test(test_paths_are_not_ranked_against_each_other),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
