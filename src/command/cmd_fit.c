@@ -163,8 +163,7 @@ COMMAND(fit, .row = {"fit", "", "fit an oscillation, the scene or a formula to a
             "are fit_NAME afterwards. --robust gives samples far off no weight; --bootstrap N makes the intervals "
             "from N synthetic fits.",
         .examples = "load bare.txt; m = 200 g; fit damped; adopt; fit scene free=k,gamma,y0,v0; adopt; run\n"
-                    "load bare.txt; fit a*exp(-b*t)*cos(w*t+p)+c b=0.01 w=8.7\n"
-                    "load coupled.txt; fit modes 2",
+                    "load disk.txt; fit modes 2; fit a*exp(-b*t)*cos(w*t+p)+c b=0.01 w=8.3",
         .see = "adopt measure load",
         ARGUMENTS(PLACE("MODEL", TYPE_MODEL, .choices = &fit_kind_catalog),
                   PLACE("COUNT", TYPE_INTEGER), WORD("to", TYPE_RECORDING, .group = 1),

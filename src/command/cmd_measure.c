@@ -445,7 +445,7 @@ COMMAND(measure, .row = {"measure", "", "measure a quantity of a run or a record
                 "first. 'spectrum' gives the lines that stand out.\n"
                 "'repeat NAME NAME ..', or 'repeat NAME windows=N', compares the scatter of T (what= frequency, "
                 "amplitude, decay, k) with what each states, and says what to quote.",
-        .examples = "run; measure period\nload disk.txt; measure amplitude windows=6\nmeasure repeat swing1 swing2 swing3",
+        .examples = "load disk.txt; measure amplitude windows=6\nload bare.txt; load disk.txt; measure repeat bare disk",
         .see = "fit list plot",
         .flags = COMMAND_ANYTIME,
         ARGUMENTS(PLACE("QUANTITY", TYPE_CHOICE, .flags = ARG_REQUIRED, .choices = &quantity_catalog),

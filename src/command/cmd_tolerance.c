@@ -107,5 +107,5 @@ COMMAND(atol,
                 "one for what\ndecays or starts from nothing and matters all the same, a large one for what does not "
                 "matter. It belongs to the\nscene, and holds for runs from then on. 'atol' lists them, 'atol NAME off' "
                 "and 'atol off' take them back.",
-        .examples = "atol y = 0.001 mm\natol v = 1e-12; method dopri5; run 1 s\natol off", .see = "method set run",
+        .examples = "atol y = 0.001 mm; method dopri5; run 1 s\natol off", .see = "method set run",
         .flags = COMMAND_CHANGES, ARGUMENTS(PLACE("NAME", TYPE_NAME), PLACE("VALUE", TYPE_REST)))

@@ -301,6 +301,8 @@ bool study_compare_plan(const struct compare_request *request, double *steps, do
             if (!plan_make(&system, request->contender[c].method, &each, request->duration, &plan, error)) {
                 return false;
             }
+            if (isnan(plan.steps)) /* adaptive: not known, and no reason to forget the others */
+                continue;
             *steps += plan.steps;
             *seconds += plan.seconds;
         }

@@ -184,20 +184,26 @@ static bool check_flags(const struct sample *s)
 {
     const struct system *system = &s->system;
     int n = system->n, half = n / 2, rows = system->order == 2 ? half : n;
-    double moving[LIMIT_VARIABLES], drag[LIMIT_VARIABLES];
+    double moving[LIMIT_VARIABLES], turned[LIMIT_VARIABLES], drag[LIMIT_VARIABLES];
     memcpy(moving, s->y, sizeof moving);
-    for (int i = half; i < n; i++)
+    memcpy(turned, s->y, sizeof turned);
+    for (int i = half; i < n; i++) {
         moving[i] += system->scale[i];
+        turned[i] *= -1; /* dry friction knows the direction alone */
+    }
     for (int i = 0; i < system->terms; i++) {
         const struct bound_term *term = &system->term[i];
-        double here[LIMIT_VARIABLES] = {0}, later[LIMIT_VARIABLES] = {0}, faster[LIMIT_VARIABLES] = {0};
+        double here[LIMIT_VARIABLES] = {0}, later[LIMIT_VARIABLES] = {0}, faster[LIMIT_VARIABLES] = {0},
+               back[LIMIT_VARIABLES] = {0};
         size_t size = (size_t)rows * sizeof *here;
         term->row->add(term->c, s->t, s->y, here);
         term->row->add(term->c, s->t + 1, s->y, later);
         term->row->add(term->c, s->t, moving, faster);
+        term->row->add(term->c, s->t, turned, back);
         if ((memcmp(here, later, size) != 0) != !!(term->row->flags & TERM_TIME))
             return false;
-        if (system->order == 2 && (memcmp(here, faster, size) != 0) != !!(term->row->flags & TERM_VELOCITY))
+        if (system->order == 2 && (memcmp(here, faster, size) != 0 || memcmp(here, back, size) != 0) !=
+                                      !!(term->row->flags & TERM_VELOCITY))
             return false;
     }
     if (system->order != 2)
@@ -206,7 +212,8 @@ static bool check_flags(const struct sample *s)
         return !system->oscillator.whole;
     system_drag(system, s->t, s->y, drag);
     for (int i = 0; i < half; i++) {
-        double v = s->y[half + i], wanted = -(system->oscillator.damping + system->oscillator.quadratic * fabs(v)) * v;
+        double v = s->y[half + i], wanted = -(system->oscillator.damping + system->oscillator.quadratic * fabs(v)) * v -
+                                     copysign(system->oscillator.friction, v);
         if (!(fabs(drag[i] - wanted) <= 1e-14 * fabs(wanted)))
             return false;
     }
