@@ -327,8 +327,7 @@ COMMAND(
         "one in .txt holds the text. --band draws a run of what 'adopt' took with the 95 % band of\n"
         "that fit's uncertainty, to first order in its parameters; it is computed only then, and\n"
         "for 'plot position' and its files, not for panes.",
-    .examples = "run; plot position; plot momentum against y\n"
-                "compare euler symplectic-euler; plot energy run all y=0:40mJ\n"
+    .examples = "compare euler symplectic-euler; plot energy run all y=0:40mJ; plot momentum against y\n"
                 "load bare.txt; m = 200 g; fit drag; adopt; run; plot position --band",
     .see = "set export measure", .flags = COMMAND_ANYTIME,
     ARGUMENTS(PLACE("WHAT", TYPE_COLUMN, .flags = ARG_REQUIRED | ARG_MANY, .choices = &plot_catalog),

@@ -250,7 +250,7 @@ static void names_after_free_complete(void **state)
     offered.all[0] = 0;
     line = "fit ";
     command_complete(bench.session, text_of(line), strlen(line), &start, take_offer, &offered);
-    assert_non_null(strstr(offered.all, "damped sine drag law modes scene "));
+    assert_non_null(strstr(offered.all, "damped sine drag law scene modes "));
     assert_null(strstr(offered.all, "NAME="));
     bench_close(&bench);
 }
