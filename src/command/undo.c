@@ -72,12 +72,22 @@ void run_unmark(struct held_run *held)
     held->mark = NULL;
 }
 
+/* Sizes and switches change in adaptive steps and at switches alone: other runs, of which there may be many, have none. */
+static bool same_controller(const struct run *run, const struct controller *then)
+{
+    const size_t from = offsetof(struct controller, elapsed), to = offsetof(struct controller, switches);
+    const struct controller *now = &run->controller;
+    if (run->plan.adaptive || run->system.switches > 0)
+        return memcmp(now, then, sizeof *now) == 0;
+    return now->tol == then->tol && memcmp((const char *)now + from, (const char *)then + from, to - from) == 0;
+}
+
 /* NULL: no memory. */
 static struct run_mark *mark_run(struct held_run *held)
 {
     const struct run *run = held->run;
     if (!held->mark || !same_run(run, held->last, held->mark) ||
-        memcmp(&run->controller, &held->mark->controller, sizeof run->controller) != 0) {
+        !same_controller(run, &held->mark->controller)) {
         run_unmark(held);
         if (!(held->mark = malloc(sizeof *held->mark)))
             return NULL;
