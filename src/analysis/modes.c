@@ -415,6 +415,8 @@ bool two_lines(const struct samples *x, struct mode_pair *pair)
 {
     struct mode_start start[3];
     double samples;
+    if (x->n <= MODES_FIRST + 2 * MODE_PARAMETERS)
+        return false; /* as many parameters, or more */
     const double width = 1 / (x->t[x->n - 1] - x->t[0]);
     if (modes_search(x, 2, true, NULL, start, &samples) < 2 ||
         !(modes_evidence(start, 1, 2, samples) > DECIDES) ||

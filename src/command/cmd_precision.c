@@ -142,7 +142,7 @@ HANDLER(precision)
     struct precision_request request = {.scene = &session->setup.scene,
                                         .contender = contender,
                                         .duration = session->setup.settings.duration,
-                                        .timing = session->setup.settings.timing,
+                                        .timing = (enum timing)session->setup.settings.timing,
                                         .compensated = session_run_settings(session).compensated,
                                         .recording = is_given(given, "recording"),
                                         .cancel = session->front.cancel};
