@@ -15,6 +15,8 @@ enum { CENSORED_LEAST = 6, ROUNDS = 25 };
 #define HARMONICS 2.5   /* standard deviations of the second or third harmonic that make it worth a look */
 #define GAIN_LEAST 9.0  /* chi-square by which a ceiling must explain the samples better */
 #define RESOLVED 1.5    /* steps of the recording: what is flat over less is rounded, not cut */
+#define FLAT 3.0        /* standard deviations of the noise by which readings of a flat top may scatter, */
+#define FLAT_SHARE 0.02 /* or by this share of what the model does there */
 #define SLOPE_MOST 0.35 /* of reading against model beyond the level: 0 where it is flat, 1 where it is not */
 
 /* A flat top has harmonics; noise has none at all. */
@@ -41,7 +43,8 @@ struct censoring {
     unsigned char *use; /* [n] without the censored ones */
     double *residual;   /* [n] */
     double level, rss, slope;
-    double beyond; /* how far the model goes beyond the level */
+    double beyond;  /* how far the model goes beyond the level */
+    double scatter; /* of the readings there about the level */
     size_t censored;
 };
 
@@ -86,10 +89,18 @@ static bool settle(const struct motion *m, int side, struct censoring *c)
             counted++;
         }
     }
+    c->scatter = sqrt(square / fmax(counted, 1));
     double spread = xx - mean_x * mean_x / fmax(counted, 1);
     c->rss = c->harmonic.rss + square;
     c->slope = spread > 0 ? (xy - mean_x * mean_y / counted) / spread : 1;
     return true;
+}
+
+/* A wave with a wide trough is no flat top: its readings change there, by more than noise and rounding do. */
+static bool is_flat(const struct motion *m, const struct censoring *c)
+{
+    return fabs(c->slope) < SLOPE_MOST && c->beyond > RESOLVED * m->quantum &&
+           c->scatter <= FLAT * m->overview.noise + RESOLVED * m->quantum + FLAT_SHARE * c->beyond;
 }
 
 /* The best ceiling on one side; false: none explains the samples better. */
@@ -108,7 +119,7 @@ static bool find_ceiling(const struct motion *m, int side, struct censoring *bes
             continue;
         double variance = trial->rss / (double)h->used;
         bool better = h->rss - trial->rss > GAIN_LEAST * variance;
-        if (better && fabs(trial->slope) < SLOPE_MOST && trial->beyond > RESOLVED * m->quantum) {
+        if (better && is_flat(m, trial)) {
             struct censoring swap = *best;
             *best = *trial;
             *trial = swap;

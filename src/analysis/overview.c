@@ -11,6 +11,10 @@
 #define DECREMENT_MOST 3.2 /* gamma T/2: the amplitude changes by a factor 25 in a period */
 #define WEAKLY_DAMPED 0.01 /* gamma/omega: the amplitude changes by 6 % in two periods */
 #define SAMPLES_A_PERIOD 2.02
+#define FEW 4            /* periods */
+#define FEW_LEAVE 0.1    /* of their power, where what is left is larger than the noise by */
+#define FEW_NOISES 2.0   /* and hangs together */
+#define FEW_TOGETHER 0.5 /* (autocorrelation) */
 #define REJECTED_MOST 0.2 /* of the samples: a fit that leaves out more is none */
 #define DRIFTS 3.0  /* standard deviations of the offset's slope from which on it is fitted */
 #define CHANCE 20.0 /* -ln of the chance that noise looks like it, per frequency; much for wandering records, */
@@ -158,6 +162,22 @@ static void judge_rejected(struct motion *m)
     }
 }
 
+/* A random walk looks like two periods now and then: so few must be a damped sine, but for little of the power. */
+static void judge_few(struct motion *m)
+{
+    const struct samples *x = &m->samples;
+    const double left = harmonic_sigma(&m->harmonic, FREE_GAMMA);
+    double power = 0;
+    for (size_t i = 0; i < x->n; i++) {
+        power += x->use[i] ? (x->y[i] - m->harmonic.c) * (x->y[i] - m->harmonic.c) : 0;
+    }
+    if (m->overview.periods < FEW && m->autocorrelation > FEW_TOGETHER && left > FEW_NOISES * m->overview.noise &&
+        m->harmonic.rss > FEW_LEAVE * power) {
+        refuse(&m->overview, "a damped sine leaves %.0f %% of the %.2g periods", 100 * sqrt(m->harmonic.rss / power),
+               m->overview.periods);
+    }
+}
+
 /* An offset that drifts has a line of its own, where it stands out of the residuals as they are with it. */
 static void find_drift(struct motion *m)
 {
@@ -215,6 +235,7 @@ static bool fit_whole(struct motion *m, double omega, struct arena *arena)
     o->mean = m->harmonic.c;
     o->period = TWO_PI / m->harmonic.omega;
     o->periods = (m->samples.t[m->samples.n - 1] - m->samples.t[0]) / o->period;
+    judge_few(m);
     return true;
 }
 
