@@ -327,6 +327,8 @@ HANDLER(set)
             session->setup.settings = changed;
             setting_give(setting, true, &session->setup.settings);
             reply_setting(session, setting, reply);
+            if (setting->choices == &turning_catalog)
+                reply_inapplicable(session, reply);
         }
     } else {
         int place = 0;

@@ -328,6 +328,8 @@ void reply_unchosen(struct session *session, struct reply *reply);
 void reply_assumed(struct session *session, bool adapts, bool by_setting, struct reply *reply);
 /* Of a study: that it takes the setting, although the present run took longer. */
 void reply_shorter(const struct session *session, struct reply *reply);
+/* Warns where the scene rules out the method that is set, and says what to do. */
+void reply_inapplicable(const struct session *session, struct reply *reply);
 /* Warns of a step that is too coarse for the period. */
 void reply_coarse(const struct session *session, const struct run *run, struct reply *reply);
 /*
@@ -387,7 +389,7 @@ void setting_show(const struct setting *setting, const struct settings *settings
 /* As a command that reads back exactly. */
 void setting_exact(const struct setting *setting, const struct settings *settings, struct buffer *text);
 
-extern const struct catalog charset_choice_catalog, color_choice_catalog, phase_axes_catalog;
+extern const struct catalog charset_choice_catalog, color_choice_catalog, phase_axes_catalog, turning_catalog;
 
 /* ---- what measure, fit, export and plot act on (source of a series) ---- */
 

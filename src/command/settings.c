@@ -49,7 +49,7 @@ static const struct row turning_rows[] = {
                     NULL},
     [TURNING_OFF] = {"off", "", "steps go across: methods run as they are printed", "", NULL},
 };
-static const struct catalog turning_catalog = CATALOG("way with turning points", turning_rows);
+const struct catalog turning_catalog = CATALOG("way with turning points", turning_rows);
 
 static const struct row record_rows[] = {
     [RECORD_AUTO] = {"auto", "", "every step; very long runs are decimated, no peak is lost", "", NULL},
