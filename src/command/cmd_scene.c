@@ -2,6 +2,7 @@
 /* scene, set, unset, let, show, plan */
 #ifndef COMMAND_ROWS
 #include "events.h"
+#include "fit_band.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -421,6 +422,7 @@ HANDLER(plan)
     struct buffer text = {0};
     plan_describe(&setup->scene, &system, setup->method, &settings, &plan, &text);
     events_plan(setup->events, &text);
+    band_plan(session, &system, &text);
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
     return true;
