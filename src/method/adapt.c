@@ -170,6 +170,12 @@ static double advance_clock(struct controller *controller, double t, double h)
     return sum;
 }
 
+/* A switch at the very end is located beyond it by rounding: the next step would go back across. */
+static double not_beyond(double t, double h, double t_end)
+{
+    return (t - t_end) * copysign(1, h) > 0 ? t_end : t;
+}
+
 /* A step that was not good: puts everything back as it was and makes the next attempt smaller. */
 static void take_back(struct step *step, struct controller *controller, double t, const double *y, const double *low)
 {
@@ -224,7 +230,8 @@ static enum step_status adapt(const struct method *method, struct step *step, st
             /* A step that was cut short says nothing against the longer one that was planned. */
             plan_next(method, step, controller, error / aim(method), last || turned);
             step->t = last ? t_end : advance_clock(controller, t, step->h);
-            if (last)
+            step->t = not_beyond(step->t, span, t_end);
+            if (step->t == t_end)
                 controller->t_low = 0;
             controller->rejected = false;
             step->cost.turns += turned;
@@ -272,7 +279,7 @@ static enum step_status adapt_library(const struct method *method, struct step *
         return status;
     }
     if (ended >= 0)
-        step->t = t + step->h;
+        step->t = not_beyond(t + step->h, t_end - t, t_end);
     step->cost.turns += ended >= 0;
     switch_next(step, &controller->switches, ended);
     return STEP_OK;

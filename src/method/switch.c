@@ -20,6 +20,7 @@
 #define BLOCKS 4       /* blocks of them takes but */
 #define SHORTER 0.1    /* of the time of the one before, or this small a part of t */
 #define SHORTEST 1e-12
+#define BRIEF_ULPS 64 /* of t: in so short a step a guard at 0 need not come to be above it */
 #define SLOW 0.05 /* of the natural speed: a turning point is near */
 #define EVEN 0.1  /* of its length, what a step without a turning point may be off the mean of its speeds */
 
@@ -261,12 +262,17 @@ static double dip(const struct look *look, int i, double m, double apart, double
     return NAN;
 }
 
-/* The first point of the step where guard i falls below 0, 2: it does not. */
+/*
+ * The first point of the step where guard i falls below 0, 2: it does not. A branch begins within rounding of its
+ * switch, perhaps before it: while its guard rises from there, in a step as short as rounding, it has not ended.
+ */
 static double first_end(const struct look *look, int i, double (*guard)[LIMIT_SWITCHES])
 {
+    bool ahead = guard[0][i] < 0 && fabs(look->h) <= BRIEF_ULPS * DBL_EPSILON * fabs(look->t);
     for (int k = 1; k <= LOOKS; k++) {
         const double a = (double)(k - 1) / LOOKS, b = (double)k / LOOKS, fa = guard[k - 1][i], fb = guard[k][i];
-        if (fb < 0) {
+        ahead = ahead && fb < 0 && fb >= fa;
+        if (fb < 0 && !ahead) {
             const double from = fa > 0 && k > 1 ? a : inside(look, i, b);
             return from == b ? 0 : root(look, i, from, guard_at(look, i, from), b, fb);
         }

@@ -264,6 +264,41 @@ static void test_odex_sees_hidden_switches(void **state)
     assert_int_equal(wrong, 0);
 }
 
+/*
+ * Steps that end some roundings before or after a switch, because somebody wants the state there: the next ones are as
+ * short as rounding, and begin on a branch whose guard has not risen above 0 yet.
+ */
+static void test_ends_near_switches(void **state)
+{
+    (void)state;
+    struct error error;
+    struct typed_models *models = typed_create(&error);
+    const struct scene scene = typed_scene(models, "var x = 1;x'' = -sign(x)");
+    struct system system;
+    assert_true(scene_bind(&scene, &system, &error));
+    static const char *const names[] = {"dop853", "radau5", "dopri5", "rodas5p"};
+    int wrong = 0;
+    for (size_t m = 0; m < COUNT_OF(names); m++)
+        for (double tol = 1e-4; tol > 1e-11; tol /= is_long() ? 10 : 100)
+            for (int at = 1; at < 8; at += 2)
+                for (int ulps = -40; ulps <= 40; ulps += is_long() ? 1 : 3) {
+                    const struct method *method = method_named(names[m]);
+                    double y[LIMIT_VARIABLES], *work = calloc(method_work_size(method, 2) + 1, sizeof *work);
+                    struct step step = {.system = &system, .y = y, .work = work};
+                    struct controller controller = {.tol = tol};
+                    memcpy(y, system.start, sizeof y);
+                    const double ends[] = {at * sqrt(2) * (1 + ulps * DBL_EPSILON), 20};
+                    for (int i = 0; i < 2; i++)
+                        while (step.t != ends[i])
+                            assert_int_equal(method_adapt(method, &step, &controller, ends[i]), STEP_OK);
+                    if (!(fabs(y[0] - wedge(20)) < 1e-11))
+                        wrong++;
+                    free(work);
+                }
+    typed_destroy(models);
+    assert_int_equal(wrong, 0);
+}
+
 /* Every adaptive method, tolerance and first step: within 100 tol of the closed form. */
 static void test_switches(void **state)
 {
@@ -394,6 +429,7 @@ int main(void)
         cmocka_unit_test(test_pendulums),
         cmocka_unit_test(test_smooth_scenes_of_radau),
         cmocka_unit_test(test_odex_sees_hidden_switches),
+        cmocka_unit_test(test_ends_near_switches),
         cmocka_unit_test(test_switches),
         cmocka_unit_test(test_sliding_and_piling_up),
         cmocka_unit_test(test_typed_force_on_a_spring),
