@@ -126,6 +126,26 @@ struct unsound_step {
     int variable;    /* the one that is off most */
 };
 
+/*
+ * How far an adaptive run may be from the solution: a distance from the closed form, or from a second solution of
+ * another kind at a hundredth of the tolerance. Unit: the largest value of each variable so far, at least its size along
+ * the run (struct controller), or atol / tol where atol is given.
+ */
+#define OPINION_WRONG 100  /* tolerances: errors beyond deserve a warning */
+#define OPINION_BUDGET 4e5 /* evaluations and Jacobians, over the number of variables: some milliseconds */
+#define OPINION_SHARE 0.1  /* of the run's own, where that is more */
+
+struct opinion {
+    double error; /* at the end, or in the mean over time if larger; where t is not the run's, what its growth makes of
+                     it there. NAN: there is no opinion */
+    double most;  /* the largest on the way: where values jump an error of time is one of them */
+    double t;     /* [s] compared up to there */
+    double lost;  /* [s] from there on it is as large as the motion; NAN: nowhere */
+    double end[LIMIT_VARIABLES]; /* [n] SI, at t */
+    const struct method *by; /* NULL: the closed form */
+    double tol;              /* of it */
+};
+
 struct run {
     int number; /* 1, 2, … as users see it */
     char name[LIMIT_NAME + 1];
@@ -144,8 +164,9 @@ struct run {
     enum stop stop;
     struct singularity singular; /* with STOP_SINGULAR */
     struct unsound_step unsound; /* the worst one seen by run_diagnose() */
-    bool warned_growth, warned_sliding, warned_piling, warned_unsound, warned_doubt;
+    bool warned_growth, warned_sliding, warned_piling, warned_unsound, warned_doubt, warned_error;
     struct controller controller;
+    struct opinion opinion; /* by run_second_opinion() */
 
     struct run_private *private_state; /* work memory */
 };
@@ -253,6 +274,12 @@ void run_diagnose(struct run *run);
 /* Why it stopped, as a sentence for the user: "diverged at t = 12.31 s (step 18): dt = 0.7 s is above …; try dt <= 0.06
  * s". */
 void run_explain(const struct run *run, struct buffer *text);
+/*
+ * Fills run->opinion up to the present state of an adaptive run: nothing else of it changes. Compares recorded states,
+ * at most 256 in a call. Not `whole`: stops where its work gets larger than OPINION_BUDGET and OPINION_SHARE of the
+ * run's own, unless the error so far makes the rest doubtful. src/run/opinion.c has the way.
+ */
+void run_second_opinion(struct run *run, bool whole, const struct cancel *cancel);
 /* below [n]: variables of an adaptive run whose values are less than the error that it allows, and not only because
  * they pass through 0: none of their digits is certain. How many. */
 int run_below_tolerance(const struct run *run, bool *below);

@@ -183,11 +183,14 @@ static bool arrive(struct session *session, const struct journey *journey, const
     if (run->stop == STOP_CANCELLED)
         reply_line(reply, "%s at t = %.6g s; 'continue' goes on", session->front.watched ? "paused" : "stopped",
                    run->t);
+    seek_opinion(session, run);
     reply_run(session, run, reply);
     reply_event(journey->held, passage->count > 0 ? passage->stopped[0] : NULL, reply);
     reply_growth(run, reply);
     reply_unsound(run, reply);
     reply_vanished(run, reply);
+    struct error lost = {0};
+    const bool right = reply_opinion(session, run, reply, &lost);
     reply_below_tolerance(run, reply);
     reply_phase_unknown(run, reply);
     reply_sliding(run, reply);
@@ -214,7 +217,9 @@ static bool arrive(struct session *session, const struct journey *journey, const
         buffer_free(&why);
         return false;
     }
-    return true;
+    if (!right)
+        *error = lost;
+    return right;
 }
 
 static void reply_running(const struct session *session, struct reply *reply)

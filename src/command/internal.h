@@ -200,7 +200,6 @@ int scene_param_at(const struct scene *scene, struct text name); /* as scene_par
 double param_value(const struct scene *scene, const char *name); /* NAN: the scene has no such parameter */
 bool param_given(const struct scene *scene, const char *name);
 bool is_oscillator(const struct scene *scene); /* also with forces that were typed */
-bool is_pendulum(const struct scene *scene);   /* on a rigid rod */
 /* What was typed, a line each after `before`. */
 void scene_lines(const struct scene *scene, const char *before, struct buffer *text);
 /* The same, each before `end`, in an order in which they can be typed: a line may use one that was typed after it,
@@ -316,6 +315,12 @@ void reply_unsound(struct run *run, struct reply *reply);
 void reply_sliding(struct run *run, struct reply *reply); /* along switches, or these pile up; once */
 void reply_vanished(const struct run *run, struct reply *reply); /* every value is below the smallest number */
 void reply_below_tolerance(const struct run *run, struct reply *reply);
+void seek_opinion(const struct session *session, struct run *run); /* as `set opinion` says */
+void plan_opinion(const struct session *session, const struct system *system, const struct plan *plan,
+                  struct buffer *text); /* what it will cost */
+/* Its line, and a warning where the error is large; false: nothing is right, which is an error. */
+bool reply_opinion(const struct session *session, struct run *run, struct reply *reply, struct error *error);
+void reply_opinion_values(const struct run *run, struct reply *reply); /* its keys in JSON */
 /* Of an exact solution so long that roundings of the parameters move its phase. */
 void reply_phase_unknown(const struct run *run, struct reply *reply);
 /* Warns of a state whose squares underflow. */
@@ -329,8 +334,6 @@ void reply_unchosen(struct session *session, struct reply *reply);
 void reply_assumed(struct session *session, bool adapts, bool by_setting, struct reply *reply);
 /* Of a study: that it takes the setting, although the present run took longer. */
 void reply_shorter(const struct session *session, struct reply *reply);
-/* Warns where the scene rules out the method that is set, and says what to do. */
-void reply_inapplicable(const struct session *session, struct reply *reply);
 /* Warns of a step that is too coarse for the period. */
 void reply_coarse(const struct session *session, const struct run *run, struct reply *reply);
 /*
@@ -390,7 +393,7 @@ void setting_show(const struct setting *setting, const struct settings *settings
 /* As a command that reads back exactly. */
 void setting_exact(const struct setting *setting, const struct settings *settings, struct buffer *text);
 
-extern const struct catalog charset_choice_catalog, color_choice_catalog, phase_axes_catalog, turning_catalog;
+extern const struct catalog charset_choice_catalog, color_choice_catalog, phase_axes_catalog, opinion_catalog;
 
 /* ---- what measure, fit, export and plot act on (source of a series) ---- */
 

@@ -141,6 +141,7 @@ void reply_run(const struct session *session, const struct run *run, struct repl
         reply_real(reply, "kinetic", run_observable(run, observable_energy(&run->system)));
     reply_real(reply, "energy_error", ledger.error_max);
     reply_real(reply, "error", errors.max);
+    reply_opinion_values(run, reply);
     reply_real(reply, "rest_from", rest);
     reply_string(reply, "status", stop_name(run->stop));
     reply_real(reply, "time", run->seconds);
@@ -226,31 +227,6 @@ void reply_vanished(const struct run *run, struct reply *reply)
         reply_warning(reply, "the motion has vanished: every value is below the smallest number, %.3g", DBL_MIN);
 }
 
-/* In text; JSON has a list of them. */
-void reply_below_tolerance(const struct run *run, struct reply *reply)
-{
-    enum { NAMED = 3 };
-    bool below[LIMIT_VARIABLES];
-    const int count = run_below_tolerance(run, below);
-    struct buffer names = {0};
-    int first = -1;
-    for (int i = 0, named = 0; i < run->system.n && named < NAMED; i++) {
-        if (!below[i])
-            continue;
-        first = first < 0 ? i : first;
-        buffer_format(&names, "%s%s", named++ > 0 ? ", " : "", system_variable(&run->system, i).name);
-    }
-    if (count > NAMED)
-        buffer_format(&names, " and %d more", count - NAMED);
-    if (count > 0) {
-        reply_line(reply, "no digit is certain of %s: below %s tolerance", buffer_view(&names),
-                   count > 1 ? "their" : "its");
-        reply_line(reply, "'atol %s = VALUE' asks for errors as small as that",
-                   system_variable(&run->system, first).name);
-    }
-    buffer_free(&names);
-}
-
 void reply_sliding(struct run *run, struct reply *reply)
 {
     const struct switches_state *state = &run->controller.switches;
@@ -332,17 +308,6 @@ void reply_shorter(const struct session *session, struct reply *reply)
         return;
     reply_line(reply, "over %.6g s, the setting 'duration'; run %d took %.6g s ('duration = %.6g s' studies that)",
                duration, run->number, span, span);
-}
-
-void reply_inapplicable(const struct session *session, struct reply *reply)
-{
-    struct scene scene = session->setup.scene;
-    struct system system;
-    struct error why;
-    enum drag drag = session->setup.drag;
-    scene.across = session->setup.settings.turning == TURNING_OFF;
-    if (scene_bind(&scene, &system, &why) && !method_applies(session->setup.method, &system, &drag, &why))
-        reply_warning(reply, "%s%s%s", why.text, why.hint[0] ? ": " : "", why.hint);
 }
 
 void reply_coarse(const struct session *session, const struct run *run, struct reply *reply)

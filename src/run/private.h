@@ -226,6 +226,7 @@ struct run_private {
     size_t saves, save_room;
     struct turns turns;
     struct happenings happenings;
+    struct second *second; /* opinion.c; NULL: nobody asked */
     struct watch *watch; /* watch.h; NULL: there are no events */
     struct event_doubt doubt[LIMIT_EVENTS];
     struct kick *kick;
@@ -343,6 +344,8 @@ bool run_creeps(struct run *run);
 bool run_solve(const struct system *system, double t, const double *y, double end, double tol, double *to);
 /* Compares the step from recorded row i to the next with the solution from there: run->unsound. */
 void run_check_step(struct run *run, size_t i);
+
+void opinion_forget(struct run *run); /* it starts anew */
 
 /* The epoch that led to the state at `step`: where one ends, the state still belongs to it. */
 const struct epoch *run_epoch(const struct run *run, int64_t step);

@@ -162,6 +162,7 @@ struct run *run_create(const struct scene *scene, const struct method *method, c
     set_bounds(run);
     choose_kernel(run);
     ledger_back(run);
+    opinion_forget(run);
     return run;
 }
 
@@ -171,6 +172,7 @@ void run_destroy(struct run *run)
         return;
     trace_destroy(run->trace);
     if (run->private_state) {
+        opinion_forget(run);
         method_end(run->method, &run->private_state->step);
         free(run->private_state->work);
         free(run->private_state->scratch);
@@ -242,6 +244,7 @@ bool run_back(struct run *run, int64_t rows)
         p->epochs--;
     use_system(run, &p->epoch[p->epochs - 1].system);
     ledger_back(run);
+    opinion_forget(run);
     return enough;
 }
 

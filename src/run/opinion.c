@@ -1,0 +1,366 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * A second opinion on an adaptive run: its distance from the closed form, or from a second solution of another kind at
+ * a hundredth of the tolerance (Skeel 1986, Math. Comput. Modelling; Shampine 2005, J. Sci. Comput. 25:3). The step
+ * control bounds errors of steps only; what becomes of them on the way is the equations' affair.
+ *
+ * The second solution is by dop853 where stability lets its steps be long, else by a Rosenbrock method, or by radau5
+ * where the run itself is by one. It ends steps at the recorded states that it is compared with, so that nothing is
+ * interpolated, and follows changes of the scene and of the state on the way. Its work is limited by counts, not by the
+ * clock: the same run always gets the same opinion.
+ */
+#include "private.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+
+#define TIGHTER 0.01       /* times the tolerance: another method may err ten times as much at the same one, */
+#define TIGHTER_STIFF 0.1  /* and one of fifth order takes 1.6 times as many steps for a tenth */
+#define TOL_EXPLICIT 2e-14 /* at least: rounding */
+#define TOL_IMPLICIT 1e-13
+#define ROWS 256        /* compared in one call */
+#define LOOKS 32        /* at the Jacobian, whose spectral radius is found in */
+#define ROUNDS 12       /* multiplications, the last of which count: */
+#define COUNTED 6       /* an even number, so that pairs +-lambda do not matter */
+#define STIFF 0.5       /* of the run's own evaluations: dearer for its stability alone dop853 is not taken */
+#define EVALS_A_UNIT 2. /* of dop853 at the edge of stability, for |J| dt = 1: 12 evaluations over 6 */
+#define EVALS_FREE 1000 /* nobody minds */
+#define PARTS 512       /* no step is longer where forces depend on time: there may be pulses */
+#define IN_DOUBT 4      /* times the run's own, where the first part says that the end may be wrong */
+#define LOOK_EACH 64    /* steps between looks at the budget */
+#define PAST 64         /* errors that are remembered on the way */
+#define POWER_MOST 3    /* errors that grow faster than this power of time are taken to grow exponentially */
+#define LOST 0.1        /* in the mean since then: what is as large as the motion only in jumps is no loss */
+
+/* Distances so far. */
+struct distances {
+    double size[LIMIT_VARIABLES]; /* the largest values of the run */
+    double t;                     /* [s] of the last one */
+    double sum, lost_sum;         /* [s] integrals over time, since the start and since struct opinion's lost */
+    double lost;                  /* [s] where it first was as large as the motion; NAN */
+};
+
+struct second {
+    const struct method *method;
+    struct system system;
+    struct step step;
+    struct controller controller;
+    struct distances distances;
+    double y[LIMIT_VARIABLES];
+    int64_t at;         /* step of the run that it was last compared with */
+    size_t epoch, kick; /* the next ones */
+    double error;       /* as struct opinion's, so far */
+    struct {
+        double t, error;
+    } past[PAST];
+    int count, each, skipped; /* of the past: every so many comparisons */
+};
+
+static double work_of(const struct cost *cost)
+{
+    return (double)(cost->evals + cost->jacobians);
+}
+
+static const struct method *named(const char *name)
+{
+    return (const struct method *)(const void *)catalog_find(&method_catalog, text_of(name));
+}
+
+void opinion_forget(struct run *run)
+{
+    struct second *second = run->private_state->second;
+    run->opinion = (struct opinion){.error = NAN, .most = NAN, .t = NAN, .lost = NAN};
+    if (!second)
+        return;
+    method_end(second->method, &second->step);
+    free(second->step.work);
+    free(second);
+    run->private_state->second = NULL;
+}
+
+/* ---- distances ---- */
+
+/* Of state y from the run's `own` at t. */
+static void compare(struct run *run, struct distances *d, double t, const double *own, const double *y)
+{
+    struct opinion *opinion = &run->opinion;
+    const double by = fabs(t - d->t), way = fabs(t - run->system.t0);
+    double here = 0;
+    for (int i = 0; i < run->system.n; i++) {
+        const double distance = fabs(own[i] - y[i]);
+        d->size[i] = fmax(d->size[i], fabs(own[i]));
+        opinion->end[i] = distance;
+        if (distance > 0)
+            here = fmax(here, distance / fmax(d->size[i], run->controller.scale[i]));
+    }
+    d->t = t;
+    d->sum += by * here;
+    if (!isnan(d->lost)) {
+        d->lost_sum += by * here;
+    } else if (here >= 1) {
+        d->lost = t;
+        d->lost_sum = 0;
+    }
+    const double since = fabs(t - d->lost);
+    opinion->lost = (since > 0 ? d->lost_sum >= LOST * since : here >= 1) ? d->lost : NAN;
+    opinion->error = fmax(here, way > 0 ? d->sum / way : 0);
+    opinion->most = fmax(opinion->most, here);
+    opinion->t = t;
+}
+
+/* The k-th of `count` rows that are spread over those from `first` on; the last is the last. */
+static size_t spread_row(const struct run *run, size_t first, size_t k, size_t count)
+{
+    const size_t rows = trace_count(run->trace) - first;
+    return first + (size_t)((double)(k + 1) * (double)rows / (double)count) - 1;
+}
+
+static void against_closed_form(struct run *run)
+{
+    const struct trace *trace = run->trace;
+    const size_t rows = trace_count(trace) - 1, count = rows < ROWS ? rows : ROWS;
+    double exact[LIMIT_VARIABLES], floor[LIMIT_VARIABLES];
+    struct distances distances = {.t = run->system.t0, .lost = NAN};
+    for (size_t k = 0; k < count; k++) {
+        const size_t row = spread_row(run, 1, k, count);
+        const struct epoch *epoch = run_epoch(run, trace_step(trace, row));
+        system_exact(&epoch->system, epoch->t, epoch->start, trace_time(trace, row), exact, floor);
+        compare(run, &distances, trace_time(trace, row), trace_state(trace, row), exact);
+    }
+}
+
+/* ---- the second solution ---- */
+
+/* Spectral radius of the Jacobian [n][n], by powers. */
+static double spectral_radius(const double *jacobian, int n)
+{
+    double v[LIMIT_VARIABLES], w[LIMIT_VARIABLES], grown = 0;
+    for (int i = 0; i < n; i++)
+        v[i] = 1 + 0.1 * i - 0.3 * (i % 3); /* nothing in particular */
+    for (int round = 0; round < ROUNDS; round++) {
+        double before = 0, after = 0;
+        for (int i = 0; i < n; i++) {
+            w[i] = 0;
+            for (int j = 0; j < n; j++)
+                w[i] += jacobian[i * n + j] * v[j];
+            before += v[i] * v[i];
+            after += w[i] * w[i];
+        }
+        if (after == 0)
+            return 0;
+        if (round >= ROUNDS - COUNTED)
+            grown += log(after / before) / 2;
+        for (int i = 0; i < n; i++)
+            v[i] = w[i] / sqrt(after);
+    }
+    return exp(grown / COUNTED);
+}
+
+/* Its integral over the run, from some of the rows. */
+static double stiffness_over(const struct run *run)
+{
+    const struct system *system = &run->system;
+    const size_t rows = trace_count(run->trace) - 1, count = rows < LOOKS ? rows : LOOKS;
+    double jacobian[LIMIT_VARIABLES * LIMIT_VARIABLES], sum = 0;
+    size_t row = 0;
+    for (size_t k = 0; k < count; k++) {
+        const size_t next = spread_row(run, 1, k, count);
+        system_jacobian(system, trace_time(run->trace, row), trace_state(run->trace, row), jacobian);
+        sum += spectral_radius(jacobian, system->n) * fabs(trace_time(run->trace, next) - trace_time(run->trace, row));
+        row = next;
+    }
+    return sum;
+}
+
+static const struct method *choose_method(const struct run *run, bool other)
+{
+    const double evals = (double)run->cost.evals;
+    const bool stiff = !(EVALS_A_UNIT * stiffness_over(run) <= fmax(STIFF * evals, EVALS_FREE));
+    return stiff == other ? named("dop853") : named(run->method->rosenbrock ? "radau5" : "rodas5p");
+}
+
+static bool second_begin(struct run *run, bool other)
+{
+    const struct epoch *epoch = run->private_state->epoch;
+    const int n = run->system.n;
+    struct second *second = calloc(1, sizeof *second);
+    const struct method *method = second ? choose_method(run, other) : NULL;
+    double *work = method ? calloc(method_work_size(method, n) + 1, sizeof *work) : NULL;
+    if (!work) {
+        free(second);
+        return false;
+    }
+    second->method = method;
+    second->system = epoch->system;
+    system_turn_at_kinks(&second->system);
+    memcpy(second->y, trace_state(run->trace, 0), (size_t)n * sizeof *second->y);
+    second->step = (struct step){.system = &second->system, .y = second->y, .work = work, .t = epoch->t};
+    second->step.kernel = method_step_kernel(method, &second->system);
+    const bool stiff = method->flags & METHOD_IMPLICIT || method->rosenbrock;
+    second->controller.tol = stiff ? fmax(TIGHTER_STIFF * run->controller.tol, TOL_IMPLICIT)
+                                   : fmax(TIGHTER * run->controller.tol, TOL_EXPLICIT);
+    second->distances = (struct distances){.t = epoch->t, .lost = NAN};
+    second->epoch = 1;
+    second->each = 1;
+    run->private_state->second = second;
+    run->opinion =
+        (struct opinion){.error = NAN, .most = NAN, .t = NAN, .lost = NAN, .by = method, .tol = second->controller.tol};
+    method_begin(method, &second->step);
+    return true;
+}
+
+/* False: it cannot, or has used up what it may. */
+static bool second_go(const struct run *run, struct second *second, double to, double most, const struct cancel *cancel)
+{
+    struct step *step = &second->step;
+    const double from = step->t, longest = fabs(run->t - run->system.t0) / PARTS;
+    const int parts = second->system.autonomous ? 1 : (int)fmin(PARTS, 1 + fabs(to - from) / longest);
+    int64_t steps = 0;
+    for (int part = 1; step->t != to;) {
+        const double next = part < parts ? from + (to - from) * part / parts : to;
+        if (method_adapt(second->method, step, &second->controller, next) != STEP_OK)
+            return false;
+        part += step->t == next;
+        if (++steps % LOOK_EACH == 0 && (work_of(&step->cost) > most || cancelled(cancel)))
+            return false;
+    }
+    return work_of(&step->cost) <= most;
+}
+
+/* What was changed from outside in the run changes the second solution alike: its distance stays. */
+static void second_kick(const struct run *run, struct second *second, const struct kick *kick)
+{
+    const struct trace *trace = run->trace;
+    const size_t row = trace_row_from(trace, kick->step);
+    if (row >= trace_count(trace))
+        return;
+    const double *after = trace_state(trace, row);
+    const bool both = row > 0 && trace_time(trace, row - 1) == kick->t && trace_time(trace, row) == kick->t;
+    for (int i = 0; i < run->system.n; i++)
+        second->y[i] = both ? second->y[i] + (after[i] - trace_state(trace, row - 1)[i]) : after[i];
+}
+
+/* To the time of the changes before the state after `step`, and across. */
+static bool second_cross(const struct run *run, struct second *second, int64_t step, double most,
+                         const struct cancel *cancel)
+{
+    const struct run_private *p = run->private_state;
+    for (;;) {
+        const struct epoch *epoch = second->epoch < p->epochs ? &p->epoch[second->epoch] : NULL;
+        const struct kick *kick = second->kick < p->kicks ? &p->kick[second->kick] : NULL;
+        const bool bind = epoch && epoch->first < step, jump = kick && kick->step <= step;
+        const bool first = bind && !(jump && kick->step <= epoch->first);
+        if (!bind && !jump)
+            return true;
+        if (!second_go(run, second, first ? epoch->t : kick->t, most, cancel))
+            return false;
+        if (first) {
+            second->system = epoch->system;
+            system_turn_at_kinks(&second->system);
+            second->step.kernel = method_step_kernel(second->method, &second->system);
+            second->epoch++;
+        } else {
+            second_kick(run, second, kick);
+            second->kick++;
+        }
+        second->step.warm = second->step.again = false;
+        second->controller = (struct controller){.tol = second->controller.tol};
+    }
+}
+
+static void remember(struct second *second, double t, double error)
+{
+    second->error = error;
+    if (++second->skipped < second->each)
+        return;
+    second->skipped = 0;
+    if (second->count == PAST) {
+        for (int i = 0; i < PAST / 2; i++)
+            second->past[i] = second->past[2 * i + 1];
+        second->count = PAST / 2;
+        second->each *= 2;
+    }
+    second->past[second->count].t = t;
+    second->past[second->count++].error = error;
+}
+
+/* On to the present state of the run, comparing on the way. */
+static bool second_follow(struct run *run, double most, const struct cancel *cancel)
+{
+    struct second *second = run->private_state->second;
+    const struct trace *trace = run->trace;
+    const size_t found = second->at > 0 ? trace_row_from(trace, second->at) : 1;
+    const size_t first = found < trace_count(trace) ? found : trace_count(trace) - 1;
+    const size_t rows = trace_count(trace) - first, count = rows < ROWS ? rows : ROWS;
+    for (size_t k = 0; k < count; k++) {
+        const size_t row = spread_row(run, first, k, count);
+        const double t = trace_time(trace, row), ahead = (t - second->step.t) * (run->t - run->system.t0);
+        if (ahead < 0)
+            continue;
+        if (!second_cross(run, second, trace_step(trace, row), most, cancel) ||
+            !second_go(run, second, t, most, cancel))
+            return false;
+        second->at = trace_step(trace, row);
+        compare(run, &second->distances, t, trace_state(trace, row), second->y);
+        remember(second, t, run->opinion.error);
+    }
+    return true;
+}
+
+/* The error at the end by its growth up to where the second solution came. */
+static double extrapolated(const struct run *run, const struct second *second)
+{
+    const double t0 = run->system.t0, way = fabs(run->opinion.t - t0), whole = fabs(run->t - t0);
+    double half = second->error;
+    for (int i = second->count - 1; i >= 0 && fabs(second->past[i].t - t0) >= way / 2; i--)
+        half = second->past[i].error;
+    const double ratio = half > 0 ? second->error / half : 1, power = log2(fmax(ratio, 1));
+    return second->error *
+           (power > POWER_MOST ? exp(log(ratio) * (whole - way) / (way / 2)) : pow(whole / way, fmax(power, 1)));
+}
+
+/* As far as it may go, anew by the other method where it fails at first. False: not to the end. */
+static bool second_try(struct run *run, double most, const struct cancel *cancel)
+{
+    struct run_private *p = run->private_state;
+    for (int try = p->second ? 1 : 0; try < 2; try++) {
+        if (!p->second && !second_begin(run, try > 0))
+            return false;
+        if (second_follow(run, most, cancel))
+            return true;
+        if (work_of(&p->second->step.cost) > most || cancelled(cancel))
+            return false;
+        if (try == 0)
+            opinion_forget(run);
+    }
+    return false;
+}
+
+static void against_second(struct run *run, bool whole, const struct cancel *cancel)
+{
+    const double own = work_of(&run->cost);
+    const double most = whole ? HUGE_VAL : fmax(OPINION_BUDGET / run->system.n, OPINION_SHARE * own);
+    const struct run_private *p = run->private_state;
+    if (p->second && p->second->count > 0)
+        run->opinion.error = p->second->error; /* not what was extrapolated */
+    if (second_try(run, most, cancel) || isnan(run->opinion.t))
+        return;
+    const double wrong = OPINION_WRONG * run->controller.tol;
+    const bool spent = work_of(&p->second->step.cost) > most;
+    if (spent && extrapolated(run, p->second) > wrong && second_follow(run, most + IN_DOUBT * own, cancel))
+        return;
+    run->opinion.error = extrapolated(run, p->second);
+}
+
+void run_second_opinion(struct run *run, bool whole, const struct cancel *cancel)
+{
+    if (!run->plan.adaptive || run->steps == 0 || stop_is_failure(run->stop) || run->opinion.t == run->t)
+        return;
+    if (!run->plan.exact_known) {
+        against_second(run, whole, cancel);
+        return;
+    }
+    opinion_forget(run);
+    against_closed_form(run);
+}

@@ -1,0 +1,231 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * What a run says about its own error, against its error: closed forms, and dop853 or radau5 at 1e-13, over smooth,
+ * kinked, stiff and decaying problems, every adaptive method and tolerances from 1e-3 to 1e-10. LONG=1 takes them all.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "unit/run_fixture.h"
+#include "unit/scene_typing.h"
+
+#include <stdlib.h>
+
+static bool is_long(void)
+{
+    const char *set = getenv("LONG");
+    return set && *set;
+}
+
+static struct scene typed_scene(struct typed_models *models, const char *lines)
+{
+    struct scene scene;
+    struct text rest = text_of(lines), line;
+    struct error error = {0};
+    scene_init(&scene, NULL);
+    while (text_split(&rest, ';', &line)) {
+        const struct typed_line typed = typing_line(text_trim(line));
+        const struct model *model = typed_add(models, scene.model, &typed, &error);
+        if (!model)
+            fail_msg("%.*s: %s (%s)", (int)line.len, line.at, error.text, error.hint);
+        scene_remodel(&scene, model);
+    }
+    return scene;
+}
+
+/* ---- problems ---- */
+
+static double two_springs(double t)
+{
+    const double u = fmod(t + M_PI / 2, 1.1 * M_PI);
+    return u < M_PI ? sin(u) : -sin(10 * (u - M_PI)) / 10;
+}
+
+static double dry(double t)
+{
+    const double half = floor(t / M_PI), amplitude = 9.5 - half, sign = fmod(half, 2) == 0 ? 1 : -1;
+    return sign * (0.5 + amplitude * cos(t - half * M_PI));
+}
+
+static double wedge(double t)
+{
+    const double quarter = sqrt(2), u = fmod(t + quarter, 4 * quarter), v = fmod(u, 2 * quarter) - quarter;
+    return (u < 2 * quarter ? 1 : -1) * (1 - v * v / 2);
+}
+
+static double jump(double t)
+{
+    return t < 3.3 ? t : 3.3 - 2 * (t - 3.3);
+}
+
+static double rectified(double t)
+{
+    const double whole = floor(t);
+    return (2 * whole + 1 - cos(M_PI * (t - whole))) / M_PI;
+}
+
+static double pulse(double t)
+{
+    return 0.5 * (1 + erf((t - 5) / 0.01));
+}
+
+static double decay(double t)
+{
+    return exp(-t);
+}
+
+static double cosine(double t)
+{
+    return cos(3 * t);
+}
+
+static double away(double t)
+{
+    return exp(t / 4);
+}
+
+static double tracked(double t)
+{
+    return cos(t);
+}
+
+enum { STIFF = 1 };
+
+static const struct problem {
+    const char *name, *lines;
+    double t;
+    double (*exact)(double t); /* of the first variable; NULL: by a finer solution */
+    int stiff;
+} problems[] = {
+    {"two springs", "var x = 1;x'' = -x - if(x < 0, 99*x, 0)", 10, two_springs, 0},
+    {"dry friction", "var x = 10;x'' = -x - 0.5*sign(x')", 20, dry, 0},
+    {"wedge", "var x = 1;x'' = -sign(x)", 20, wedge, 0},
+    {"jump", "var x = 0;x' = if(t < 3.3, 1, -2)", 10, jump, 0},
+    {"rectified", "var x = 0;x' = abs(sin(pi*t))", 20.3, rectified, 0},
+    {"pulse", "var x = 0;x' = exp(-((t - 5)/0.01)^2)/(0.01*sqrt(pi))", 10, pulse, 0},
+    {"decay", "var x = 1;x' = -x", 40, decay, 0},
+    {"spring", "var x = 1;x'' = -9*x", 30, cosine, 0},
+    {"growth", "var x = 1;x' = x/4", 20, away, 0},
+    {"tracked", "var x = 1;x' = -1000*(x - cos(t)) - sin(t)", 10, tracked, STIFF},
+    {"pendulum 2.9", "var x = 2.9;x'' = -sin(x)", 60, NULL, 0},
+    {"soft Duffing", "var x = 0.9;x'' = -x + x^3", 50, NULL, 0},
+    {"hard Duffing", "var x = 2;x'' = -x - 5*x^3", 30, NULL, 0},
+    {"two wells", "var x = 1.2;x'' = x - x^3 - 0.1*x' + 0.2*cos(1.1*t)", 40, NULL, 0},
+    {"van der Pol 1", "var x = 2;x'' = (1 - x^2)*x' - x", 20, NULL, 0},
+    {"van der Pol 100", "var x = 2;x'' = 100*(1 - x^2)*x' - x", 200, NULL, STIFF},
+    {"van der Pol 1000", "var x = 2;x'' = 1000*(1 - x^2)*x' - x", 2000, NULL, STIFF},
+    {"Kepler 0.6",
+     "var x = 0.4;var y = 0;var u = 0;var w = 2;x' = u;y' = w;u' = -x/(x^2 + y^2)^1.5;"
+     "w' = -y/(x^2 + y^2)^1.5",
+     20, NULL, 0},
+    {"elastic pendulum",
+     "var x = 0.5;var y = -1;x'' = -1e3*x*(1 - 1/sqrt(x^2 + y^2));"
+     "y'' = -1e3*y*(1 - 1/sqrt(x^2 + y^2)) - 9.81",
+     5, NULL, 0},
+    {"Lotka-Volterra", "var x = 1;var y = 3;x' = x*(1 - y);y' = y*(x - 1)", 30, NULL, 0},
+    {"Toda", "var x = 1.5;x'' = -(exp(x) - 1)", 40, NULL, 0},
+    {"Robertson", "var x = 1;var y = 0;var z = 0;x' = -0.04*x + 1e4*y*z;y' = 0.04*x - 1e4*y*z - 3e7*y^2;z' = 3e7*y^2",
+     4e4, NULL, STIFF},
+    {"Lorenz", "var x = 1;var y = 1;var z = 1;x' = 10*(y - x);y' = x*(28 - z) - y;z' = x*y - 8/3*z", 15, NULL, 0},
+    {"driven", "var x = 0;x'' = -x - 0.2*x' + cos(2.3*t)", 40, NULL, 0},
+};
+
+static const char *const methods[] = {"dopri5", "radau5", "dop853",  "rodas5p",         "tsit5",
+                                      "odex",   "rodas4", "tr-bdf2", "bogacki-shampine"};
+
+static bool is_implicit(const char *name)
+{
+    const struct method *method = method_named(name);
+    return method->flags & METHOD_IMPLICIT || method->rosenbrock;
+}
+
+/* As struct opinion has it, from the closed form or the finer solution, at each of at most 256 rows. */
+static double true_error(struct run *run, const struct problem *problem)
+{
+    const struct method *method = method_named(problem->stiff ? "radau5" : "dop853");
+    const size_t rows = trace_count(run->trace), every = 1 + (rows - 1) / 256;
+    const int n = problem->exact ? 1 : run->system.n;
+    double y[LIMIT_VARIABLES], most[LIMIT_VARIABLES] = {0}, error = 0, sum = 0, was = run->system.t0;
+    double *work = calloc(method_work_size(method, run->system.n) + 1, sizeof *work);
+    struct step step = {.system = &run->system, .y = y, .work = work, .t = run->system.t0};
+    struct controller controller = {.tol = 1e-13};
+    memcpy(y, run->system.start, sizeof y);
+    for (size_t i = every; i < rows + every - 1; i += every) {
+        const size_t row = i < rows ? i : rows - 1;
+        const double t = trace_time(run->trace, row), *own = trace_state(run->trace, row);
+        if (problem->exact)
+            y[0] = problem->exact(t);
+        while (!problem->exact && step.t != t)
+            assert_int_equal(method_adapt(method, &step, &controller, t), STEP_OK);
+        error = 0;
+        for (int k = 0; k < n; k++) {
+            most[k] = fmax(most[k], fabs(own[k]));
+            error = fmax(error, fabs(own[k] - y[k]) / fmax(most[k], run->controller.scale[k]));
+        }
+        sum += fabs(t - was) * error;
+        was = t;
+    }
+    free(work);
+    return fmax(error, sum / fabs(run->t - run->system.t0));
+}
+
+static double tightest(const char *method)
+{
+    return strcmp(method, "tr-bdf2") == 0 || strcmp(method, "bogacki-shampine") == 0 ? 1e-6 : 1e-10;
+}
+
+/*
+ * In nine of ten cases within a factor of ten, and where the error is above 100 tolerances the estimate says so: or one
+ * that is so near that the difference does not matter.
+ */
+static void test_estimates_are_true(void **state)
+{
+    (void)state;
+    struct error error;
+    struct typed_models *models = typed_create(&error);
+    int count = 0, near = 0, silent = 0, none = 0, over = 0;
+    for (size_t i = 0; i < COUNT_OF(problems); i++) {
+        const struct problem *problem = &problems[i];
+        const struct scene scene = typed_scene(models, problem->lines);
+        for (size_t m = 0; m < (is_long() ? COUNT_OF(methods) : 4); m++)
+            for (double tol = 1e-3; tol > 0.9 * tightest(methods[m]); tol /= is_long() ? 10 : 1000) {
+                if (problem->stiff && (!is_implicit(methods[m]) || (tol < 1e-8 && strcmp(methods[m], "rodas4") == 0)))
+                    continue;
+                struct run *run = start(&scene, methods[m], (struct run_settings){.dt = 1e-6, .tol = tol}, problem->t);
+                go_to(run, problem->t);
+                run_second_opinion(run, is_long(), NULL);
+                const double said = run->opinion.error, is = true_error(run, problem), ratio = said / is;
+                /* Both are rounding, or both say that nothing is right. */
+                const bool fine = (ratio > 0.1 && ratio < 10) || fmax(said, is) < 1e-13 || fmin(said, is) > 0.1;
+                const bool misses = is > OPINION_WRONG * tol && !(said > OPINION_WRONG * tol / 2);
+                count++;
+                near += fine;
+                over += ratio >= 10;
+                none += isnan(said);
+                silent += misses;
+                if (!fine || misses)
+                    print_message("%s by %s, tol %g: says %.3g by %s, is %.3g = %.3g tol%s\n", problem->name,
+                                  methods[m], tol, said, run->opinion.by ? run->opinion.by->row.name : "closed form",
+                                  is, is / tol, misses ? ", SILENT" : "");
+                run_destroy(run);
+            }
+    }
+    typed_destroy(models);
+    print_message("%d estimates, %d within a factor of 10 (%d larger), %d missing, %d silent\n", count, near, over,
+                  none, silent);
+    assert_int_equal(silent, 0);
+    assert_int_equal(none, 0);
+    assert_true(near >= 0.9 * count);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_estimates_are_true),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
