@@ -247,13 +247,15 @@ static int time_column(const struct recording *recording, const struct profile *
     return own >= 0 ? own : time_among(recording, profile, false);
 }
 
-/* No column says that it is the time: the first one is if it rises, and evenly where it has another name. */
+/* No column says that it is the time: the first one is if it rises, and evenly where it has another name; behind a
+ * count of the rows the second, if it rises evenly. */
 static int guessed_time(const struct recording *recording, const struct profile *profile)
 {
-    const struct column *first = recording->column;
-    bool could = recording->columns > 1 && in_run(recording, 0) && first->quantity == QUANTITY_OTHER &&
-                 rises(profile) && !is_index(recording, profile, 0);
-    return could && (unnamed(first, 0) || profile->even >= MOSTLY) ? 0 : -1;
+    const int at = recording->columns > 2 && is_index(recording, profile, 0) ? 1 : 0;
+    const struct column *first = &recording->column[at];
+    const bool could = recording->columns > 1 && in_run(recording, at) && first->quantity == QUANTITY_OTHER &&
+                       rises(&profile[at]) && !is_index(recording, &profile[at], at);
+    return could && ((at == 0 && unnamed(first, 0)) || profile[at].even >= MOSTLY) ? at : -1;
 }
 
 static int index_column(const struct recording *recording, const struct profile *profile)

@@ -46,8 +46,8 @@ bool header_field(struct text *rest, char separator, struct text *field)
 {
     if (!table_field(rest, separator, field))
         return false;
-    /* Between blanks "Time (s)" comes in two. */
-    struct text ahead = separator == ' ' ? *rest : (struct text){NULL, 0}, next;
+    /* Between blanks "Time (s)" comes in two; "[s] [cm]" are two units. */
+    struct text ahead = separator == ' ' && !(field->len > 0 && strchr("([", field->at[0])) ? *rest : (struct text){NULL, 0}, next;
     const char *start = field->at;
     while (table_field(&ahead, separator, &next) && strchr("([/", next.at[0])) {
         bool open = next.at[0] == '/' ? next.len == 1 : !memchr(next.at, next.at[0] == '(' ? ')' : ']', next.len);
@@ -69,6 +69,9 @@ static const struct {
     {"us µs μs micros usec microsecond microseconds", "s", 1e-6},
     {"minute minutes", "min", 1},
     {"h hour hours", "min", 60},
+    {"um µm μm micrometer micrometers micrometre micrometres micron microns", "m", 1e-6},
+    {"in inch inches", "m", 0.0254},
+    {"ft foot feet", "m", 0.3048},
     {"meter meters metre metres metri", "m", 1},
     {"centimeter centimeters centimetre centimetres", "cm", 1},
     {"millimeter millimeters millimetre millimetres", "mm", 1},
@@ -95,6 +98,12 @@ static const struct unit *find_unit(struct text text, double *factor)
         }
     *factor *= unit ? unit->factor : 1;
     return unit;
+}
+
+/* An inch only in brackets: V_in is what goes in. */
+static bool is_word_in(struct text text)
+{
+    return same(text, TEXT("in"));
 }
 
 void column_unit(struct column *column, struct text unit)
@@ -148,6 +157,22 @@ static bool find_bracket(struct text text, struct text *before, struct text *uni
     return false;
 }
 
+/* "Weg in cm", "in s", "Zeit, s": behind a word or a comma. */
+static bool find_spoken(struct text text, struct text *before, struct text *unit)
+{
+    double factor;
+    for (size_t at = text.len; at-- > 0;) {
+        const struct text rest = {text.at + at, text.len - at};
+        const bool in = text_starts(rest, TEXT("in ")) && (at == 0 || text.at[at - 1] == ' ');
+        if (!in && (!text_starts(rest, TEXT(", ")) || at == 0))
+            continue;
+        *before = text_trim((struct text){text.at, at});
+        *unit = text_trim((struct text){rest.at + (in ? 3 : 2), rest.len - (in ? 3 : 2)});
+        return unit->len > 0 && !is_word_in(*unit) && find_unit(*unit, &factor);
+    }
+    return false;
+}
+
 static bool find_tail(struct text text, struct text *before, struct text *unit)
 {
     double factor;
@@ -156,22 +181,25 @@ static bool find_tail(struct text text, struct text *before, struct text *unit)
             continue;
         *before = text_trim((struct text){text.at, at});
         *unit = text_trim((struct text){text.at + at + 1, text.len - at - 1});
-        if (before->len > 0 && unit->len > 0 && find_unit(*unit, &factor) &&
+        if (before->len > 0 && unit->len > 0 && !is_word_in(*unit) && find_unit(*unit, &factor) &&
             (text.at[at] == '_' || text.at[at - 1] == ' '))
             return true;
         if (text.at[at] == '_')
             break;
     }
-    /* "v/m/s" as ISO 80000-1 writes it, but not the bare unit "m/s". */
+    /* "v/m/s" as ISO 80000-1 writes it, but not the bare unit "m/s"; "s/mm" is a path: no unit is a time by a length. */
     *unit = text;
-    return text_split(unit, '/', before) && before->len > 0 && !unit_find(*before) && find_unit(*unit, &factor);
+    if (!text_split(unit, '/', before) || before->len == 0)
+        return false;
+    const struct unit *of = find_unit(*unit, &factor);
+    return of && (!unit_find(*before) || (text_is(*before, "s") && of->quantity == QUANTITY_LENGTH));
 }
 
 /* "ms", "cm" as a name is a unit; a single letter (s, m, g) may be a quantity's symbol. */
 static bool is_unit_name(struct text name)
 {
     double factor;
-    const struct unit *unit = name.len >= 2 ? find_unit(name, &factor) : NULL;
+    const struct unit *unit = name.len >= 2 && !is_word_in(name) ? find_unit(name, &factor) : NULL;
     return unit &&
            (unit->quantity == QUANTITY_TIME || unit->quantity == QUANTITY_LENGTH || unit->quantity == QUANTITY_ANGLE);
 }
@@ -211,7 +239,8 @@ static bool name_column(struct column *column, struct text field, struct text un
         return false;
     struct text whole = buffer_text(scratch);
     double factor;
-    bool has_unit = find_bracket(whole, &before, &unit, &after) || find_tail(whole, &before, &unit);
+    bool has_unit = find_bracket(whole, &before, &unit, &after) || find_tail(whole, &before, &unit) ||
+                    find_spoken(whole, &before, &unit);
     /* Where units have a line of their own, brackets in the name may hold something else. */
     has_unit = has_unit && (unit_field.len == 0 || find_unit(unit, &factor));
     if (has_unit && before.len + after.len == 0) {

@@ -5,6 +5,7 @@
  */
 #include "table.h"
 
+#include <math.h>
 #include <string.h>
 
 #define RUN 3      /* consecutive rows that make a table, where the file has so many */
@@ -15,6 +16,7 @@ static const struct reading {
     char separator, decimal;
 } readings[] = {
     {'\t', '.'}, {'\t', ','}, {';', '.'}, {';', ','}, {',', '.'}, {' ', '.'}, {' ', ','}, {'\n', '.'}, {'\n', ','},
+    {',', ','}, /* decimals in quotes */
 };
 
 struct shape {
@@ -223,6 +225,57 @@ static void settle_decimal(const struct table_text *text, const struct found *fo
         layout->decimal = ',';
 }
 
+/* Digits, then perhaps the mark and three more. *group: 1000 times what it is as decimals; 0: no mark. False: something
+ * else with the mark in it. */
+static bool read_group(struct text field, char mark, double *value, double *group)
+{
+    size_t i = field.len > 0 && field.at[0] == '-', digits[2] = {0};
+    int part = 0;
+    *value = *group = 0;
+    for (; i < field.len; i++) {
+        if (field.at[i] == mark && part == 0 && digits[0] > 0) {
+            part = 1;
+            continue;
+        }
+        if (field.at[i] < '0' || field.at[i] > '9')
+            return !memchr(field.at, mark, field.len);
+        *value = 10 * *value + (field.at[i] - '0');
+        digits[part]++;
+    }
+    *group = part ? *value : 0;
+    *value /= part ? 1000 : 1;
+    return part == 0 || (digits[0] <= 3 && digits[1] == 3);
+}
+
+/*
+ * Does what looks like a decimal mark stand between thousands? Where a column goes on from whole numbers of three
+ * digits (960, 980) to three digits behind the mark (1.000, 1.020), it does if it then goes on without a jump, and no
+ * number has another count of digits behind it.
+ */
+static bool is_grouped(const struct table_text *text, const struct table_layout *layout)
+{
+    enum { COLUMNS = 8 };
+    double before[COLUMNS] = {0}, value, group;
+    int votes = 0;
+    struct text field;
+    for (size_t i = 0; i < text->heads; i++) {
+        struct text line = text->head[i].text;
+        if (text->head[i].number < layout->line || table_skipped(line))
+            continue;
+        for (int c = 0; c < COLUMNS && table_field(&line, layout->separator, &field); c++) {
+            if (!read_group(field, layout->decimal, &value, &group))
+                return false;
+            if (group > 0 && before[c] >= 500) {
+                if (fabs(group - before[c]) >= fabs(value - before[c]))
+                    return false;
+                votes++;
+            }
+            before[c] = group > 0 ? 0 : value;
+        }
+    }
+    return votes > 0;
+}
+
 static bool find_best(const struct table_text *text, size_t from, const struct load_options *options,
                       struct table_layout *layout)
 {
@@ -237,13 +290,17 @@ static bool find_best(const struct table_text *text, size_t from, const struct l
             struct table_layout trial;
             if ((readings[i].separator == '\n') != (passes[pass].least == 1) || !allowed(readings[i], options) ||
                 !find_rows(text, from, readings[i], passes[pass].least, passes[pass].words, passes[pass].run, &found) ||
-                found.score <= best.score || !fill(text, from, options, &found, &trial))
+                found.score <= best.score || (readings[i].separator == readings[i].decimal && !found.fraction) || !fill(text, from, options, &found, &trial))
                 continue;
             best = found;
             *layout = trial;
         }
         if (best.score > 0) {
             settle_decimal(text, &best, options, layout);
+            if (!options->decimal && best.fraction && is_grouped(text, layout)) {
+                layout->decimal = layout->decimal == '.' ? ',' : '.';
+                layout->grouped = true;
+            }
             return true;
         }
     }

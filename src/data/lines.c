@@ -140,10 +140,10 @@ enum { ODD_MAX = 48 };
 
 /*
  * Takes what is odd out of a number: Unicode's minus, Fortran's D, marks between groups of three digits. A single group
- * without decimals could be decimals behind the other mark (16,500): it is not taken out. Returns the length, 0: too
+ * without decimals could be decimals behind the other mark (16,500): it is taken out if `single`. Returns the length, 0: too
  * long or not odd.
  */
-static size_t plain_digits(struct text field, char decimal, char out[ODD_MAX])
+static size_t plain_digits(struct text field, char decimal, bool single, char out[ODD_MAX])
 {
     const char group = decimal == '.' ? ',' : '.';
     size_t len = 0, since = 0, groups = 0, blanks = 0;
@@ -180,19 +180,24 @@ static size_t plain_digits(struct text field, char decimal, char out[ODD_MAX])
         i++;
     }
     const bool whole_groups = groups + blanks == 0 || point || since == 3;
-    return odd && whole_groups && (groups != 1 || blanks > 0 || point) ? len : 0;
+    return odd && whole_groups && (groups != 1 || blanks > 0 || point || single) ? len : 0;
 }
 
-static bool odd_number(struct text field, char decimal, double *value)
+static bool odd_number(struct text field, char decimal, bool single, double *value)
 {
     char digits[ODD_MAX];
     size_t used;
     double number;
-    const struct text plain = {digits, plain_digits(field, decimal, digits)};
+    const struct text plain = {digits, plain_digits(field, decimal, single, digits)};
     if (plain.len == 0 || real_scan(plain, decimal, &number, &used) != REAL_OK || used != plain.len)
         return false;
     *value = number;
     return true;
+}
+
+bool table_grouped(struct text field, char decimal, double *value)
+{
+    return odd_number(field, decimal, true, value);
 }
 
 enum cell table_cell(struct text field, char decimal, double *value)
@@ -210,7 +215,7 @@ enum cell table_cell(struct text field, char decimal, double *value)
     }
     if (is_missing(field))
         return CELL_EMPTY;
-    if (odd_number(field, decimal, value))
+    if (odd_number(field, decimal, false, value))
         return CELL_NUMBER;
     if (stamp_parse(field, &stamp)) {
         *value = (double)stamp.day * 86400 + stamp.second;

@@ -120,6 +120,8 @@ static const char *plain_row(struct reader *reader, const char *at, const char *
     const char separator = reader->layout->separator, decimal = reader->layout->decimal;
     const size_t row = recording->rows;
     const char *begin = at;
+    if (separator == decimal)
+        return NULL;
     for (int i = 0; i < recording->columns; i++) {
         if (i > 0 && (at == end || *at++ != separator))
             return NULL;
@@ -133,6 +135,12 @@ static const char *plain_row(struct reader *reader, const char *at, const char *
     return at < end && *at == '\n' ? at + 1 : NULL;
 }
 
+static enum cell cell_of(struct text field, const struct table_layout *layout, double *value)
+{
+    const enum cell cell = table_cell(field, layout->decimal, value);
+    return cell == CELL_WORD && layout->grouped && table_grouped(field, layout->decimal, value) ? CELL_NUMBER : cell;
+}
+
 /* The next field, parsed. Numbers that end at the separator need no look at the field as text. */
 static bool next_cell(struct text *rest, const struct table_layout *layout, struct text *field, enum cell *cell,
                       double *value)
@@ -140,7 +148,9 @@ static bool next_cell(struct text *rest, const struct table_layout *layout, stru
     size_t used = 0;
     if (rest->at == NULL)
         return false;
-    enum real_status status = real_scan(*rest, layout->decimal, value, &used);
+    /* A comma that is both ends a number only behind its quotes. */
+    const enum real_status status =
+        layout->decimal == layout->separator ? REAL_MALFORMED : real_scan(*rest, layout->decimal, value, &used);
     if ((status == REAL_OK || status == REAL_UNDERFLOW) && (used == rest->len || rest->at[used] == layout->separator)) {
         *field = (struct text){rest->at, used};
         *rest = used < rest->len ? (struct text){rest->at + used + 1, rest->len - used - 1} : (struct text){NULL, 0};
@@ -149,7 +159,7 @@ static bool next_cell(struct text *rest, const struct table_layout *layout, stru
     }
     if (!table_field(rest, layout->separator, field))
         return false;
-    *cell = table_cell(*field, layout->decimal, value);
+    *cell = cell_of(*field, layout, value);
     return true;
 }
 
@@ -158,7 +168,7 @@ static void note_words(struct reader *reader, struct text line, size_t number)
     struct text field;
     double value;
     for (int i = 0; i < reader->recording->columns && table_field(&line, reader->layout->separator, &field); i++)
-        if (table_cell(field, reader->layout->decimal, &value) == CELL_WORD)
+        if (cell_of(field, reader->layout, &value) == CELL_WORD)
             note(&reader->words[i], number, field);
 }
 
@@ -194,10 +204,11 @@ static bool read_row(struct reader *reader, struct text line, size_t number)
     return true;
 }
 
-static struct text last_field(struct text row, char separator)
+/* The last that is read: what stands behind it may be a separator that ends the row. */
+static struct text last_field(const struct reader *reader, struct text row)
 {
     struct text field = {0}, next;
-    while (table_field(&row, separator, &next))
+    for (int i = 0; i < reader->recording->columns && table_field(&row, reader->layout->separator, &next); i++)
         field = next;
     return field;
 }
@@ -220,19 +231,19 @@ static bool is_cut(const struct reader *reader)
 {
     const struct table_layout *layout = reader->layout;
     const size_t row = reader->recording->rows - 1;
-    struct text last = last_field(reader->recent[row % RECENT], layout->separator);
+    struct text last = last_field(reader, reader->recent[row % RECENT]);
     size_t agreed = 0;
     bool agree = true;
     if (row == 0)
         return false;
     for (size_t i = 1; i <= BEFORE_LAST && i <= row; i++) {
-        size_t here = decimals(last_field(reader->recent[(row - i) % RECENT], layout->separator), layout->decimal);
+        size_t here = decimals(last_field(reader, reader->recent[(row - i) % RECENT]), layout->decimal);
         agree = agree && (i == 1 || here == agreed);
         agreed = here;
     }
     double value;
     enum cell cell = table_cell(last, layout->decimal, &value);
-    struct text above = last_field(reader->recent[(row - 1) % RECENT], layout->separator);
+    struct text above = last_field(reader, reader->recent[(row - 1) % RECENT]);
     if (cell == CELL_WORD || text_is(last, "-"))
         return table_cell(above, layout->decimal, &value) != CELL_WORD;
     if (agree && agreed > 0)
@@ -257,6 +268,9 @@ static void warn_rows(struct reader *reader)
                        "commas are read as separators (%d columns of whole numbers); decimal=comma if they are "
                        "decimal marks",
                        recording->columns);
+    if (reader->layout->grouped)
+        recording_warn(recording, "'%c' stands between thousands (the numbers go on so from 999); decimal=%s if not",
+                       reader->layout->decimal == '.' ? ',' : '.', reader->layout->decimal == '.' ? "comma" : "point");
     if (reader->ragged.count > 0)
         recording_warn(recording, "%zu %s dropped that %s not %d numbers (first: line %zu, '%s')", reader->ragged.count,
                        reader->ragged.count == 1 ? "line" : "lines", reader->ragged.count == 1 ? "is" : "are",
@@ -346,7 +360,7 @@ bool table_rows(const struct table_text *text, const struct table_layout *layout
     if (recording->rows > 0 && !reader.ended && recording->line[recording->rows - 1] + 1 == number && is_cut(&reader)) {
         char shown[SHORT_NAME];
         recording_warn(recording, "the last line (%zu) seems cut in mid-number ('%s'): dropped", number - 1,
-                       short_name(last_field(reader.recent[(recording->rows - 1) % RECENT], layout->separator), shown));
+                       short_name(last_field(&reader, reader.recent[(recording->rows - 1) % RECENT]), shown));
         recording->rows--;
         recording->dropped++;
     }

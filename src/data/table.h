@@ -31,6 +31,7 @@ struct table_layout {
     char name_separator;      /* of these lines */
     bool ambiguous;           /* the commas could be decimal marks … */
     bool unclear;             /* … and nothing speaks against it */
+    bool grouped;             /* the other mark stands between thousands, also where there is only one: 1.020 */
 };
 
 struct table_text {
@@ -63,6 +64,7 @@ bool table_skipped(struct text line); /* blank, a comment, or a line drawn below
 bool table_field(struct text *rest, char separator, struct text *field);
 /* NAN unless a number ("inf" is one) or a stamp, whose value is in seconds since 1970 or midnight. */
 enum cell table_cell(struct text field, char decimal, double *value);
+bool table_grouped(struct text field, char decimal, double *value); /* a number with marks between thousands */
 size_t text_fitting(struct text text, size_t most);                   /* bytes of whole characters, at most `most` */
 const char *short_name(struct text text, char out[SHORT_NAME]);       /* safe to show */
 

@@ -51,7 +51,10 @@ struct workbook {
 
 bool workbook_wanted(const char *path)
 {
-    return strncmp(path, "xl/worksheets/sheet", 19) == 0 || strcmp(path, "xl/workbook.xml") == 0 ||
+    const size_t len = strlen(path); /* whatever the writer calls a sheet; their relations lie in a folder of their own */
+    const bool sheet = strncmp(path, "xl/worksheets/", 14) == 0 && !strchr(path + 14, '/') &&
+                       strcmp(path + len - 4, ".xml") == 0;
+    return sheet || strcmp(path, "xl/workbook.xml") == 0 ||
            strcmp(path, "xl/_rels/workbook.xml.rels") == 0 || strcmp(path, "xl/sharedStrings.xml") == 0 ||
            strcmp(path, "xl/styles.xml") == 0;
 }
@@ -227,8 +230,10 @@ static bool sheet_start(void *context, const char *name, const char **attributes
         book->filled = 0;
     } else if (strcmp(name, "c") == 0) {
         return cell_start(book, attributes);
-    } else if (strcmp(name, "v") == 0 || strcmp(name, "t") == 0) {
+    } else if (strcmp(name, "v") == 0) {
         begin_text(book);
+    } else if (strcmp(name, "t") == 0) { /* a text in several fonts comes in several pieces */
+        book->keep = true;
     }
     return true;
 }

@@ -152,14 +152,14 @@ static inline void put_workbook(struct buffer *bytes, const char *sheet)
         {"[Content_Types].xml", "<Types/>"},
         {"xl/workbook.xml", "<workbook xmlns:r=\"x\"><sheets><sheet name=\"Swing\" sheetId=\"1\" r:id=\"rId1\"/>"
                             "</sheets></workbook>"},
-        {"xl/_rels/workbook.xml.rels", "<Relationships><Relationship Id=\"rId1\" Target=\"worksheets/sheet1.xml\"/>"
+        {"xl/_rels/workbook.xml.rels", "<Relationships><Relationship Id=\"rId1\" Target=\"worksheets/swing.xml\"/>"
                                        "</Relationships>"},
         {"xl/styles.xml", "<styleSheet><numFmts><numFmt numFmtId=\"164\" formatCode=\"hh:mm:ss.000\"/></numFmts>"
                           "<cellStyleXfs><xf numFmtId=\"0\"/></cellStyleXfs><cellXfs><xf numFmtId=\"0\"/>"
                           "<xf numFmtId=\"164\"/></cellXfs></styleSheet>"},
         {"xl/sharedStrings.xml",
          "<sst><si><t>Time (s)</t></si><si><r><t>Position</t></r><r><t> (cm)</t></r></si></sst>"},
-        {"xl/worksheets/sheet1.xml", sheet},
+        {"xl/worksheets/swing.xml", sheet},
     };
     put_zip(bytes, files, COUNT_OF(files));
 }

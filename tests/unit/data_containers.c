@@ -152,8 +152,8 @@ static void sheets_of_workbooks_are_read(void **state)
     /* Times of day are numbers with a format; 0.25 is six o'clock. */
     buffer_clear(&bytes);
     struct buffer sheet = {0};
-    buffer_format(&sheet, "<worksheet><sheetData><row r=\"1\"><c r=\"A1\" t=\"s\"><v>0</v></c><c r=\"B1\" t=\"s\">"
-                          "<v>1</v></c></row>");
+    buffer_format(&sheet, "<worksheet><sheetData><row r=\"1\"><c r=\"A1\" t=\"s\"><v>0</v></c><c r=\"B1\" "
+                          "t=\"inlineStr\"><is><r><t>Hei</t></r><r><t>ght (cm)</t></r></is></c></row>");
     for (int i = 0; i < 5; i++)
         buffer_format(&sheet, "<row r=\"%d\"><c r=\"A%d\" s=\"1\"><v>%.17g</v></c><c r=\"B%d\"><v>%g</v></c></row>",
                       i + 2, i + 2, 0.25 + 0.02 * i / 86400, i + 2, i < 3 ? 1.5 + i : 5.5 - i);
@@ -161,6 +161,7 @@ static void sheets_of_workbooks_are_read(void **state)
     put_workbook(&bytes, sheet.data);
     recording = load_bytes(&bytes, "", &error);
     assert_true(is_table(recording, &error));
+    assert_string_equal(recording->column[recording->value].name, "Height");
     recording_destroy(recording);
     buffer_free(&sheet);
     buffer_free(&bytes);

@@ -120,7 +120,7 @@ static void put_row(struct buffer *out, const struct dialect *d, int i)
     put_time(out, d, i);
     if (d->clock != NONE)
         buffer_format(out, "%s", d->infix ? d->infix : (char[]){d->separator, '\0'});
-    put_number(out, place(i) * d->per_metre, d->y_digits, d->decimal);
+    put_grouped(out, place(i) * d->per_metre, d->y_digits, d->decimal, d->group);
     buffer_format(out, "%s\n", d->suffix ? d->suffix : "");
 }
 
@@ -166,6 +166,7 @@ static void encode(const struct dialect *d, const struct buffer *plain, struct b
 #define CM .per_metre = 100, .y_digits = 3
 #define M .per_metre = 1, .y_digits = 5
 #define MM .per_metre = 1000, .y_digits = 2
+#define UM .per_metre = 1e6, .y_digits = 0
 #define S .per_second = 1, .t_digits = 3
 #define MS .per_second = 1000, .t_digits = 0
 
@@ -263,6 +264,20 @@ static const struct dialect dialects[] = {
      .group = "."},
     {"thousands, narrow blanks", "time_us;x_mm\n", ';', ',', SECONDS, .per_second = 1e6, .t_digits = 1, MM, .t0 = 2,
      .group = "\xE2\x80\xAF"},
+    {"thousands, English, quoted, no decimals", "\"t (ms)\",\"x (um)\"\n", ',', '.', SECONDS, MS, UM, .prefix = "\"",
+     .infix = "\",\"", .suffix = "\"", .group = ","},
+    {"thousands, German, no decimals", "t (ms);x (\xC2\xB5m)\n", ';', ',', SECONDS, MS, UM, .group = "."},
+    {"LibreOffice, German, commas and quotes", "\"Zeit (s)\",\"Weg (cm)\"\n", ',', ',', SECONDS, S, CM, .prefix = "\"",
+     .infix = "\",\"", .suffix = "\""},
+    {"Excel, German words", "Zeit in ms;Weg in cm\n", ';', ',', SECONDS, MS, CM, .crlf = true},
+    {"Excel, unit behind a comma", "Zeit, s;Weg, cm\n", ';', ',', SECONDS, S, CM},
+    {"R&S HMO, in s", "in s,C1 in V\n", ',', '.', SECONDS, S, CM, .options = "unit=cm"},
+    {"quotients, path s", "t/ms\ts/mm\n", '\t', '.', SECONDS, MS, MM},
+    {"inches", "t (s),height (in)\n", ',', '.', SECONDS, S, .per_metre = 1 / 0.0254, .y_digits = 4},
+    {"micrometres, Latin-1", "t (\xC2\xB5s)\tx (\xC2\xB5m)\n", '\t', '.', SECONDS, .per_second = 1e6, .t_digits = 0, UM,
+     .encoding = LATIN1},
+    {"units in brackets between blanks", "time  distance\n[s]  [mm]\n", ' ', '.', SECONDS, S, MM},
+    {"separator at the end of each row", "t (s);x (cm);\n", ';', '.', SECONDS, S, CM, .suffix = ";"},
     {"Fortran", "   t [s]   x [cm]\n", ' ', '.', SECONDS, S, CM, .suffix = "D+00"},
     {"missing values as NA", "t [s],x [cm],note\n", ',', '.', SECONDS, S, CM, .suffix = ",NA"},
     {"a row of dashes", "t [s]   x [cm]\n-----   ------\n", ' ', '.', SECONDS, S, CM},

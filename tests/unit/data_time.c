@@ -147,7 +147,9 @@ static void a_cut_last_row_is_dropped(void **state)
         {"t\ty\n0\t-120\n1\t-100\n2\t44", 3, NULL},
         {"t\ty\n0\t-120\n1\t-120\n2\t-1\r", 3, NULL},
         {"t\ty\n0.0\t1.25\n0.1\t1.50\n0.2\t1.7\n", 3, NULL},
+        {"t;y;\n0.0;1.25;\n0.1;1.50;\n0.2;1.75;", 3, NULL},
         /* Cut. */
+        {"t;y;\n0.0;1.25;\n0.1;1.50;\n0.2;1.7", 2, "the last line (4)"},
         {"t\ty\n0.0\t1.25\n0.1\t1.50\n0.2\t1.7", 2, "the last line (4) seems cut in mid-number ('1.7')"},
         {"t\ty\n0.0\t1.25\n0.1\t1.50\n0.2\t1", 2, "the last line (4)"},
         {"t\ty\n0.0\t1.25\n0.1\t1.50\n0.2\t-", 2, "the last line (4)"},
@@ -164,6 +166,42 @@ static void a_cut_last_row_is_dropped(void **state)
             assert_true(fixture_warns(r, cases[i].warning));
         recording_destroy(r);
     }
+}
+
+/* A count of the rows is no time; the evenly rising numbers behind it are, what wanders upwards is not. */
+static void the_time_behind_a_count(void **state)
+{
+    (void)state;
+    struct error error = {0};
+    struct recording *r = fixture_good("1,0.02,40.1\n2,0.04,40.3\n3,0.06,40.2\n4,0.08,40.0\n", "");
+    assert_int_equal(r->time, 1);
+    assert_int_equal(r->value, 2);
+    assert_true(r->t[3] == 0.08 && fixture_warns(r, "column 2 rises and is taken as the time"));
+    recording_destroy(r);
+    static const char wanders[] = "1,0.02,40.1\n2,0.021,40.3\n3,0.3,40.2\n4,0.31,40.0\n5,0.9,40.0\n";
+    assert_null(fixture_load(wanders, strlen(wanders), "", &error));
+    assert_non_null(strstr(error.text, "the file counts samples"));
+}
+
+/* Three digits behind the mark everywhere are decimals, unless the numbers go on so from 999. */
+static void marks_between_thousands(void **state)
+{
+    (void)state;
+    struct recording *r = fixture_good("t;y\n0.999;1.234\n1.000;1.236\n1.001;1.235\n", "");
+    assert_true(r->t[1] == 1 && r->y[0] == 1.234);
+    recording_destroy(r);
+    r = fixture_good("t;y\n999;1.234\n1.000;1.236\n1.001;1.235\n", "");
+    assert_true(r->t[1] == 1000 && r->y[0] == 1234 && fixture_warns(r, "'.' stands between thousands"));
+    recording_destroy(r);
+    r = fixture_good("t;y\n1;999\n2;999.125\n3;998.5\n", "");
+    assert_true(r->y[0] == 999 && r->y[1] == 999.125);
+    recording_destroy(r);
+    r = fixture_good("t;y\n1;998\n2;999.125\n3;998\n", "");
+    assert_true(r->y[0] == 998 && r->y[1] == 999.125);
+    recording_destroy(r);
+    r = fixture_good("t;y\n999;1.234\n1000;1.236\n1001;1.235\n", "decimal=.");
+    assert_true(r->y[0] == 1.234);
+    recording_destroy(r);
 }
 
 static void windows_and_series(void **state)
@@ -256,7 +294,9 @@ int main(void)
         cmocka_unit_test(a_clock_set_back_loses_the_overlap), cmocka_unit_test(a_wild_time_loses_only_itself),
         cmocka_unit_test(repeated_times_keep_the_first),      cmocka_unit_test(gaps_and_jitter_are_kept_and_said),
         cmocka_unit_test(rows_without_a_time_are_dropped),    cmocka_unit_test(a_dropped_row_takes_its_time),
-        cmocka_unit_test(a_cut_last_row_is_dropped),          cmocka_unit_test(windows_and_series),
+        cmocka_unit_test(a_cut_last_row_is_dropped),          cmocka_unit_test(the_time_behind_a_count),
+        cmocka_unit_test(marks_between_thousands),
+        cmocka_unit_test(windows_and_series),
         cmocka_unit_test(description_says_what_was_found),    cmocka_unit_test(warnings_are_few),
     };
     return cmocka_run_group_tests(tests, fixture_setup, fixture_teardown);
