@@ -23,6 +23,8 @@ struct overview {
 };
 
 void series_overview(const struct series *series, struct arena *arena, struct overview *overview);
+/* Whether it is two damped sines, of which one alone is far from it: their beats are no start and no end. */
+bool series_beats(const struct series *series, struct arena *arena);
 /* The part [from, to] of a series; shares memory. */
 struct series series_window(struct series series, double from, double to);
 

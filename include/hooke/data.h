@@ -147,6 +147,7 @@ struct findings {
     unsigned char *mask; /* [rows] 0: fine; else 1 + the kind that masks it */
     size_t masked;
     double window[2];   /* [s] the part in which it swings freely */
+    double rests;       /* [s] from when on nothing moves any more; NAN: it moves to the end */
     double period;      /* [s] it was inspected with; NAN: none */
     double sway_period; /* [s] NAN: not known */
 };
@@ -156,6 +157,8 @@ struct findings {
  * the oscillation (to a few percent); NAN: it has none, then only what needs none is looked for. False: no memory.
  */
 bool recording_inspect(struct recording *recording, double period, struct error *error);
+/* Takes back what was found at the ends: the window is then the whole file. */
+void recording_keep_ends(struct recording *recording);
 /* Masks what the findings say; the window becomes theirs, unless somebody has chosen one. Values are never invented. */
 void recording_clean(struct recording *recording);
 /* "cleaned: 7 of 523 samples masked (5 in spikes, 2 in stuck)" and a newline; nothing where it was not cleaned. */

@@ -11,6 +11,7 @@
 #define DECREMENT_MOST 3.2 /* gamma T/2: the amplitude changes by a factor 25 in a period */
 #define WEAKLY_DAMPED 0.01 /* gamma/omega: the amplitude changes by 6 % in two periods */
 #define SAMPLES_A_PERIOD 2.02
+#define BEATS_MOST 100000 /* samples in which two lines are looked for */
 #define FEW 4            /* periods */
 #define FEW_LEAVE 0.1    /* of their power, where what is left is larger than the noise by */
 #define FEW_NOISES 2.0   /* and hangs together */
@@ -374,6 +375,13 @@ void series_overview(const struct series *series, struct arena *arena, struct ov
         refuse(&motion.overview, "out of memory");
     }
     *overview = motion.overview;
+}
+
+bool series_beats(const struct series *series, struct arena *arena)
+{
+    struct samples samples;
+    struct mode_pair pair;
+    return series->n <= BEATS_MOST && samples_init(&samples, series, arena) && two_lines(&samples, &pair);
 }
 
 struct series series_window(struct series series, double from, double to)

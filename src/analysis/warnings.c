@@ -21,54 +21,6 @@ void fit_warn(struct fit *fit, const char *format, ...)
     }
 }
 
-/* The k-th segment from one end of the window, 0 outermost. */
-static const struct segment *segment_from(const struct motion *m, int end, size_t k)
-{
-    return &m->segment[end ? m->segments - 1 - k : k];
-}
-
-/*
- * A hand, a release or a rest at either end: the amplitude there is much less than further inside (where it is at least
- * as large as the decay allows), or no sine fits.
- */
-static void warn_ends(const struct motion *m, struct fit *fit)
-{
-    size_t bad[2] = {0, 0}, reach = m->segments / 3;
-    double fall =
-        exp(-fmax(m->harmonic.gamma, 0) * m->overview.period); /* of the amplitude in a segment of two periods */
-    for (size_t k = 0; k < m->segments; k++) {
-        m->scratch[k] = m->segment[k].scale;
-    }
-    double typical = quantile(m->scratch, m->segments, 0.5);
-    for (int end = 0; end < 2; end++) {
-        for (; bad[end] < reach; bad[end]++) {
-            const struct segment *s = segment_from(m, end, bad[end]);
-            double here = sqrt(2.0) * s->rms, inside = 0, faded = 1;
-            for (size_t k = bad[end] + 1; k <= bad[end] + reach; k++) {
-                faded *= end ? fall : 1;
-                inside = fmax(inside, faded * sqrt(2.0) * segment_from(m, end, k)->rms);
-            }
-            bool still = here < 0.6 * inside && inside > 6 * typical, rough = s->scale > fmax(0.3 * here, 5 * typical);
-            if (!still && !rough) {
-                break;
-            }
-        }
-    }
-    const struct samples *x = &m->samples;
-    const size_t rest = samples_rest(x, TWO_PI / m->harmonic.omega);
-    if (rest < x->n) { /* the laws with dry friction know what sticks */
-        if (fit->drag.candidates == 0)
-            fit_warn(fit, "it rests from %.4g s on, which no damped sine does: try window=%.4g..%.4g s", x->t[rest],
-                     x->t[m->segment[bad[0]].from], x->t[rest - 1]);
-    } else if (bad[0] + bad[1] > 0) {
-        fit_warn(fit, "the %s of the window is no free oscillation (rest, hand or release): try window=%.4g..%.4g s",
-                 bad[0] && bad[1] ? "start and the end"
-                 : bad[0]         ? "start"
-                                  : "end",
-                 x->t[m->segment[bad[0]].from], x->t[m->segment[m->segments - 1 - bad[1]].to - 1]);
-    }
-}
-
 static void warn_halves(struct fit *fit)
 {
     const struct measured *a = &fit->halves[0], *b = &fit->halves[1];
@@ -94,23 +46,20 @@ static void warn_halves(struct fit *fit)
     }
 }
 
-/* Two lines clear of the noise beat: true; what else modulates the amplitude is mostly a swing sideways. poor: residuals
- * over signal. */
-static bool warn_sway(const struct motion *m, double sway, double poor, struct fit *fit)
+/* Two lines clear of the noise beat; what else modulates the amplitude is mostly a swing sideways. poor: residuals over
+ * signal. */
+static void warn_sway(const struct motion *m, double sway, double poor, struct fit *fit)
 {
     struct mode_pair pair;
     if (!(sway > SWAY_LEAST) && !(poor > POOR_LEAST)) {
-        return false;
+        return;
     }
     if (two_lines(&m->samples, &pair)) {
         fit_warn(fit, "two frequencies: T = %.5g and %.5g s, which beat every %.4g s: try 'fit modes 2'",
                  pair.period[0], pair.period[1], pair.beat);
-        return true;
-    }
-    if (sway > SWAY_LEAST) {
+    } else if (sway > SWAY_LEAST) {
         fit_warn(fit, "the amplitude is modulated by about %.0f %% (rms): does it sway sideways?", 100 * sway);
     }
-    return false;
 }
 
 /* Residuals over signal, both rms, of the law that the fit's values are those of; 0: they are noise, no fault of the
@@ -142,9 +91,7 @@ void fit_diagnose(const struct motion *m, double sway, struct fit *fit)
                  100 * fit->drag.wander / fit->amplitude.value);
     }
     const double poor = poorness(m, fit);
-    if (!warn_sway(m, sway, poor, fit)) { /* which an envelope that beats looks like at its ends */
-        warn_ends(m, fit);
-    }
+    warn_sway(m, sway, poor, fit);
     if (h->gamma != 0) {
         warn_halves(fit);
     }

@@ -106,6 +106,7 @@ static bool fit_motion(const struct asked_fit *asked, const char *name, struct e
     told.exact_mass = with_k && !(mass.uncertainty > 0);
     for (int i = 0; i < fit.warnings; i++)
         fit_tell_warning(&told, "%s", fit.warning[i]);
+    fit_tell_window(&told, fit.drag.candidates > 0 ? WINDOW_LAW_STICKS : WINDOW_LAW_SINE, arena);
     reply_fit(&told, arena, asked->reply);
     char why[64];
     snprintf(why, sizeof why, "did not converge in %d iterations", fit.iterations);

@@ -2,6 +2,7 @@
 /* measure */
 #ifndef COMMAND_ROWS
 #include "choices.h"
+#include "findings.h"
 #include "measuring.h"
 
 #include <math.h>
@@ -426,11 +427,14 @@ HANDLER(measure)
         return error_at(error, named->where, "only 'measure repeat' takes several recordings");
     if (is_given(given, "what"))
         return error_at(error, given_for(given, "what")->where, "what= belongs to 'measure repeat'");
-    return subject_open(session, given_for(given, "run"), named->count ? named : given_for(given, "data"), given_for(given, "window"), energy,
-                        2, given->arena, &m.subject, error) &&
-           (!column->count ||
-            subject_column(&m.subject, column, given_for(given, "window"), given->arena, error)) &&
-           measures[which](&m);
+    if (!subject_open(session, given_for(given, "run"), named->count ? named : given_for(given, "data"),
+                      given_for(given, "window"), energy, 2, given->arena, &m.subject, error) ||
+        (column->count && !subject_column(&m.subject, column, given_for(given, "window"), given->arena, error)) ||
+        !measures[which](&m))
+        return false;
+    if (m.subject.recording && which != MEASURE_SPECTRUM)
+        reply_advice(&m.subject, given->arena, reply);
+    return true;
 }
 #endif
 

@@ -3,6 +3,10 @@
 #include "text_table.h"
 
 #include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#define JUDGED_MOST 200000 /* samples: of more only 'data clean' judges the window */
 
 bool find_faults(struct recording *recording, struct arena *arena, struct error *error)
 {
@@ -13,9 +17,81 @@ bool find_faults(struct recording *recording, struct arena *arena, struct error 
     if (recording->findings)
         return true;
     recording_restore(&whole);
-    if (recording_series(&whole, arena, 8, &series, &ignored))
+    const bool enough = recording_series(&whole, arena, 8, &series, &ignored);
+    if (enough)
         series_overview(&series, arena, &overview);
-    return recording_inspect(recording, overview.period, error);
+    if (!recording_inspect(recording, overview.period, error))
+        return false;
+    const struct findings *f = recording->findings;
+    const bool narrow = f->window[0] > recording->t[0] || f->window[1] < recording->t[recording->rows - 1];
+    if (enough && narrow && isnan(f->rests) && series_beats(&series, arena))
+        recording_keep_ends(recording);
+    return true;
+}
+
+/* The same of a run, whose samples are as those of a recording. */
+static const struct findings *run_findings(const struct series *series, struct recording *as, struct column *column,
+                                           struct arena *arena)
+{
+    struct error ignored;
+    *column = (struct column){.name = "y", .quantity = series->quantity, .factor = 1};
+    *as = (struct recording){.rows = series->n, .column = column, .columns = 1, .time = -1};
+    column->value = as->y = arena_array(arena, series->n, sizeof *as->y);
+    as->t = arena_array(arena, series->n, sizeof *as->t);
+    if (!as->y || !as->t)
+        return NULL;
+    memcpy(as->y, series->y, series->n * sizeof *as->y);
+    memcpy(as->t, series->t, series->n * sizeof *as->t);
+    return find_faults(as, arena, &ignored) ? as->findings : NULL;
+}
+
+static void put_advice(const struct findings *f, const struct series *series, bool start, bool end,
+                       struct window_advice *advice)
+{
+    const double from = start ? f->window[0] : series->t[0], to = end ? f->window[1] : series->t[series->n - 1];
+    if (end && !start && isfinite(f->rests))
+        snprintf(advice->text, sizeof advice->text,
+                 "it rests from %.6g s on, which is no free oscillation: try window=%.6g..%.6g s", f->rests, from, to);
+    else
+        snprintf(advice->text, sizeof advice->text,
+                 "the %s no free oscillation (rest, hand or release): try window=%.6g..%.6g s",
+                 start && end ? "start and the end of the window are"
+                 : start      ? "start of the window is"
+                              : "end of the window is",
+                 from, to);
+}
+
+void advise_window(const struct subject *subject, enum window_law law, struct arena *arena,
+                   struct window_advice *advice)
+{
+    const struct series *s = &subject->series;
+    struct recording as;
+    struct column column;
+    struct error ignored;
+    advice->text[0] = 0;
+    const bool known = subject->recording && subject->recording->findings;
+    if (s->n < 8 || subject->energy || subject->column || (s->n > JUDGED_MOST && !known))
+        return;
+    const bool looked = subject->recording && find_faults(subject->recording, arena, &ignored);
+    const struct findings *f = looked               ? subject->recording->findings
+                               : !subject->recording ? run_findings(s, &as, &column, arena)
+                                                     : NULL;
+    const double step = (s->t[s->n - 1] - s->t[0]) / (double)(s->n - 1);
+    const bool inside = f && f->window[1] > s->t[0] && f->window[0] < s->t[s->n - 1];
+    const bool start = inside && s->t[0] < f->window[0] - 1.5 * step;
+    const bool end = inside && s->t[s->n - 1] > f->window[1] + 1.5 * step;
+    if (start || (end && !(law == WINDOW_LAW_STICKS && isfinite(f->rests))))
+        put_advice(f, s, start, end, advice);
+    if (!subject->recording)
+        arena_reset(&as.arena);
+}
+
+void reply_advice(const struct subject *subject, struct arena *arena, struct reply *reply)
+{
+    struct window_advice advice;
+    advise_window(subject, WINDOW_LAW_SINE, arena, &advice);
+    if (advice.text[0])
+        reply_warning(reply, "%s", advice.text);
 }
 
 static const struct finding_row *row_of(size_t kind)

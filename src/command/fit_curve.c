@@ -250,7 +250,9 @@ bool fit_the_scene(const struct asked_fit *asked, struct error *error)
                             .quantity = quantity,
                             .held = describe_held(&scene, held, helds, arena),
                             .k = {NAN, NAN}};
-    const int last = fit.curve.parameters - 1;
+    const int last = fit.curve.parameters - 1, friction = scene_param(&fit.scene, "friction");
+    const bool sticks = friction >= 0 && fit.scene.value[friction] > 0;
+    fit_tell_window(&told, sticks ? WINDOW_LAW_STICKS : WINDOW_LAW_SINE, arena);
     if (!conclude(asked, &told, "scene", request.offset ? fit.curve.value[last] : (struct measured){offset, 0}, error))
         return false;
     session->fit_scene = fit.scene;

@@ -151,6 +151,7 @@ bool fit_the_modes(const struct asked_fit *asked, const struct measured *mass, s
     }
     for (int i = 0; i < modes.fit.warnings; i++)
         fit_tell_warning(&told, "%s", modes.fit.warning[i]);
+    fit_tell_window(&told, WINDOW_LAW_SINE, arena);
     reply_fit(&told, arena, asked->reply);
     if (modes.fit.converged)
         return true;

@@ -23,6 +23,14 @@ void fit_tell_warning(struct told_fit *told, const char *format, ...)
     va_end(arguments);
 }
 
+void fit_tell_window(struct told_fit *told, enum window_law law, struct arena *arena)
+{
+    struct window_advice advice;
+    advise_window(told->subject, law, arena, &advice);
+    if (advice.text[0])
+        fit_tell_warning(told, "%s", advice.text);
+}
+
 void fit_tell_residuals(struct told_fit *told)
 {
     const struct curve_fit *curve = told->curve;

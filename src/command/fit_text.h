@@ -3,7 +3,7 @@
 #ifndef HOOKE_COMMAND_FIT_TEXT_H
 #define HOOKE_COMMAND_FIT_TEXT_H
 
-#include "internal.h"
+#include "findings.h"
 
 #define FIT_WARNINGS 8
 
@@ -27,6 +27,7 @@ struct told_fit {
 /* "name = value"; measured: an uncertainty is shown however small it is. */
 void put_value(struct buffer *text, const char *name, struct measured value, enum quantity quantity, bool measured);
 void fit_tell_warning(struct told_fit *told, const char *format, ...) PRINTF_LIKE(2, 3);
+void fit_tell_window(struct told_fit *told, enum window_law law, struct arena *arena);
 /* What the residuals of a curve say against it. */
 void fit_tell_residuals(struct told_fit *told);
 /* Lines, record and warnings. */

@@ -2,6 +2,7 @@
 /* The same quantity of several recordings, or of several windows: what their scatter says of the
  * uncertainties. */
 #include "choices.h"
+#include "findings.h"
 #include "measuring.h"
 
 #include <math.h>
@@ -80,7 +81,7 @@ static enum quantity unit_of(enum measurable what, enum quantity of_series)
 
 /* One recording, as a whole or in so many windows. */
 static bool add_recording(struct measuring *m, struct repeated *r,
-                          const struct recording *recording, int windows)
+                          struct recording *recording, int windows)
 {
     struct series series;
     if (!recording_series(recording, m->given->arena, LEAST_SAMPLES, &series, m->error))
@@ -90,6 +91,11 @@ static bool add_recording(struct measuring *m, struct repeated *r,
         return error_set(m->error, ERROR_COMMAND, "%s holds another quantity than %s",
                          recording->name, r->name[0]);
     r->unit = unit;
+    struct subject subject = {.series = series, .recording = recording};
+    struct window_advice advice;
+    advise_window(&subject, WINDOW_LAW_SINE, m->given->arena, &advice);
+    if (advice.text[0])
+        reply_warning(m->reply, "%s: %s", recording->name, advice.text);
     if (windows == 1)
         return add(m, r, recording, &series, recording->name);
     const double from = series.t[0], width = (series.t[series.n - 1] - from) / windows;

@@ -133,7 +133,7 @@ static size_t far_off(const struct cleaning *c, const struct local *local)
     size_t count = 0;
     const double least = FAR_OFF * fmax(c->typical, local->scale);
     for (size_t i = local->from; i < local->to; i++)
-        count += fabs(c->residual[i]) > least;
+        count += !c->excluded[i] && fabs(c->residual[i]) > least;
     return count;
 }
 
@@ -178,6 +178,7 @@ static void find_ends(struct cleaning *c)
     const size_t to = rest < c->n && rest > from ? rest
                       : after > 0                ? c->local[c->locals - 1 - after].to
                                                  : c->n;
+    c->findings->rests = to == rest && rest < c->n ? c->t[rest] : NAN;
     c->findings->window[0] = c->t[from];
     c->findings->window[1] = c->t[to - 1];
     if (from > 0)
@@ -360,7 +361,7 @@ static bool inspect(struct recording *recording, double period, struct findings 
     f->window[0] = recording->t[0];
     f->window[1] = recording->t[n - 1];
     f->period = period;
-    f->sway_period = NAN;
+    f->sway_period = f->rests = NAN;
     for (int k = 0; k < FINDINGS; k++) {
         f->of[k].size = NAN;
         for (int i = 0; i < FINDING_PLACES; i++)
@@ -387,6 +388,22 @@ bool recording_inspect(struct recording *recording, double period, struct error 
         return error_memory(error);
     recording->findings = findings;
     return true;
+}
+
+void recording_keep_ends(struct recording *recording)
+{
+    if (!recording->findings)
+        return;
+    struct findings *f = arena_alloc(&recording->arena, sizeof *f);
+    if (!f)
+        return;
+    *f = *recording->findings;
+    f->window[0] = recording->t[0];
+    f->window[1] = recording->t[recording->rows - 1];
+    f->rests = NAN;
+    f->of[FINDING_START].count = f->of[FINDING_END].count = 0;
+    f->of[FINDING_START].places = f->of[FINDING_END].places = 0;
+    recording->findings = f;
 }
 
 void recording_clean(struct recording *recording)

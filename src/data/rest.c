@@ -47,14 +47,17 @@ size_t motion_rest(const struct motion_rows *x, double period)
     const struct spread end = spread_of(x, first_row(x, last - least), x->n);
     if (!(end.count > 4) || !(end.deviation < QUIET * start.deviation))
         return x->n;
-    size_t rest = first_row(x, last - least);
+    size_t rest = first_row(x, last - least), to = rest;
+    int moves = 0; /* half periods in a row: a single one may be chance */
     for (double t = last - least - 0.5 * period; t > first + least; t -= 0.5 * period) {
         const size_t from = first_row(x, t);
-        const struct spread s = spread_of(x, from, rest);
+        const struct spread s = spread_of(x, from, to);
         const double off = fabs(s.mean - end.mean);
-        if (s.count > 1 && (s.deviation > ALIKE * end.deviation || off > end.deviation))
+        moves = s.count > 1 && (s.deviation > ALIKE * end.deviation || off > end.deviation) ? moves + 1 : 0;
+        if (moves == 2)
             return rest;
-        rest = from;
+        to = from;
+        rest = moves == 0 ? from : rest;
     }
     return x->n; /* it never moved */
 }
