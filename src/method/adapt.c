@@ -8,6 +8,10 @@
  * 185:225). An error that is just right leaves h as it is: an implicit method keeps its factors, and no power is
  * computed. First step: Hairer, Norsett, Wanner 1993, Solving ODEs I, II.4.
  */
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC optimize("no-tree-vectorize") /* a pair that was stored one by one cannot be loaded at once */
+#endif
+#include "factor.h"
 #include "step.h"
 #include "switch.h"
 
@@ -40,6 +44,8 @@ static const struct filter {
 #define PROBE 1e-4       /* of a step: how far ahead the direction of a switch is looked for */
 #define ESTIMATE_EACH 4  /* steps, because the estimate costs as much as a fifth of a step */
 
+#define INLINE static inline __attribute__((always_inline))
+
 /* RMS of x_i / (tol max(scale_i, |y_i|, |z_i|)) */
 static double norm(const struct step *step, double tol, const double *x, const double *y, const double *z)
 {
@@ -47,20 +53,21 @@ static double norm(const struct step *step, double tol, const double *x, const d
     return sqrt(scaled_square(n, step_scale(step), x, y, z) / (n * tol * tol));
 }
 
-static double tolerance(const struct controller *controller)
+INLINE double tolerance(const struct controller *controller)
 {
-    return fmax(controller->tol, 10 * DBL_EPSILON);
+    const double least = 10 * DBL_EPSILON;
+    return controller->tol > least ? controller->tol : least;
 }
 
 /* One more sample of the sizes, at the start of a step. */
-static void follow(const struct step *step, struct controller *controller)
+INLINE void follow(int n, const struct step *step, struct controller *controller)
 {
     const struct system *system = step->system;
     const double by = controller->sampling ? fabs(step->t - controller->sampled) : 0;
     controller->sampling = true;
     controller->sampled = step->t;
     controller->elapsed += by;
-    for (int i = 0; i < system->n; i++) {
+    for (int i = 0; i < n; i++) {
         const double least = system->scale[i], size = fabs(step->y[i]);
         double mean = 1;
         if (system->atol[i] > 0) {
@@ -78,10 +85,10 @@ static void follow(const struct step *step, struct controller *controller)
 }
 
 /* The estimate goes with h^k, what adds up with h^order: this makes the latter go with tol. */
-static double largest_estimate(const struct method *method, double tol)
+INLINE double largest_estimate(const struct method *method, double tol)
 {
     const int k = method->embedded + 1;
-    double proportional = k == method->order ? tol : pow(tol, (double)k / method->order);
+    double proportional = k == method->order ? tol : factor_exp2(factor_log2(tol) * k / method->order);
     return (method->share > 0 ? method->share : SHARE) * proportional;
 }
 
@@ -117,38 +124,51 @@ static double least_step(double t)
     return LEAST_ULPS * (nextafter(fabs(t), HUGE_VAL) - fabs(t));
 }
 
-static double aim(const struct method *method)
+INLINE double aim(const struct method *method)
 {
     return method->flags & METHOD_IMPLICIT ? AIM_IMPLICIT : AIM_EXPLICIT;
 }
 
-/* rho as above; error and previous in units of the aim; ratio: h_n/h_n-1 */
-static double change(const struct filter *filter, int k, double error, double previous, double ratio)
+/* rho as above, from squares of errors in units of the aim; ratio: h_n/h_n-1 */
+INLINE double change(const struct filter *filter, int k, double square, double previous, double ratio)
 {
-    double rho = pow(error, -filter->b1 / k);
+    double log = factor_log2(square) * (-0.5 * filter->b1 / k);
     if (filter->b2 != 0)
-        rho *= pow(previous, -filter->b2 / k);
-    return filter->a != 0 ? rho * pow(ratio, -filter->a) : rho;
+        log += factor_log2(previous) * (-0.5 * filter->b2 / k);
+    if (filter->a != 0)
+        log -= factor_log2(ratio) * filter->a;
+    return factor_exp2(log);
 }
 
-/* Plans the next step after an accepted one of step->h; error in units of the aim. cut: only a longer one counts. */
-static void plan_next(const struct method *method, const struct step *step, struct controller *controller, double error,
-                      bool cut)
+/* The same of a first step and after a rejection. */
+static double change_elementary(int k, double square)
+{
+    return change(&elementary, k, square, 0, 1);
+}
+
+/*
+ * Plans the next step after an accepted one of step->h; square: of its error in units of the aim.
+ * cut: only a longer one counts.
+ */
+INLINE void plan_next(const struct method *method, const struct step *step, struct controller *controller,
+                      double square, bool cut)
 {
     const int k = method->embedded + 1;
     const struct filter *filter = method->flags & METHOD_IMPLICIT ? &implicit : &explicit;
     const double ratio = fabs(step->h / controller->last); /* a turn changes the sign of h */
     double rho = 1;
-    error = error > LEAST_ERROR ? error : LEAST_ERROR;
-    if (controller->previous == 0)
-        rho = fmin(change(&elementary, k, error, 0, 1), GROW);
-    else if (error < KEEP_LEAST || error > KEEP_MOST || ratio < FALLS)
-        rho = 1 + atan(change(filter, k, error, controller->previous, ratio) - 1);
+    square = square > LEAST_ERROR * LEAST_ERROR ? square : LEAST_ERROR * LEAST_ERROR;
+    if (controller->previous == 0) {
+        rho = change_elementary(k, square);
+        rho = rho < GROW ? rho : GROW;
+    } else if (square < KEEP_LEAST * KEEP_LEAST || square > KEEP_MOST * KEEP_MOST || ratio < FALLS) {
+        rho = 1 + factor_atan(change(filter, k, square, controller->previous, ratio) - 1);
+    }
     if (controller->rejected)
-        rho = fmin(rho, 1);
+        rho = rho < 1 ? rho : 1;
     if (cut && !(fabs(step->h * rho) > fabs(controller->h)))
         return;
-    controller->previous = error;
+    controller->previous = square;
     controller->last = step->h;
     controller->h = step->h * rho;
 }
@@ -163,7 +183,7 @@ static void note_stiffness(const struct method *method, const struct step *step,
 }
 
 /* t after the step, as the sum of all steps. */
-static double advance_clock(struct controller *controller, double t, double h)
+INLINE double advance_clock(struct controller *controller, double t, double h)
 {
     const double by = h + controller->t_low, sum = t + by, part = sum - t;
     controller->t_low = (t - (sum - part)) + (by - part);
@@ -171,41 +191,47 @@ static double advance_clock(struct controller *controller, double t, double h)
 }
 
 /* A switch at the very end is located beyond it by rounding: the next step would go back across. */
-static double not_beyond(double t, double h, double t_end)
+INLINE double not_beyond(double t, double h, double t_end)
 {
     return (t - t_end) * copysign(1, h) > 0 ? t_end : t;
 }
 
-/* A step that was not good: puts everything back as it was and makes the next attempt smaller. */
-static void take_back(struct step *step, struct controller *controller, double t, const double *y, const double *low)
+INLINE void copy(int count, const double *from, double *to)
 {
-    size_t size = (size_t)step->system->n * sizeof *y;
-    memcpy(step->y, y, size);
+    for (int i = 0; i < count; i++)
+        to[i] = from[i];
+}
+
+/* A step that was not good: puts everything back as it was and makes the next attempt smaller. */
+INLINE void take_back(int n, struct step *step, struct controller *controller, double t, const double *y,
+                      const double *low)
+{
+    copy(n, y, step->y);
     if (step->low)
-        memcpy(step->low, low, size);
+        copy(n, low, step->low);
     step->t = t;
     step->warm = false;
     step->cost.rejected++;
     controller->rejected = true;
 }
 
-/* One accepted step; where the system is on frozen branches, `switches` say which. */
-static enum step_status adapt(const struct method *method, struct step *step, struct controller *controller,
-                              double t_end, struct switches_state *switches)
+/* One accepted step; where the system is on frozen branches, `switches` say which. Inlined for each small n. */
+INLINE enum step_status adapt_size(int n, const struct method *method, struct step *step,
+                                   struct controller *controller, double t_end, struct switches_state *switches)
 {
     const double tol = tolerance(controller), t = step->t, span = t_end - t;
     const double most = largest_estimate(method, tol);
-    const bool turns = !switches && method_turns(method, step->system);
+    const bool turns = !switches && step->system->kinks && method_turns(method, step->system);
+    const double accepted = 1 / (n * most * most), part = aim(method), aims = 1 / (part * part);
     const double planned = controller->h; /* after a failure another try begins where this one did */
     const bool rejected = controller->rejected;
     struct switches_state state;
     if (switches)
         state = *switches;
-    const size_t size = (size_t)step->system->n * sizeof *step->y;
     double before[LIMIT_VARIABLES], low[LIMIT_VARIABLES], own_error[LIMIT_VARIABLES], *asked = step->error;
-    memcpy(before, step->y, size);
+    copy(n, step->y, before);
     if (step->low)
-        memcpy(low, step->low, size);
+        copy(n, step->low, low);
 
     for (int attempt = 0, failures = 0;; attempt++) {
         bool last = fabs(controller->h) * STRETCH >= fabs(span);
@@ -213,7 +239,7 @@ static enum step_status adapt(const struct method *method, struct step *step, st
         step->error = asked ? asked : own_error;
         step->again = attempt > 0;
         step->tol = most;
-        enum step_status status = method_step(method, step);
+        enum step_status status = step_take(method, step);
         bool turned = false;
         int ended = -1;
         if (turns && status == STEP_OK)
@@ -222,13 +248,16 @@ static enum step_status adapt(const struct method *method, struct step *step, st
             status = switch_step(method, step, t, before, low, &ended);
         turned = turned || ended >= 0;
         last = last && !turned;
-        double error = status == STEP_OK ? norm(step, step->tol, step->error, before, step->y) : NAN;
+        /* of the error, in units of what is accepted: nothing waits for its root */
+        const double square =
+            status == STEP_OK ? scaled_square(n, step_scale(step), step->error, before, step->y) * accepted : NAN;
+        const double aimed = square * aims;
         step->error = asked;
         step->tol = 0;
 
-        if (error <= 1) {
+        if (square <= 1) {
             /* A step that was cut short says nothing against the longer one that was planned. */
-            plan_next(method, step, controller, error / aim(method), last || turned);
+            plan_next(method, step, controller, aimed, last || turned);
             step->t = last ? t_end : advance_clock(controller, t, step->h);
             step->t = not_beyond(step->t, span, t_end);
             if (step->t == t_end)
@@ -241,10 +270,10 @@ static enum step_status adapt(const struct method *method, struct step *step, st
             return STEP_OK;
         }
 
-        take_back(step, controller, t, before, low);
-        if (isfinite(error)) {
-            controller->h =
-                step->h * fmax(change(&elementary, method->embedded + 1, error / aim(method), 0, 1), SHRINK);
+        take_back(n, step, controller, t, before, low);
+        if (isfinite(square)) {
+            const double factor = change_elementary(method->embedded + 1, aimed);
+            controller->h = step->h * (factor > SHRINK ? factor : SHRINK);
         } else {
             if (status == STEP_OK)
                 status = STEP_NONFINITE;
@@ -259,6 +288,12 @@ static enum step_status adapt(const struct method *method, struct step *step, st
             return status == STEP_OK ? STEP_STALLED : status;
         }
     }
+}
+
+static enum step_status adapt(const struct method *method, struct step *step, struct controller *controller,
+                              double t_end, struct switches_state *switches)
+{
+    return adapt_size(step->system->n, method, step, controller, t_end, switches);
 }
 
 /* One step of a library's own control on frozen branches: one across the end of a branch is taken again, up to there. */
@@ -308,14 +343,33 @@ static enum step_status adapt_between_switches(const struct method *method, stru
     return status;
 }
 
-enum step_status method_adapt(const struct method *method, struct step *step, struct controller *controller,
-                              double t_end)
+/* Where there is neither a switch nor a first step to choose. */
+INLINE enum step_status adapt_plain(int n, const struct method *method, struct step *step,
+                                    struct controller *controller, double t_end)
+{
+    follow(n, step, controller);
+    step->scale = controller->scale;
+    controller->h = copysign(controller->h, t_end - step->t);
+    const enum step_status status = adapt_size(n, method, step, controller, t_end, NULL);
+    step->scale = NULL;
+    return status;
+}
+
+#define ADAPT_PLAIN(name, n)                                                                                           \
+    static enum step_status name(const struct method *method, struct step *step, struct controller *controller,        \
+                                 double t_end)                                                                         \
+    {                                                                                                                  \
+        return adapt_plain(n, method, step, controller, t_end);                                                        \
+    }
+ADAPT_PLAIN(adapt_two, 2)
+ADAPT_PLAIN(adapt_three, 3)
+ADAPT_PLAIN(adapt_four, 4)
+
+static enum step_status adapt_any(const struct method *method, struct step *step, struct controller *controller,
+                                  double t_end)
 {
     const double span = t_end - step->t;
-    assert(method->flags & METHOD_ADAPTIVE);
-    if (span == 0)
-        return STEP_OK;
-    follow(step, controller);
+    follow(step->system->n, step, controller);
     step->scale = controller->scale;
     enum step_status status;
     if (method->adapt && !step->system->pieces) {
@@ -329,4 +383,19 @@ enum step_status method_adapt(const struct method *method, struct step *step, st
     }
     step->scale = NULL;
     return status;
+}
+
+enum step_status method_adapt(const struct method *method, struct step *step, struct controller *controller,
+                              double t_end)
+{
+    const int n = step->system->n;
+    assert(method->flags & METHOD_ADAPTIVE);
+    if (t_end - step->t == 0)
+        return STEP_OK;
+    if (method->adapt || step->system->switches > 0 || controller->h == 0) /* 0: choose one */
+        return adapt_any(method, step, controller, t_end);
+    return n == 2   ? adapt_two(method, step, controller, t_end)
+           : n == 3 ? adapt_three(method, step, controller, t_end)
+           : n == 4 ? adapt_four(method, step, controller, t_end)
+                    : adapt_any(method, step, controller, t_end);
 }

@@ -142,12 +142,7 @@ bool method_applies(const struct method *method, const struct system *system, en
 
 enum step_status method_step(const struct method *method, struct step *step)
 {
-    enum step_status status = (step->kernel ? step->kernel : method->step)(method, step);
-    step->warm = status == STEP_OK;
-    step->again = false;
-    if (status == STEP_OK)
-        step->t += step->h;
-    return status;
+    return step_take(method, step);
 }
 
 int method_dense_degree(const struct method *method)

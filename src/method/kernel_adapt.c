@@ -90,6 +90,8 @@ static const struct {
 step_function *method_step_kernel(const struct method *method, const struct system *system)
 {
     int shape = system->n == 4 ? SHAPE_PLANE : SHAPE_LINE;
+    if (method->rosenbrock)
+        return rosenbrock_step_kernel(method, system);
     if (method->step != rk_step)
         return NULL;
     const int typed = typed_shape(system, false);

@@ -30,9 +30,9 @@ INSTANCE bool lu_factor_size(int n, double *a)
         if (inverse == 0 || !isfinite(inverse))
             return false;
         a[n * n + p] = best;
-        if (best != p)
-            for (int j = p; j < n; j++)
-                swap(&a[p * n + j], &a[best * n + j]);
+        for (int i = p + 1; i < n; i++) /* a place that the compiler knows: small matrices stay in registers */
+            for (int j = p; j < n && i == best; j++)
+                swap(&a[p * n + j], &a[i * n + j]);
         a[p * n + p] = inverse;
         for (int i = p + 1; i < n; i++) {
             double factor = a[i * n + p] *= inverse;
@@ -47,8 +47,9 @@ INSTANCE void lu_solve_size(int n, const double *a, double *b)
 {
     for (int p = 0; p < n; p++) {
         int best = (int)a[n * n + p];
-        if (best != p)
-            swap(&b[p], &b[best]);
+        for (int i = p + 1; i < n; i++)
+            if (i == best)
+                swap(&b[p], &b[i]);
         for (int i = p + 1; i < n; i++)
             b[i] -= a[i * n + p] * b[p];
     }

@@ -186,6 +186,7 @@ march_function *typed_kernel(const struct method *method, const struct system *s
 march_function *implicit_kernel(const struct method *method, const struct system *system); /* kernel_implicit.c */
 march_function *any_kernel(const struct method *method);
 step_function *any_step_kernel(const struct method *method);
+step_function *rosenbrock_step_kernel(const struct method *method, const struct system *system);
 size_t rk_work(const struct method *method, int n);
 void rk_dense(const struct method *method, const struct step *step, double theta, double *y);
 /* Variable i of the last step, as method_polynomial() has it. */
@@ -262,6 +263,17 @@ static inline void step_add(double *y, double *low, double increment)
     double add = increment + *low, sum = *y + add, added = sum - *y;
     *low = (*y - (sum - added)) + (add - added);
     *y = sum;
+}
+
+/* method_step() itself, for those to whom a call matters. */
+static inline enum step_status step_take(const struct method *method, struct step *step)
+{
+    const enum step_status status = (step->kernel ? step->kernel : method->step)(method, step);
+    step->warm = status == STEP_OK;
+    step->again = false;
+    if (status == STEP_OK)
+        step->t += step->h;
+    return status;
 }
 
 /* The end of every step: y becomes z if all of z is finite. */

@@ -34,4 +34,21 @@ MODEL_FORCE(well)
     a[1] -= y[1] + (y[0] * y[0] - y[1] * y[1]);
 }
 
+/* robertson */
+MODEL_FORCE(reaction)
+{
+    double forth = c[0] * y[0], burn = c[1] * y[1] * y[1], back = c[2] * y[1] * y[2];
+    a[0] += back - forth;
+    a[1] += forth - back - burn;
+    a[2] += burn;
+}
+
+MODEL_SLOPES(reaction)
+{
+    double burn = 2 * c[1] * y[1], by_b = c[2] * y[2], by_c = c[2] * y[1];
+    double change[9] = {-c[0], by_b, by_c, c[0], -by_b - burn, -by_c, 0, burn, 0};
+    for (int i = 0; i < 9; i++)
+        jac[i] += change[i];
+}
+
 #endif

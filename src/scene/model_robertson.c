@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Robertson's autocatalytic reaction: rates from 0.04 to 3e7, over times from 1e-5 to 1e11. */
-#include "model.h"
+#include "model_forces.h"
 
 #define PARAMS(P)                                                                                                      \
     P(k1, "1/s", RATE, 0.04, AT_LEAST(0), "rate of A -> B")                                                            \
@@ -18,20 +18,6 @@ TERM_BIND(reaction)
     c[1] = param[P_k2];
     c[2] = param[P_k3];
     return true;
-}
-TERM_ADD(reaction)
-{
-    double forth = c[0] * y[0], burn = c[1] * y[1] * y[1], back = c[2] * y[1] * y[2];
-    a[0] += back - forth;
-    a[1] += forth - back - burn;
-    a[2] += burn;
-}
-TERM_JACOBIAN(reaction)
-{
-    double burn = 2 * c[1] * y[1], by_b = c[2] * y[2], by_c = c[2] * y[1];
-    double change[9] = {-c[0], by_b, by_c, c[0], -by_b - burn, -by_c, 0, burn, 0};
-    for (int i = 0; i < 9; i++)
-        jac[i] += change[i];
 }
 
 static const struct term_row terms[] = {
