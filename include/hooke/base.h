@@ -292,6 +292,19 @@ int text_width(struct text text);        /* columns */
 
 bool file_read(const char *path, size_t limit, struct buffer *content, struct error *error);
 
+/* Looks at what is read, as it comes in, so that a file that is not wanted costs no more than its beginning. */
+struct read_watch {
+    void *context;
+    /* After every piece: what there is by now, where the piece begins, and the size [byte] that the file states; 0: it
+     * states none. False: no more of it, and the error is set. */
+    bool (*look)(void *context, struct text content, size_t from, uintmax_t size, struct error *error);
+    bool grew; /* set: more was written to the file meanwhile; content is what there was at first */
+};
+
+/* The same, watched. */
+bool file_read_watched(const char *path, size_t limit, struct read_watch *watch, struct buffer *content,
+                       struct error *error);
+
 struct writer {
     int fd, folder;     /* -1: closed */
     char *path;         /* as the user gave it */

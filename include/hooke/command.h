@@ -98,6 +98,7 @@ enum view_choice { VIEW_PAGE, VIEW_SCROLL };       /* the live view sweeps, then
 
 enum sums { SUMS_PLAIN, SUMS_COMPENSATED };
 enum turning { TURNING_ON, TURNING_OFF };
+enum band { BAND_OFF, BAND_ON };
 enum opinion_choice { OPINIONS_AUTO, OPINIONS_FULL, OPINIONS_WARN, OPINIONS_OFF };
 
 struct settings {
@@ -110,6 +111,7 @@ struct settings {
     int charset, color, format, timing, phase_axes; /* the enums above, enum output_format, enum timing */
     int sync, view;
     int kernel, sums, turning; /* enum kernel, enum sums, enum turning */
+    int band;                  /* BAND_ON: panes show that of an adopted fit */
     int opinion;               /* enum opinion_choice */
     bool dt_given, tol_given, duration_given; /* by the user: else tol and duration are those of the scene */
     double fps; /* frames a second of the live view */
@@ -373,6 +375,18 @@ struct adopted_fit {
     double covariance[CURVE_PARAMETERS * CURVE_PARAMETERS]; /* [count][count] */
 };
 
+/* The band of an adopted fit about a run, for the panes. */
+struct fit_band {
+    int run; /* its number; 0: none was looked for */
+    size_t rows;
+    double end;             /* [s] rows and end of the run when it was */
+    struct adopted_fit of;
+    size_t n;               /* 0: it has none */
+    int variables;
+    double from, step;      /* [s] */
+    double *half;           /* [variables][n] half the width */
+};
+
 struct session {
     struct front front;
     struct setup setup;
@@ -399,6 +413,7 @@ struct session {
     struct scene fit_scene; /* as fitted; model NULL: it was no fit of the scene */
     bool fit_free[PARAM_MAX]; /* what was fitted there */
     struct adopted_fit adopted;
+    struct fit_band band;
     int fit_modes;            /* so many damped sines at once; 0: it was no fit of modes */
     struct measurement *measurement;
     int measurements;
@@ -579,6 +594,7 @@ struct figure_request {
     double window[2]; /* [s] NAN: choose */
     const struct figure_range *x, *y; /* of the axes; NULL: automatic */
     struct text band; /* as typed: with the band of the adopted fit's uncertainty; empty: without */
+    bool kept_band;   /* with the one that the session keeps, if that is of this run */
     bool full; /* all of it: the whole time, all curves on one axis */
     int width;        /* [cell] that will be drawn on */
     bool log;         /* vertical axis */

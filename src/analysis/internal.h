@@ -29,6 +29,15 @@ static inline size_t samples_rest(const struct samples *x, double period)
 {
     return motion_rest(&(struct motion_rows){x->t, x->y, x->use, 1, x->n}, period);
 }
+/* An interval without samples that is 8 times as long as half of them are, in times that are no even grid. */
+bool samples_have_gap(const struct samples *samples, struct arena *arena, bool *memory);
+/* Hann window over all of the times, no matter what of them was recorded: the peak of a line is its amplitude. */
+struct spectrum {
+    double *amplitude; /* [bins] as y */
+    size_t bins;       /* from 0 to half the rate of the samples; 0: too few samples */
+    double step;       /* [Hz] between them */
+};
+bool samples_spectrum(const struct samples *samples, struct arena *arena, struct spectrum *out); /* false: no memory */
 double samples_noise(const struct samples *samples, double *scratch);
 void samples_flag_spikes(struct samples *samples, double *scratch); /* clears `use` of short far excursions */
 double quantile(double *values, size_t n, double q);                /* reorders the values */

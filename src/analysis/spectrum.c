@@ -84,15 +84,34 @@ static struct transform transform(const struct samples *x, struct arena *arena)
     return result;
 }
 
+/* No line bridges a gap: what is seen before and after it would cancel beside the true line. */
+static struct transform transform_with_gap(const struct samples *x, struct arena *arena)
+{
+    struct spectrum spectrum;
+    struct transform result = {.memory = samples_spectrum(x, arena, &spectrum)};
+    for (size_t k = 0; result.memory && k < spectrum.bins; k++) {
+        spectrum.amplitude[k] *= spectrum.amplitude[k];
+    }
+    if (result.memory) {
+        result.power = spectrum.amplitude;
+        result.bins = spectrum.bins;
+        result.step = spectrum.step;
+    }
+    return result;
+}
+
 double peak_frequency(const struct samples *x, struct arena *arena, bool *memory)
 {
     *memory = true;
     if (x->n < 8) {
         return NAN;
     }
-    struct transform spectrum = transform(x, arena);
+    const bool gap = samples_have_gap(x, arena, memory);
+    struct transform spectrum = !*memory ? (struct transform){.memory = false}
+                                : gap    ? transform_with_gap(x, arena)
+                                         : transform(x, arena);
     *memory = spectrum.memory;
-    if (!spectrum.memory) {
+    if (!spectrum.memory || spectrum.bins < 3) {
         return NAN;
     }
     const double *p = spectrum.power;
@@ -201,27 +220,4 @@ double series_peak_frequency(const struct series *series, struct arena *arena)
     samples_flag_spikes(&samples, scratch);
     double omega = peak_frequency(&samples, arena, &memory);
     return isfinite(omega) ? refine(&samples, omega) : NAN;
-}
-
-bool series_spectrum(const struct series *series, struct arena *arena, const double **frequency,
-                     const double **amplitude, size_t *bins)
-{
-    struct samples samples;
-    *bins = 0;
-    if (series->n < 8 || !samples_init(&samples, series, arena)) {
-        return false;
-    }
-    struct transform spectrum = transform(&samples, arena);
-    double *f = spectrum.memory ? arena_array(arena, spectrum.bins, sizeof *f) : NULL;
-    if (!f) {
-        return false;
-    }
-    for (size_t k = 0; k < spectrum.bins; k++) {
-        f[k] = spectrum.step * (double)k;
-        spectrum.power[k] = (k == 0 || k + 1 == spectrum.bins ? 1 : 2) * sqrt(spectrum.power[k]) / spectrum.gain;
-    }
-    *frequency = f;
-    *amplitude = spectrum.power;
-    *bins = spectrum.bins;
-    return true;
 }

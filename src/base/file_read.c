@@ -5,9 +5,19 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 #define PIECE 65536u
+#define PATIENCE_NS 200000000 /* [ns] that a named pipe waits for a writer … */
+#define PATIENCE_LOOKS 20     /* … in so many looks */
+
+struct reading {
+    const char *path;
+    size_t limit, before; /* before: bytes of content that are not the file's */
+    uintmax_t size;       /* stated; 0: none */
+    struct read_watch *watch;
+};
 
 static bool cannot_read(struct error *error, const char *path, int number)
 {
@@ -18,44 +28,110 @@ static bool cannot_read(struct error *error, const char *path, int number)
                      number == EISDIR ? "it is a directory" : system_message(number));
 }
 
-static bool read_all(int fd, const char *path, size_t limit, struct buffer *content, struct error *error)
+/*
+ * A named pipe that nobody writes to has no end: its writer gets a moment to come, a reader that waits for ever none.
+ * EINTR is not retried: it is how Ctrl-C gets out of a pipe into which nothing is written.
+ */
+static bool await_writer(int fd, const char *path, struct buffer *content, struct error *error)
 {
-    char name[SAFE_NAME_SIZE], piece[PIECE];
-    const size_t before = content->len;
-    struct stat st;
-    if (fstat(fd, &st) != 0)
-        return cannot_read(error, path, errno);
-    if (S_ISDIR(st.st_mode))
-        return cannot_read(error, path, EISDIR);
-    if (S_ISREG(st.st_mode) && (uintmax_t)st.st_size > limit)
-        return error_set(error, ERROR_IO, "%s has %ju bytes; at most %zu are read", safe_name(text_of(path), name),
-                         (uintmax_t)st.st_size, limit);
-    /* EINTR is not retried: it is how Ctrl-C gets out of a pipe that nobody writes to. */
-    for (ssize_t got; (got = read(fd, piece, sizeof piece)) != 0;) {
-        if (got < 0)
+    char name[SAFE_NAME_SIZE], first;
+    const struct timespec moment = {.tv_nsec = PATIENCE_NS / PATIENCE_LOOKS};
+    for (int look = 0; look < PATIENCE_LOOKS; look++) {
+        const ssize_t got = read(fd, &first, 1);
+        if (got == 1) {
+            buffer_put(content, (struct text){&first, 1});
+            return !content->failed || error_memory(error);
+        }
+        if (got < 0 && errno == EAGAIN) /* there is one, who has written nothing yet */
+            return true;
+        if (got < 0 || nanosleep(&moment, NULL) != 0)
             return cannot_read(error, path, errno);
-        if ((size_t)got > limit - (content->len - before))
-            return error_set(error, ERROR_IO, "%s goes on after %zu bytes; at most %zu are read",
-                             safe_name(text_of(path), name), limit, limit);
+    }
+    return error_set(error, ERROR_IO, "cannot read %s: it is a pipe that nobody writes to",
+                     safe_name(text_of(path), name));
+}
+
+static bool open_file(const char *path, int *fd, struct stat *st, struct buffer *content, struct error *error)
+{
+    *fd = open(path, O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK);
+    if (*fd < 0 || fstat(*fd, st) != 0)
+        return cannot_read(error, path, errno);
+    if (S_ISDIR(st->st_mode))
+        return cannot_read(error, path, EISDIR);
+    if (S_ISFIFO(st->st_mode) && !await_writer(*fd, path, content, error))
+        return false;
+    const int flags = fcntl(*fd, F_GETFL);
+    return (flags >= 0 && fcntl(*fd, F_SETFL, flags & ~O_NONBLOCK) >= 0) || cannot_read(error, path, errno);
+}
+
+static bool too_long(const char *path, size_t limit, struct error *error)
+{
+    char name[SAFE_NAME_SIZE];
+    return error_set(error, ERROR_IO, "%s goes on after %zu bytes; at most %zu are read",
+                     safe_name(text_of(path), name), limit, limit);
+}
+
+/* Of a file that states its size no more than that: somebody may be writing it faster than it is read. */
+static bool read_pieces(int fd, const struct reading *r, struct buffer *content, struct error *error)
+{
+    char piece[PIECE];
+    for (bool first = true;; first = false) {
+        const size_t so_far = content->len - r->before;
+        const uintmax_t left = r->size > 0 ? r->size - so_far : PIECE;
+        const ssize_t got = read(fd, piece, left < PIECE ? (size_t)left : PIECE);
+        if (got < 0)
+            return cannot_read(error, r->path, errno);
+        if (got == 0)
+            return true;
+        if ((size_t)got > r->limit - so_far)
+            return too_long(r->path, r->limit, error);
         buffer_put(content, (struct text){piece, (size_t)got});
         if (content->failed)
             return error_memory(error);
+        const struct text seen = {content->data + r->before, content->len - r->before};
+        if (r->watch && !r->watch->look(r->watch->context, seen, first ? 0 : so_far, r->size, error))
+            return false;
     }
+}
+
+static bool read_all(const char *path, size_t limit, struct read_watch *watch, struct buffer *content, int *fd,
+                     struct error *error)
+{
+    char name[SAFE_NAME_SIZE];
+    struct stat st, after;
+    struct reading r = {path, limit, content->len, 0, watch};
+    if (!open_file(path, fd, &st, content, error))
+        return false;
+    r.size = S_ISREG(st.st_mode) ? (uintmax_t)st.st_size : 0;
+    if (r.size > limit)
+        return error_set(error, ERROR_IO, "%s has %ju bytes; at most %zu are read", safe_name(text_of(path), name),
+                         r.size, limit);
+    if (content->len - r.before > limit)
+        return too_long(path, limit, error);
+    if (!read_pieces(*fd, &r, content, error))
+        return false;
+    if (watch)
+        watch->grew = r.size > 0 && fstat(*fd, &after) == 0 && (uintmax_t)after.st_size > r.size;
     buffer_put(content, TEXT("")); /* an empty file gives "", not NULL */
     return !content->failed || error_memory(error);
 }
 
-bool file_read(const char *path, size_t limit, struct buffer *content, struct error *error)
+bool file_read_watched(const char *path, size_t limit, struct read_watch *watch, struct buffer *content,
+                       struct error *error)
 {
     const size_t before = content->len;
-    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NOCTTY);
-    if (fd < 0)
-        return cannot_read(error, path, errno);
-    bool done = read_all(fd, path, limit, content, error);
-    close(fd); /* nothing was written: nothing can be lost */
+    int fd = -1;
+    const bool done = read_all(path, limit, watch, content, &fd, error);
+    if (fd >= 0)
+        close(fd); /* nothing was written: nothing can be lost */
     if (!done && content->data) {
         content->len = before;
         content->data[before] = '\0';
     }
     return done;
+}
+
+bool file_read(const char *path, size_t limit, struct buffer *content, struct error *error)
+{
+    return file_read_watched(path, limit, NULL, content, error);
 }

@@ -24,6 +24,7 @@ struct adoption {
     int left;
     int data;        /* place of the recording that was fitted, -1: none */
     bool as_on_data; /* it starts where the fit does: it can be compared */
+    bool pendulum;   /* the scene swings on a rod, not on a spring */
 };
 
 static bool take(struct adoption *a, const char *name, struct measured value, struct error *error)
@@ -56,10 +57,10 @@ static void leave_out(struct adoption *a, const char *what)
 
 /* ---- the proof ---- */
 
-#define STANDARD_GRAVITY 9.80665 /* [m/s^2] */
 #define AGREES 1.2   /* rms of the run over that of the fit, at most */
 #define ROUNDING 1e-8 /* of the amplitude: what the run's own errors may add */
 #define ACCURATE 1e-10
+#define SMALL_SWING 0.1 /* [rad] wider swings are slower by more than amplitude^2/16 = 0.06 % */
 #define ROWS 200 /* recorded in a radian of the natural frequency */
 
 /* Rms of the scene, run from its start over the window of the fit; NAN: it cannot be compared, or was stopped. */
@@ -98,7 +99,7 @@ static void warn_apart(const struct adoption *a, double rms, struct reply *reply
             buffer_format(&text, "%s%s", i ? ", " : "the scene does not take ", a->left_out[i]);
     else if (param_value(&a->scene, "C") > 0 && fit->drag.candidates == 0)
         buffer_put(&text, TEXT("the scene has quadratic drag, which this fit does not know (fit drag)"));
-    else if (param_value(&a->scene, "F0") > 0 || param_value(&a->scene, "k3") != 0)
+    else if (param_value(&a->scene, "F0") > 0 || fabs(param_value(&a->scene, "k3")) > 0)
         buffer_put(&text, TEXT("the scene has forces that the fit does not know"));
     else
         buffer_put(&text, TEXT("the fitted curve is no motion of this scene"));
@@ -233,6 +234,7 @@ static bool take_law(struct adoption *a, const struct fit *fit, struct error *er
     const struct drag_candidate *law = &fit->drag.candidate[fit->drag.best - 1];
     const double m = param_value(&a->scene, "m");
     const double drag = param_value(&a->scene, "rho") * param_value(&a->scene, "area") / m;
+    const double along = a->pendulum ? m * param_value(&a->scene, "length") : m; /* of a force, by its f */
     if ((fit->drag.force == RESTORING_CUBIC || param_value(&a->scene, "k3") != 0) && scene_param(&a->scene, "k3") >= 0 &&
         !take(a, "k3", (struct measured){fit->drag.cubic.value * m, fit->drag.cubic.uncertainty * m}, error))
         return false;
@@ -240,7 +242,7 @@ static bool take_law(struct adoption *a, const struct fit *fit, struct error *er
     if (!take(a, "gamma", law->rate[0], error))
         return false;
     if (quadratic && !(drag > 0))
-        leave_out(a, "quadratic drag (rho or area is 0)");
+        leave_out(a, a->pendulum ? "quadratic drag" : "quadratic drag (rho or area is 0)");
     else if ((quadratic || param_value(&a->scene, "C") > 0) &&
              !take(a, "C", (struct measured){law->rate[1].value / drag, law->rate[1].uncertainty / drag}, error))
         return false;
@@ -250,7 +252,48 @@ static bool take_law(struct adoption *a, const struct fit *fit, struct error *er
         return true;
     }
     return !(dry || param_value(&a->scene, "friction") > 0) ||
-           take(a, "friction", (struct measured){law->rate[2].value * m, law->rate[2].uncertainty * m}, error);
+           take(a, "friction", (struct measured){law->rate[2].value * along, law->rate[2].uncertainty * along}, error);
+}
+
+/* The spring of the fit, or the rod that swings as fast; middle: where the motion is about. With gravity that is the
+ * equilibrium of the spring, not y = 0. */
+static bool take_force(struct adoption *a, const struct fit *fit, double *middle, struct error *error)
+{
+    const int m = scene_param(&a->scene, "m"), g = scene_param(&a->scene, "g");
+    const struct measured mass = {a->scene.value[m], a->scene.uncertainty[m]};
+    const struct measured gravity = {a->scene.value[g], a->scene.uncertainty[g]};
+    if (a->pendulum) {
+        const struct measured square = fit_stiffness(fit, (struct measured){1, 0});
+        const double length = gravity.value / square.value;
+        if (!(gravity.value > 0))
+            return error_set(error, ERROR_COMMAND, "the length of a pendulum needs its gravity: g = 9.81 m/s^2");
+        return take(a, "length",
+                    (struct measured){length, length * hypot(square.uncertainty / square.value,
+                                                             gravity.uncertainty / gravity.value)},
+                    error);
+    }
+    const struct measured stiffness = fit_stiffness(fit, mass);
+    *middle = -mass.value * gravity.value / stiffness.value;
+    return take(a, "k", stiffness, error);
+}
+
+static bool take_start(struct adoption *a, const struct fit *fit, int n, bool at_rest, double middle,
+                       struct error *error)
+{
+    struct measured start[2];
+    adopted_start(fit, n, at_rest, start);
+    start[0].value += middle;
+    return take(a, a->pendulum ? "theta0" : "y0", start[0], error) &&
+           take(a, a->pendulum ? "rate0" : "v0", start[1], error) &&
+           take(a, "t0", (struct measured){at_rest ? 0 : fit->t0, 0}, error);
+}
+
+static bool can_have_spring(const struct scene *scene, const struct fit *fit, struct error *error)
+{
+    if (fit->drag.force != RESTORING_SINE)
+        return needs_spring(scene, "adopt", error);
+    error_set(error, ERROR_COMMAND, "the fit is one of a pendulum, the scene %s is none", scene->preset->row.name);
+    return error_hint(error, "type: scene pendulum; adopt");
 }
 
 bool adopt_fit(struct session *session, const struct arguments *given, struct reply *reply, struct error *error)
@@ -262,29 +305,19 @@ bool adopt_fit(struct session *session, const struct arguments *given, struct re
     }
     if (session->fit_samples > 0)
         return adopt_curve(session, given, reply, error);
-    if (fit->drag.force == RESTORING_SINE) {
-        error_set(error, ERROR_COMMAND, "the fit is one of a pendulum, which has no spring");
-        return error_hint(error, "scene pendulum; length = %.6g m; fit scene; adopt",
-                          STANDARD_GRAVITY / (fit->omega.value * fit->omega.value));
-    }
     const bool at_rest = is_given(given, "amplitude");
     struct adoption a = {.session = session, .scene = session->setup.scene, .data = fitted_recording(session)};
-    if (!needs_spring(&a.scene, "adopt", error))
-        return false;
-    const int m = scene_param(&a.scene, "m"), g = scene_param(&a.scene, "g");
-    const struct measured mass = {a.scene.value[m], a.scene.uncertainty[m]}, stiffness = fit_stiffness(fit, mass);
     struct named_value fitted = {.quantity = QUANTITY_LENGTH};
     names_value(session, TEXT("fit_amplitude"), &fitted);
+    a.pendulum = is_pendulum(&a.scene) && fitted.quantity == QUANTITY_ANGLE;
+    if (!a.pendulum && !can_have_spring(&a.scene, fit, error))
+        return false;
+    const int m = scene_param(&a.scene, "m");
     const int n = derivatives(fitted.quantity);
     a.as_on_data = n >= 0 && !at_rest;
-    /* With gravity the motion is about the equilibrium, not about y = 0. */
-    const double middle = -a.scene.value[m] * a.scene.value[g] / stiffness.value;
-    struct measured start[2], t0 = {at_rest ? 0 : fit->t0, 0};
-    adopted_start(fit, n > 0 ? n : 0, at_rest, start);
-    start[0].value += middle;
-    if (!take(&a, "k", stiffness, error) || !take_law(&a, fit, error))
-        return false;
-    if (n >= 0 && (!take(&a, "y0", start[0], error) || !take(&a, "v0", start[1], error) || !take(&a, "t0", t0, error)))
+    double middle = 0;
+    if (!take_force(&a, fit, &middle, error) || !take_law(&a, fit, error) ||
+        (n >= 0 && !take_start(&a, fit, n, at_rest, middle, error)))
         return false;
     if ((fit->drift.value != 0 || fit->drag.wander > 0) && fit->drag.candidates > 0)
         leave_out(&a, "the drift of the offset");
@@ -309,7 +342,9 @@ bool adopt_fit(struct session *session, const struct arguments *given, struct re
     if (n < 0)
         reply_warning(reply, "y0, v0 and t0 stay: what was fitted (%s) is no position, velocity or acceleration",
                       quantity_name(fitted.quantity));
-    if (!a.scene.given[m])
+    if (a.pendulum && fit->drag.force != RESTORING_SINE && fit->amplitude.value > SMALL_SWING)
+        reply_warning(reply, "the fit knows nothing of the slower wide swings of a pendulum: fit law, then adopt again");
+    if (!a.pendulum && !a.scene.given[m])
         reply_warning(reply,
                       "k was computed with the mass of the scene, which nobody has set: m = 200 g, then adopt again");
     if ((fit->drag.candidates == 0 && param_value(&a.scene, "C") > 0) || param_value(&a.scene, "F0") > 0)

@@ -6,9 +6,9 @@
 #include <string.h>
 
 /* What a fit of an oscillation can set. */
-enum target { STIFFNESS, CUBIC, LINEAR, QUADRATIC, DRY, POSITION, VELOCITY, TARGETS };
+enum target { STIFFNESS, CUBIC, LINEAR, QUADRATIC, DRY, POSITION, VELOCITY, LENGTH, ANGLE, TURNING, TARGETS };
 
-static const char *const names[TARGETS] = {"k", "k3", "gamma", "C", "friction", "y0", "v0"};
+static const char *const names[TARGETS] = {"k", "k3", "gamma", "C", "friction", "y0", "v0", "length", "theta0", "rate0"};
 
 static void start_in_motion(const struct fit *fit, int n, struct measured start[2])
 {
@@ -81,9 +81,12 @@ static void values_of(const struct scene *scene, const struct fit *fit, int n, b
     out[CUBIC] = fit->drag.cubic.value * m;
     out[LINEAR] = law ? law->rate[0].value : fit->gamma.value;
     out[QUADRATIC] = law && drag > 0 ? law->rate[1].value / drag : 0;
-    out[DRY] = law ? law->rate[2].value * m : 0;
+    const double w = fit_stiffness(fit, (struct measured){1, 0}).value;
+    out[LENGTH] = is_pendulum(scene) ? param_value(scene, "g") / w : 0;
+    out[DRY] = law ? law->rate[2].value * m * (is_pendulum(scene) ? out[LENGTH] : 1) : 0;
     out[POSITION] = start[0].value - m * param_value(scene, "g") / out[STIFFNESS];
-    out[VELOCITY] = start[1].value;
+    out[ANGLE] = start[0].value;
+    out[VELOCITY] = out[TURNING] = start[1].value;
 }
 
 /* Derivative of all targets by one parameter of the fit. */

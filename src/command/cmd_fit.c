@@ -179,6 +179,7 @@ COMMAND(adopt, .row = {"adopt", "", "take what the last fit found into the scene
                 "run lies over the data. Of 'fit drag' every term of the law is taken: gamma, C (with rho and area of "
                 "the scene), friction.\n"
                 "The scene is then run over the recording, and its rms told beside the fit's. 'adopt amplitude' starts at y0 = A, v0 = 0, t0 = 0 instead, as on the sheet.\n"
-                "Of 'fit scene' everything that was free is taken.",
+                "Of 'fit scene' everything that was free is taken. A pendulum takes its length for k, and theta0\n"
+                "and rate0.",
         .examples = "load bare.txt; m = 200 g; fit; adopt; run\nadopt amplitude", .see = "fit run",
         .flags = COMMAND_CHANGES, ARGUMENTS(WORD("amplitude", TYPE_NONE)))

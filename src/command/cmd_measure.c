@@ -448,7 +448,9 @@ COMMAND(measure, .row = {"measure", "", "measure a quantity of a run or a record
                 "mass'): T^2 against m gives k and the effective mass of the spring, and each k is held against the "
                 "first. 'spectrum' gives the lines that stand out.\n"
                 "'repeat NAME NAME ..', or 'repeat NAME windows=N', compares the scatter of T (what= frequency, "
-                "amplitude, decay, k) with what each states, and says what to quote.",
+                "amplitude, decay, k) with what each states, and says what to quote.\n"
+                "Records (--format json, csv) of a period also have how, the way it was found: 'up-crossings', "
+                "'phases' or 'one damped sine'; and of a recording autocorrelation, the period by that alone.",
         .examples = "load disk.txt; measure amplitude windows=6\nload bare.txt; load disk.txt; measure repeat bare disk",
         .see = "fit list plot",
         .flags = COMMAND_ANYTIME,

@@ -38,17 +38,6 @@ static bool check_drag(const struct method *method, const struct item *item, str
     return error->hint[0] ? false : error_hint(error, "drag is part of its force evaluation");
 }
 
-/* A method that the present scene rules out can be chosen (the scene may change), but not silently. */
-static void warn_if_inapplicable(const struct session *session, struct reply *reply)
-{
-    struct system system;
-    struct error why;
-    enum drag drag = session->setup.drag;
-    if (scene_bind(&session->setup.scene, &system, &why) &&
-        !method_applies(session->setup.method, &system, &drag, &why))
-        reply_warning(reply, "%s", why.text);
-}
-
 HANDLER(method)
 {
     const struct given *name = given_for(given, "NAME"), *dt = given_for(given, "dt"), *tol = given_for(given, "tol"),
@@ -74,7 +63,7 @@ HANDLER(method)
         if (tol->count)
             setup->settings.tol = tol->item->value.value, setup->settings.tol_given = true;
         session_changed(session);
-        warn_if_inapplicable(session, reply);
+        reply_inapplicable(session, reply);
     }
     reply_method(session, reply);
     return true;

@@ -22,7 +22,11 @@ static enum table_format choose_format(const struct arguments *given, struct tex
 static bool fill_table(struct session *session, const struct arguments *given, struct export *export,
                        struct error *error)
 {
-    const struct given *runs = given_for(given, "run");
+    const struct given *runs = given_for(given, "run"), *band = given_for(given, "band");
+    static const char *const others[] = {"measurements", "events", "table", "data"};
+    for (size_t i = 0; i < COUNT_OF(others) && is_given(given, "band"); i++)
+        if (is_given(given, others[i]))
+            return error_at(error, band->where, "--band is for the columns of a run");
     if (is_given(given, "measurements"))
         return export_measurements(session, export, error);
     if (is_given(given, "events"))
@@ -36,7 +40,8 @@ static bool fill_table(struct session *session, const struct arguments *given, s
                    : export_run_table(session, export, error);
     if (is_given(given, "data"))
         return export_recorded(session, given_for(given, "COLUMN"), given_for(given, "every"), export, error);
-    return export_runs(session, runs, given_for(given, "COLUMN"), given_for(given, "every"), export, error);
+    return export_runs(session, runs, given_for(given, "COLUMN"), given_for(given, "every"), export, error) &&
+           (!is_given(given, "band") || export_band(session, runs, band->where, export, error));
 }
 
 HANDLER(export)
@@ -134,7 +139,8 @@ COMMAND(export, .row = {"export", "", "write columns of runs, a recording or mea
                 "run; export\n"
                 "FILE. The form follows the end of the name: .csv .tsv .json. 'table' has "
                 "one row for each\n"
-                "run. The file - is the output.",
+                "run. --band adds NAME_low and NAME_high to each variable of a run of what 'adopt' took: the 95 % "
+                "band of the fit's uncertainty. The file - is the output.",
         .examples = "run; export run1.csv t,y,v\nexport - run all every=100ms", .see = "print save plot list",
         .flags = COMMAND_ANYTIME,
         ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED),
@@ -143,7 +149,7 @@ COMMAND(export, .row = {"export", "", "write columns of runs, a recording or mea
                   WORD("events", TYPE_NONE, .group = 1),
                   PLACE("COLUMN", TYPE_COLUMN, .flags = ARG_MANY),
                   KEY("every", TYPE_VALUE, .quantity = QUANTITY_OTHER), OPTION("force", TYPE_NONE),
-                  OPTION("format", TYPE_CHOICE, .choices = &table_format_catalog)))
+                  OPTION("band", TYPE_NONE), OPTION("format", TYPE_CHOICE, .choices = &table_format_catalog)))
 
 COMMAND(print, .row = {"print", "", "show the value of an expression, or a text", "", NULL}, .group = "OUTPUT",
         .text = "Names are SI numbers: parameters, the state and the observables of the current run, results of "

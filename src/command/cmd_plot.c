@@ -325,8 +325,8 @@ COMMAND(
         "y=: as narrow as what is drawn; the frame says which curve leaves where and how far. An energy that\n"
         "hardly varies is drawn from zero otherwise. A file that ends in .svg, .pdf or .png becomes a picture,\n"
         "one in .txt holds the text. --band draws a run of what 'adopt' took with the 95 % band of\n"
-        "that fit's uncertainty, to first order in its parameters; it is computed only then, and\n"
-        "for 'plot position' and its files, not for panes.",
+        "that fit's uncertainty, to first order in its parameters, of position or velocity; it is\n"
+        "computed only then. 'set band on' shows it in panes, 'export FILE --band' writes it.",
     .examples = "compare euler symplectic-euler; plot energy run all y=0:40mJ; plot momentum against y\n"
                 "load bare.txt; m = 200 g; fit drag; adopt; run; plot position --band",
     .see = "set export measure", .flags = COMMAND_ANYTIME,

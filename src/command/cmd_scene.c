@@ -2,6 +2,7 @@
 /* scene, set, unset, let, show, plan */
 #ifndef COMMAND_ROWS
 #include "events.h"
+#include "fit_band.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -327,6 +328,8 @@ HANDLER(set)
             session->setup.settings = changed;
             setting_give(setting, true, &session->setup.settings);
             reply_setting(session, setting, reply);
+            if (setting->choices == &turning_catalog)
+                reply_inapplicable(session, reply);
         }
     } else {
         int place = 0;
@@ -420,6 +423,7 @@ HANDLER(plan)
     plan_describe(&setup->scene, &system, setup->method, &settings, &plan, &text);
     plan_opinion(session, &system, &plan, &text);
     events_plan(setup->events, &text);
+    band_plan(session, &system, &text);
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
     return true;

@@ -14,6 +14,10 @@ struct export
 /* runs: none means the current one; column: none means t, y, v, energy; every: a count of rows, or a time. */
 bool export_runs(const struct session *session, const struct given *runs, const struct given *column,
                  const struct given *every, struct export *export, struct error *error);
+/* Adds NAME_low and NAME_high to the table of one run: the band of the adopted fit about each
+ * variable of the state in it. where: the option as typed. */
+bool export_band(const struct session *session, const struct given *runs, struct text where,
+                 struct export *export, struct error *error);
 bool export_recording(const struct session *session, struct export *export, struct error *error);
 /* column: t, y, v, energy; none means t and y. */
 bool export_recorded(const struct session *session, const struct given *column, const struct given *every,

@@ -88,6 +88,8 @@ void spectrum_note(const struct drawing *d, struct buffer *text); /* names the l
 /* The 95 % band of the adopted fit about each curve of the run; ERROR_COMMAND: the run is not of
  * that fit. */
 bool drawing_band(struct drawing *d);
+/* The same from what the session keeps; false: no memory. */
+bool drawing_kept_band(struct drawing *d);
 
 /* The period against the amplitude (figure_period.c). */
 bool period_figure(struct drawing *d, struct figure *figure);

@@ -73,6 +73,20 @@ bool session_keep_curve(const struct asked_fit *asked, const double *residual, c
     return true;
 }
 
+/* Of the samples that count at all, each alike: what a run is held against. */
+static double plain_rms(const struct curve_fit *fit, size_t n)
+{
+    double sum = 0;
+    size_t used = 0;
+    for (size_t i = 0; i < n; i++) {
+        if (!(fit->weight[i] > 0) || !isfinite(fit->residual[i]))
+            continue;
+        sum += fit->residual[i] * fit->residual[i];
+        used++;
+    }
+    return sqrt(sum / (double)used);
+}
+
 /* The curve at the samples, and fit_NAME. */
 static bool keep_curve(const struct asked_fit *asked, const struct told_fit *told, const char *model,
                        struct measured offset, struct error *error)
@@ -87,7 +101,7 @@ static bool keep_curve(const struct asked_fit *asked, const struct told_fit *tol
                             .amplitude = none,
                             .phase = none,
                             .offset = offset,
-                            .rms = sqrt(told->curve->rss / (double)told->curve->used),
+                            .rms = plain_rms(told->curve, series->n),
                             .used = told->curve->used,
                             .converged = true,
                             .window = {series->t[0], series->t[series->n - 1]}};

@@ -200,6 +200,7 @@ int scene_param_at(const struct scene *scene, struct text name); /* as scene_par
 double param_value(const struct scene *scene, const char *name); /* NAN: the scene has no such parameter */
 bool param_given(const struct scene *scene, const char *name);
 bool is_oscillator(const struct scene *scene); /* also with forces that were typed */
+bool is_pendulum(const struct scene *scene);   /* on a rigid rod */
 /* What was typed, a line each after `before`. */
 void scene_lines(const struct scene *scene, const char *before, struct buffer *text);
 /* The same, each before `end`, in an order in which they can be typed: a line may use one that was typed after it,
@@ -334,6 +335,8 @@ void reply_unchosen(struct session *session, struct reply *reply);
 void reply_assumed(struct session *session, bool adapts, bool by_setting, struct reply *reply);
 /* Of a study: that it takes the setting, although the present run took longer. */
 void reply_shorter(const struct session *session, struct reply *reply);
+/* Warns where the scene rules out the method that is set, and says what to do. */
+void reply_inapplicable(const struct session *session, struct reply *reply);
 /* Warns of a step that is too coarse for the period. */
 void reply_coarse(const struct session *session, const struct run *run, struct reply *reply);
 /*
@@ -393,7 +396,8 @@ void setting_show(const struct setting *setting, const struct settings *settings
 /* As a command that reads back exactly. */
 void setting_exact(const struct setting *setting, const struct settings *settings, struct buffer *text);
 
-extern const struct catalog charset_choice_catalog, color_choice_catalog, phase_axes_catalog, opinion_catalog;
+extern const struct catalog charset_choice_catalog, color_choice_catalog, phase_axes_catalog, turning_catalog;
+extern const struct catalog opinion_catalog;
 
 /* ---- what measure, fit, export and plot act on (source of a series) ---- */
 

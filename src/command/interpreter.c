@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Lines to statements, statements to handlers: atomic, undoable, recorded. */
 #include "events.h"
+#include "fit_band.h"
 #include "history.h"
 #include "reply.h"
 #include "story.h"
@@ -91,6 +92,7 @@ static bool run_handler(struct session *session, const struct arguments *argumen
     }
     const uint64_t changes = session->changes;
     const bool ok = command->handler(session, arguments, reply, error);
+    session_keep_band(session);
     /* A run that diverged is an error, and a change all the same. */
     if (before && session->changes != changes && undo_matters(session, before))
         undo_push(session, before);

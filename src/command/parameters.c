@@ -32,6 +32,11 @@ bool is_oscillator(const struct scene *scene)
     return typed_base(scene->model) == &oscillator_model;
 }
 
+bool is_pendulum(const struct scene *scene)
+{
+    return strcmp(typed_base(scene->model)->row.name, "pendulum") == 0;
+}
+
 void scene_lines(const struct scene *scene, const char *before, struct buffer *text)
 {
     for (int i = 0; i < typed_lines(scene->model); i++) {

@@ -310,6 +310,17 @@ void reply_shorter(const struct session *session, struct reply *reply)
                duration, run->number, span, span);
 }
 
+void reply_inapplicable(const struct session *session, struct reply *reply)
+{
+    struct scene scene = session->setup.scene;
+    struct system system;
+    struct error why;
+    enum drag drag = session->setup.drag;
+    scene.across = session->setup.settings.turning == TURNING_OFF;
+    if (scene_bind(&scene, &system, &why) && !method_applies(session->setup.method, &system, &drag, &why))
+        reply_warning(reply, "%s%s%s", why.text, why.hint[0] ? ": " : "", why.hint);
+}
+
 void reply_coarse(const struct session *session, const struct run *run, struct reply *reply)
 {
     const double period = derived_value(&session->setup.scene, "T0");

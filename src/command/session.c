@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The session: its runs, recordings and results. */
 #include "events.h"
+#include "fit_band.h"
 #include "journal.h"
 
 #include <math.h>
@@ -50,6 +51,7 @@ void session_destroy(struct session *session)
     free(session->kept_fit);
     free(session->fit_curve[0]);
     free(session->fit_curve[1]);
+    session_drop_band(session);
     buffer_free(&session->story);
     if (session->precision)
         precision_free(session->precision);

@@ -344,7 +344,7 @@ bool session_figure(const struct session *session, const struct figure_request *
         if (!(request->at.len ? drawing_happenings(&d, session->run[request->run[i]])
                               : add_run(&d, session->run[request->run[i]]->run)))
             return false;
-    if (request->band.len && !drawing_band(&d))
+    if (request->band.len ? !drawing_band(&d) : request->kept_band && !drawing_kept_band(&d))
         return false;
     if (recording && !(residual ? drawing_residual : drawing_recording)(&d, recording))
         return false;

@@ -49,7 +49,14 @@ static const struct row turning_rows[] = {
                     NULL},
     [TURNING_OFF] = {"off", "", "steps go across: methods run as they are printed", "", NULL},
 };
-static const struct catalog turning_catalog = CATALOG("way with turning points", turning_rows);
+const struct catalog turning_catalog = CATALOG("way with turning points", turning_rows);
+
+static const struct row band_rows[] = {
+    [BAND_OFF] = {"off", "", "panes show runs alone", "", NULL},
+    [BAND_ON] = {"on", "", "about the run of an adopted fit, 95 % of its uncertainty, found once after each run", "",
+                 NULL},
+};
+static const struct catalog band_catalog = CATALOG("way to show bands", band_rows);
 
 static const struct row record_rows[] = {
     [RECORD_AUTO] = {"auto", "", "every step; very long runs are decimated, no peak is lost", "", NULL},
@@ -257,6 +264,10 @@ static const struct setting settings_rows[] = {
     {.row = BRIEF("phase-axes", "", "vertical axis of the phase plot"),
      .offset = FIELD(phase_axes),
      .choices = &phase_axes_catalog},
+    {.row = BRIEF("band", "", "whether panes show the uncertainty of an adopted fit ('plot position --band')"),
+     .offset = FIELD(band),
+     .display = true,
+     .choices = &band_catalog},
     {.row = BRIEF("timing", "", "how carefully compare times its runs"),
      .offset = FIELD(timing),
      .choices = &timing_catalog},

@@ -40,6 +40,7 @@ const struct buffer *archive_content_find(const struct archive_content *content,
     X(archive_read_data)                                                                                               \
     X(archive_entry_pathname)                                                                                          \
     X(archive_entry_is_encrypted)                                                                                      \
+    X(archive_filter_bytes)                                                                                            \
     X(archive_error_string)
 
 struct archive_api {
@@ -67,7 +68,9 @@ struct unpacking {
     const struct archive_api *api;
     struct archive *archive;
     const char *shown;
-    size_t left; /* [byte] that may still come out */
+    struct intake *intake; /* NULL: nobody looks */
+    size_t out;            /* [byte] that came out so far */
+    size_t most;           /* [byte] that may come out */
 };
 
 static bool damaged(const struct unpacking *u, struct error *error)
@@ -80,20 +83,40 @@ static bool damaged(const struct unpacking *u, struct error *error)
     return error_hint(error, "transfer the file again, or export the data as CSV");
 }
 
+/* So many bytes more: do they come out of too few? Those count that were taken in so far: what expands without bound is
+ * told at once. */
+static bool is_bomb(const struct unpacking *u, size_t more)
+{
+    const int64_t in = u->api->archive_filter_bytes(u->archive, -1);
+    const uint64_t grown = EXPANSION_MAX * (uint64_t)(in > 0 ? in : 0) + EXPANSION_FREE;
+    return u->out + more > u->most || u->out + more > grown;
+}
+
+static bool refuse_bomb(const struct unpacking *u, size_t more, struct error *error)
+{
+    if (u->out + more > u->most)
+        error_set(error, ERROR_IO, "%s unpacks to more than %zu bytes, which is the most that is read", u->shown,
+                  u->most);
+    else
+        error_set(error, ERROR_IO, "%s unpacks to more than %d times its size: refused", u->shown, EXPANSION_MAX);
+    return error_hint(error, "unpack it yourself if you trust it");
+}
+
 static bool read_entry(struct unpacking *u, struct buffer *bytes, struct error *error)
 {
     char piece[PIECE];
     for (la_ssize_t got; (got = u->api->archive_read_data(u->archive, piece, sizeof piece)) != 0;) {
         if (got < 0)
             return damaged(u, error);
-        if ((size_t)got > u->left) {
-            error_set(error, ERROR_IO, "%s unpacks to more than %d times its size: refused", u->shown, EXPANSION_MAX);
-            return error_hint(error, "unpack it yourself if you trust it");
-        }
-        u->left -= (size_t)got;
+        const size_t before = bytes->len;
+        if (is_bomb(u, (size_t)got))
+            return refuse_bomb(u, (size_t)got, error);
+        u->out += (size_t)got;
         buffer_put(bytes, (struct text){piece, (size_t)got});
         if (bytes->failed)
             return error_memory(error);
+        if (u->intake && !intake_look(u->intake, buffer_text(bytes), before, 0, error))
+            return false;
     }
     buffer_put(bytes, TEXT(""));
     return !bytes->failed || error_memory(error);
@@ -124,15 +147,13 @@ static bool read_entries(struct unpacking *u, bool (*wanted)(const char *path), 
     return true;
 }
 
-bool archive_unpack(struct text bytes, const char *shown, bool (*wanted)(const char *path),
+bool archive_unpack(struct text bytes, const char *shown, bool (*wanted)(const char *path), struct intake *intake,
                     struct archive_content *content, struct error *error)
 {
     struct archive_api api;
     if (!load(&api, shown, error))
         return false;
-    const size_t free_bytes = EXPANSION_FREE,
-                 grown = bytes.len < LIMIT_FILE / EXPANSION_MAX ? bytes.len * EXPANSION_MAX : LIMIT_FILE;
-    struct unpacking u = {&api, api.archive_read_new(), shown, grown > free_bytes ? grown : free_bytes};
+    struct unpacking u = {&api, api.archive_read_new(), shown, intake, 0, intake ? LIMIT_FILE : UNPACKED_MAX};
     bool done = u.archive || error_memory(error);
     if (done) {
         api.archive_read_support_filter_gzip(u.archive);
@@ -148,10 +169,10 @@ bool archive_unpack(struct text bytes, const char *shown, bool (*wanted)(const c
     return done;
 }
 #else
-bool archive_unpack(struct text bytes, const char *shown, bool (*wanted)(const char *path),
+bool archive_unpack(struct text bytes, const char *shown, bool (*wanted)(const char *path), struct intake *intake,
                     struct archive_content *content, struct error *error)
 {
-    (void)bytes, (void)wanted, (void)content;
+    (void)bytes, (void)wanted, (void)intake, (void)content;
     error_set(error, ERROR_IO, "%s is an archive, and this hooke was built without libarchive", shown);
     return error_hint(error, "install libarchive-dev and build it again, or unpack the file first");
 }

@@ -93,11 +93,6 @@ static bool from_utf16(struct text bytes, bool big, struct buffer *out)
     return !out->failed;
 }
 
-static bool is_utf16(struct text bytes)
-{
-    return text_starts(bytes, TEXT("\xFF\xFE")) || text_starts(bytes, TEXT("\xFE\xFF"));
-}
-
 /*
  * Where numbers of one byte a character begin behind UTF-16, as when a program appends to a file of another: units of
  * which both bytes are of numbers, so many in a row as no script has. The length of `bytes`: nowhere.
@@ -124,12 +119,13 @@ static bool add_text(struct contents *contents, struct text name, struct buffer 
     if (!part)
         return contents->parts == PARTS_MAX || error_memory(error);
     const struct text raw = buffer_text(bytes);
-    if (is_utf16(raw) && narrow_numbers(raw) < raw.len) {
+    const bool wide = packing_of(raw) == PACKING_UTF16;
+    if (wide && narrow_numbers(raw) < raw.len) {
         error_set(error, ERROR_IO, "the file begins in UTF-16, but from byte %zu on has one byte a character",
                   narrow_numbers(raw) + 1);
         return error_hint(error, "split it there, or export the data anew as UTF-8");
     }
-    if (is_utf16(raw))
+    if (wide)
         return from_utf16(raw, raw.at[0] == '\xFE', &part->text) || error_memory(error);
     part->text = *bytes;
     *bytes = (struct buffer){0};
@@ -171,9 +167,12 @@ static bool has_directory(struct text bytes)
 {
     enum { END = 22, REMARKS = 65535 };
     const size_t from = bytes.len > END + REMARKS ? bytes.len - END - REMARKS : 0;
-    for (size_t at = bytes.len; at-- > from;)
-        if (text_starts((struct text){bytes.at + at, bytes.len - at}, TEXT("PK\5\6")))
+    for (size_t at = bytes.len; at-- > from;) {
+        const unsigned char *end = (const unsigned char *)bytes.at + at;
+        if (text_starts((struct text){bytes.at + at, bytes.len - at}, TEXT("PK\5\6")) && bytes.len - at >= END &&
+            bytes.len - at >= (size_t)(END + end[END - 2] + 256 * end[END - 1]))
             return true;
+    }
     return false;
 }
 
@@ -182,7 +181,7 @@ static bool from_zip(struct text bytes, const char *shown, struct contents *cont
     struct archive_content *content = calloc(1, sizeof *content);
     if (!content)
         return error_memory(error);
-    bool done = archive_unpack(bytes, shown, is_wanted, content, error);
+    bool done = archive_unpack(bytes, shown, is_wanted, NULL, content, error);
     if (done && !has_directory(bytes)) {
         error_set(error, ERROR_IO, "%s is cut short: the directory at the end of the archive is missing", shown);
         done = error_hint(error, "transfer the file again, or export the data as CSV");
@@ -209,66 +208,66 @@ static bool from_zip(struct text bytes, const char *shown, struct contents *cont
 
 /* ---- what is what ---- */
 
-static bool unpack(const char *path, const char *shown, struct buffer *bytes, struct contents *contents,
+static bool unpack(const char *path, struct intake *intake, struct buffer *bytes, struct contents *contents,
                    struct error *error);
 
 static bool is_archive(struct text bytes)
 {
-    return text_starts(bytes, TEXT("\x1F\x8B")) || text_starts(bytes, TEXT("PK\x03\x04")) ||
-           text_starts(bytes, TEXT("\xD0\xCF\x11\xE0"));
+    const enum packing packing = packing_of(bytes);
+    return packing == PACKING_GZIP || packing == PACKING_ZIP || packing == PACKING_XLS;
 }
 
-static bool from_gzip(const char *path, const char *shown, struct text bytes, struct contents *contents,
+static bool from_gzip(const char *path, const struct intake *intake, struct text bytes, struct contents *contents,
                       struct error *error)
 {
+    const char *shown = intake->shown;
+    struct intake inside = {.shown = shown, .options = intake->options};
     struct archive_content *content = calloc(1, sizeof *content);
     if (!content)
         return error_memory(error);
-    bool done = archive_unpack(bytes, shown, NULL, content, error);
+    bool done = archive_unpack(bytes, shown, NULL, &inside, content, error);
     if (done && content->entries == 0)
         done = error_set(error, ERROR_IO, "%s is an empty archive", shown);
     if (done && is_archive(buffer_text(&content->entry[0].bytes)))
         done = error_set(error, ERROR_IO, "%s holds an archive or a workbook in an archive: unpack it first", shown);
     else if (done)
-        done = unpack(path, shown, &content->entry[0].bytes, contents, error);
+        done = unpack(path, &inside, &content->entry[0].bytes, contents, error);
     contents->container = contents->container ? contents->container : "gzip";
     archive_content_free(content);
     free(content);
     return done;
 }
 
-static bool is_xml(struct text text)
-{
-    if (text_starts(text, TEXT("\xEF\xBB\xBF")))
-        text = (struct text){text.at + 3, text.len - 3};
-    text = text_trim(text);
-    return text_starts(text, TEXT("<?xml")) || text_starts(text, TEXT("<Document")) ||
-           text_starts(text, TEXT("<cassylab"));
-}
-
 /* `bytes` is given away where it is the text itself. */
-static bool unpack(const char *path, const char *shown, struct buffer *bytes, struct contents *contents,
+static bool unpack(const char *path, struct intake *intake, struct buffer *bytes, struct contents *contents,
                    struct error *error)
 {
     const struct text text = buffer_text(bytes);
-    if (text_starts(text, TEXT("\x1F\x8B")))
-        return from_gzip(path, shown, text, contents, error);
-    if (text_starts(text, TEXT("PK\x03\x04")))
-        return from_zip(text, shown, contents, error);
-    if (text_starts(text, TEXT("\xD0\xCF\x11\xE0"))) {
+    switch (packing_of(text)) {
+    case PACKING_GZIP:
+        return from_gzip(path, intake, text, contents, error);
+    case PACKING_ZIP:
+        return from_zip(text, intake->shown, contents, error);
+    case PACKING_XLS:
         contents->container = "xls";
-        return workbook_old_sheets(path, shown, contents, error);
+        return workbook_old_sheets(path, intake->shown, contents, error);
+    case PACKING_XML:
+        return xml_tables(text, intake->shown, contents, error);
+    case PACKING_UTF16:
+    case PACKING_NONE:
+        break;
     }
-    if (is_xml(text))
-        return xml_tables(text, shown, contents, error);
     return add_text(contents, TEXT(""), bytes, error);
 }
 
-bool contents_read(const char *path, const char *shown, struct contents *contents, struct error *error)
+bool contents_read(const char *path, const char *shown, const struct load_options *options, struct contents *contents,
+                   struct error *error)
 {
     struct buffer bytes = {0};
+    struct intake intake = {.shown = shown, .options = options};
     *contents = (struct contents){0};
-    const bool done = file_read(path, LIMIT_FILE, &bytes, error) && unpack(path, shown, &bytes, contents, error);
+    const bool done = intake_read(path, &intake, &bytes, error) && unpack(path, &intake, &bytes, contents, error);
+    contents->grew = intake.grew;
     buffer_free(&bytes);
     if (!done)
         contents_free(contents);

@@ -30,37 +30,6 @@ void recording_warn(struct recording *recording, const char *format, ...)
     buffer_free(&sentence);
 }
 
-/* ---- refusals ---- */
-
-static const struct {
-    const char *start, *what;
-} binaries[] = {
-    {"%PDF", "a PDF document"},
-    {"\x89PNG", "a picture (PNG)"},
-    {"{\\rtf", "a rich text document (.rtf)"},
-};
-
-static bool refuse_binary(struct text text, const char *name, struct error *error)
-{
-    for (size_t i = 0; i < COUNT_OF(binaries); i++)
-        if (text_starts(text, text_of(binaries[i].start))) {
-            error_set(error, ERROR_IO, "%s is %s, not a text file", name, binaries[i].what);
-            return error_hint(error, "open it where it was made and export it as CSV (UTF-8 text)");
-        }
-    const char *nul = text.len > 0 ? memchr(text.at, '\0', text.len) : NULL;
-    if (nul) {
-        struct text rest = {text.at, (size_t)(nul - text.at) + 1}, line = {0};
-        size_t number = 0;
-        while (table_line(&rest, &line))
-            number++;
-        error_set(error, ERROR_IO, "%s is not a text file: NUL byte in line %zu, column %zu", name, number, line.len);
-        return error_hint(error, "export the data as CSV text");
-    }
-    if (text_trim(text).len == 0)
-        return error_set(error, ERROR_IO, "%s is empty", name);
-    return true;
-}
-
 /* ---- loading ---- */
 
 bool table_head(struct table_text *text, struct arena *arena)
@@ -151,15 +120,26 @@ static bool read_part(struct text content, const char *shown, const struct load_
     return refuse_binary(text.text, text.name, error) && read_text(&text, options, recording, error);
 }
 
-/* Is there a table in it at all? */
-static bool has_table(struct text content, const char *shown, const struct load_options *options, struct error *error)
+bool table_begins(struct text content, const char *shown, const struct load_options *options, struct error *error)
 {
     struct arena scratch = {0};
     struct table_text text = {.name = shown, .text = content, .first = 1, .header = 1};
-    const bool found = refuse_binary(content, shown, error) && (table_head(&text, &scratch) || error_memory(error)) &&
-                       table_find(&text, 0, options, &text.layout, error);
+    if (text_starts(content, TEXT("\xEF\xBB\xBF")))
+        text.text = (struct text){content.at + 3, content.len - 3};
+    bool found = table_head(&text, &scratch) || error_memory(error);
+    if (found && !table_find(&text, 0, options, &text.layout, error)) {
+        const struct format *sure = probe(&text);
+        found = strcmp(sure->row.name, "table") != 0 && sure->probe(&text) > 0; /* it finds its table by itself */
+    }
     arena_reset(&scratch);
     return found;
+}
+
+static bool part_has_table(const struct part *part, const char *shown, const struct load_options *options,
+                           struct error *error)
+{
+    return refuse_binary(buffer_text(&part->text), shown, error) &&
+           table_begins(buffer_text(&part->text), shown, options, error);
 }
 
 /* The parts of a container as runs of the recording. */
@@ -190,7 +170,7 @@ static bool read_parts(const struct contents *contents, const char *shown, const
         own.run = TEXT("");
     } else {
         while (done && taken + 1 < contents->parts &&
-               !has_table(buffer_text(&contents->part[taken].text), shown, options, error))
+               !part_has_table(&contents->part[taken], shown, options, error))
             taken++;
     }
     done = done && read_part(buffer_text(&contents->part[taken].text), shown, &own, recording, error);
@@ -208,7 +188,7 @@ static bool load(const char *path, const struct load_options *options, struct re
     char shown[SHORT_NAME];
     struct text file = last_component(text_of(path));
     short_name(file, shown);
-    bool done = contents_read(path, shown, &contents, error);
+    bool done = contents_read(path, shown, options, &contents, error);
     if (done) {
         recording->path = arena_text(&recording->arena, text_of(path));
         recording->container = contents.container;
@@ -220,6 +200,9 @@ static bool load(const char *path, const struct load_options *options, struct re
                : contents.parts == 1 ? read_part(buffer_text(&contents.part[0].text), shown, options, recording, error)
                                      : read_parts(&contents, shown, options, recording, error);
     }
+    if (done && contents.grew)
+        recording_warn(recording, "the file was being written: what came after it was opened, and the last line before, "
+                                  "are left out");
     contents_free(&contents);
     return done;
 }

@@ -68,6 +68,11 @@ bool table_grouped(struct text field, char decimal, double *value); /* a number 
 size_t text_fitting(struct text text, size_t most);                   /* bytes of whole characters, at most `most` */
 const char *short_name(struct text text, char out[SHORT_NAME]);       /* safe to show */
 
+/* intake.c: what is no text, or empty. */
+bool refuse_binary(struct text text, const char *name, struct error *error);
+/* recording.c: does a table begin in the first lines? */
+bool table_begins(struct text content, const char *shown, const struct load_options *options, struct error *error);
+
 bool table_head(struct table_text *text, struct arena *arena); /* splits the first lines */
 
 /* layout.c: the first table at or after head[from]. */

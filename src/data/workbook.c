@@ -14,6 +14,7 @@
 #define EPOCH_1900 25569.0 /* [day] 1970-01-01 in Excel's count */
 #define EPOCH_1904 24107.0 /* … in that of old Macintosh files */
 #define CELLS_MAX 20000000
+#define WORDS_MAX (1u << 21) /* shared strings: twice the rows that a sheet may have */
 #define GROWTH_MAX 4 /* times the size of its XML that a workbook's text may have, beyond EXPANSION_FREE */
 
 enum style { STYLE_NUMBER, STYLE_DATE, STYLE_TIME };
@@ -181,6 +182,8 @@ static bool word_end(void *context, const char *name)
     book->keep = false;
     if (strcmp(name, "si") != 0)
         return true;
+    if (book->words == WORDS_MAX)
+        return error_set(book->error, ERROR_IO, "%s has more than %u shared strings", book->shown, WORDS_MAX);
     if (book->words == book->capacity) {
         const size_t capacity = 2 * book->capacity + 256;
         struct text *grown = realloc(book->word, capacity * sizeof *grown);

@@ -20,6 +20,7 @@ const char *xml_attribute(const char **attributes, const char *name)
 
 #define LIBRARY "libexpat.so.1"
 #define PIECE (1u << 20) /* [byte] parsed at a time */
+#define TOKEN_MAX (8u << 20) /* [byte] of a name or an attribute */
 #define DEPTH_MAX 200    /* elements in elements: an instrument nests fewer than twenty */
 
 #define EXPAT_FUNCTIONS(X)                                                                                             \
@@ -61,6 +62,7 @@ struct parsing {
     XML_Parser parser;
     const struct xml_reader *reader;
     int depth;
+    size_t events; /* elements and pieces of text so far */
     bool stopped, typed;
 };
 
@@ -73,6 +75,7 @@ static void stop(struct parsing *p)
 static void on_start(void *data, const XML_Char *name, const XML_Char **attributes)
 {
     struct parsing *p = data;
+    p->events++;
     if (!p->stopped && (++p->depth > DEPTH_MAX || !p->reader->start(p->reader->context, name, attributes)))
         stop(p);
 }
@@ -80,6 +83,7 @@ static void on_start(void *data, const XML_Char *name, const XML_Char **attribut
 static void on_end(void *data, const XML_Char *name)
 {
     struct parsing *p = data;
+    p->events++;
     p->depth -= !p->stopped;
     if (!p->stopped && !p->reader->end(p->reader->context, name))
         stop(p);
@@ -88,6 +92,7 @@ static void on_end(void *data, const XML_Char *name)
 static void on_text(void *data, const XML_Char *text, int len)
 {
     struct parsing *p = data;
+    p->events++;
     if (!p->stopped && !p->reader->text(p->reader->context, (struct text){text, (size_t)len}))
         stop(p);
 }
@@ -103,8 +108,14 @@ static void on_type(void *data, const XML_Char *name, const XML_Char *system, co
 static bool parse(struct parsing *p, struct text document, const char *shown, struct error *error)
 {
     bool done = true;
+    size_t events = 0, since = 0; /* [byte] since the last of them */
     for (size_t at = 0; done && at <= document.len; at += PIECE) {
         const size_t len = document.len - at < PIECE ? document.len - at : PIECE;
+        since = p->events > events ? 0 : since + len;
+        events = p->events;
+        if (since > TOKEN_MAX)
+            return error_set(error, ERROR_IO, "%s holds a name of more than %u bytes, which no instrument does: refused",
+                             shown, TOKEN_MAX);
         done = p->api.XML_Parse(p->parser, document.at + at, (int)len, at + len == document.len) == XML_STATUS_OK;
         if (at + len == document.len)
             break;

@@ -12,7 +12,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { COLUMNS_MAX = 256 };
+enum {
+    COLUMNS_MAX = 256,
+    STRANGE_MAX = 20000 /* elements before the first of a table: an instrument has a few hundred */
+};
 
 struct xml_column {
     struct buffer name, unit, cells; /* cells: one a line */
@@ -24,6 +27,7 @@ struct tables {
     const char *shown;
     bool known; /* the document is one of the two */
     bool cassy;
+    int strange; /* elements that belong to neither so far */
     struct buffer *target; /* what text goes to, NULL: nowhere */
     struct buffer set;     /* name of the data set */
     struct xml_column *column;
@@ -71,12 +75,21 @@ static struct buffer *target_of(struct tables *tables, const char *name)
     return is_one_of(name, tables->cassy ? "value" : "ColumnCells") ? &column->cells : NULL;
 }
 
+static bool refuse_strange(const struct tables *tables)
+{
+    error_set(tables->error, ERROR_IO, "%s is an XML document, but neither Logger Pro's (.cmbl) nor CASSY Lab's (.labx)",
+              tables->shown);
+    return error_hint(tables->error, "open it where it was made and export it as CSV");
+}
+
 static bool start(void *context, const char *name, const char **attributes)
 {
     struct tables *tables = context;
     (void)attributes;
     tables->cassy |= strcmp(name, "cassylab") == 0;
     tables->known |= is_one_of(name, "cassylab DataSet");
+    if (!tables->known && ++tables->strange > STRANGE_MAX)
+        return refuse_strange(tables);
     if (is_one_of(name, tables->cassy ? "channels" : "DataSet"))
         clear_columns(tables);
     if (is_one_of(name, tables->cassy ? "channel" : "DataColumn")) {
@@ -170,9 +183,7 @@ bool xml_tables(struct text document, const char *shown, struct contents *conten
     bool done = tables.column ? xml_read(document, shown, &reader, error) : error_memory(error);
     contents->container = tables.cassy ? "labx" : "cmbl";
     if (done && !tables.known) {
-        error_set(error, ERROR_IO, "%s is an XML document, but neither Logger Pro's (.cmbl) nor CASSY Lab's (.labx)",
-                  shown);
-        done = error_hint(error, "open it where it was made and export it as CSV");
+        done = refuse_strange(&tables);
     } else if (done && contents->parts == 0) {
         done = error_set(error, ERROR_IO, "%s holds no columns of numbers", shown);
     }

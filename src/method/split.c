@@ -49,6 +49,12 @@ bool split_fits(const struct method *method, const struct system *system, enum d
     return error_hint(error, "use dt <= %.3g s, where it is e, or verlet", 1 / fabs(gamma * back));
 }
 
+/* Dry friction whose switch is not looked for is the last of the forces. */
+static bool has_dry(const struct system *system)
+{
+    return system->terms > 0 && system->term[system->terms - 1].row->flags & TERM_DRY;
+}
+
 static bool applies_with_drag(const struct method *method, const struct system *system, enum drag drag,
                               struct error *error)
 {
@@ -56,6 +62,13 @@ static bool applies_with_drag(const struct method *method, const struct system *
     double quadratic = system->oscillator.quadratic;
     if (drag == DRAG_EXPLICIT)
         return true;
+    if (system->across && has_dry(system)) {
+        error_set(error, ERROR_COMMAND,
+                  "%s would step across the jump of dry friction (turning is off), "
+                  "and knows no such drag",
+                  name);
+        return error_hint(error, "'set turning on' ends steps there");
+    }
     if (!system->oscillator.drag_whole) {
         error_set(error, ERROR_COMMAND, "%s knows linear and quadratic drag, not this velocity-dependent force", name);
         return method->drags & 1u << DRAG_EXPLICIT

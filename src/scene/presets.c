@@ -22,6 +22,10 @@ static const struct preset rows[] = {
     /* Disk 12 cm across, face to the flow: drag coefficient 1.17 with the 1/2 (Hoerner 1965), 0.585 without. */
     {.row = {"drag", "", "quadratic drag of a disk 12 cm across in air: the lab's second session", "", NULL},
      .value = {{"C", 0.585}, {"area", 1.131e-2}, {"length", 0.12}}},
+    /* Amplitude less by 4 friction / k = 2.14 mm a period; at rest 0.357 mm off after 47 half swings, 27.9 s. */
+    {.row = {"dry-friction", "", "the amplitude falls by 4 friction/k a period, until it sticks", "Coulomb 1785", NULL},
+     .value = {{"k", 5.6}, {"friction", 3e-3}},
+     .duration = 30},
     {.row = {"driven", "", "driven from rest near resonance: beats that settle into the forced motion", "", NULL},
      .value = {{"gamma", 0.3}, {"F0", 0.02}, {"omega", 8.2}, {"y0", 0}},
      .duration = 40},

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define LEFT 1.5 /* times the noise: so much left has a reason */
 #define PHASE_LOST 0.5     /* residuals of that share of the series' spread: curve and data are not in phase */
 #define FIRST_PERIODS 1.25 /* of the first part that a lost fit begins with */
 #define FIRST_SHARE 0.02   /* of the series, where its period is not known */
@@ -352,6 +353,38 @@ static size_t stretch_of(const struct series *series, const struct overview *ove
     return (size_t)fmax(LEAST, overview->oscillates ? 2 * n / overview->periods : n / PARTS);
 }
 
+/*
+ * A body that sticks after so many half swings rests elsewhere than after one more: with dry friction the sum of squares
+ * has a minimum for each number. Where more than noise is left others are tried: from the asked start, and with friction
+ * changed by about a half swing more or less.
+ */
+static bool try_other_swings(struct fitting *f, const double *asked, double noise, struct error *error)
+{
+    static const double factors[] = {0, 0.85, 0.93, 1.08, 1.18}; /* 0: as asked */
+    const int friction = free_place(f->curve, "friction");
+    const size_t bytes = (size_t)f->as_curve.parameters * sizeof *asked;
+    double best[CURVE_PARAMETERS], found[CURVE_PARAMETERS], sigma = f->sigma;
+    memcpy(found, f->at, bytes);
+    memcpy(best, f->at, bytes);
+    for (size_t k = 0; k < COUNT_OF(factors) && friction >= 0 && sigma > LEFT * noise; k++) {
+        struct curve_fit fit;
+        memcpy(f->at, k == 0 ? asked : found, bytes);
+        f->at[friction] *= k == 0 ? 1 : factors[k];
+        *error = (struct error){0};
+        const bool done = fit_part(f, f->request->series->n, false, &fit, error);
+        if (!done && error->code != ERROR_COMMAND)
+            return false;
+        if (done && f->sigma < sigma) {
+            sigma = f->sigma;
+            memcpy(best, f->at, bytes);
+        }
+    }
+    memcpy(f->at, best, bytes);
+    f->sigma = sigma;
+    *error = (struct error){0};
+    return true;
+}
+
 static bool fit_all(struct fitting *f, struct scene_fit *fit, struct error *error)
 {
     const struct series *series = f->request->series;
@@ -359,6 +392,8 @@ static bool fit_all(struct fitting *f, struct scene_fit *fit, struct error *erro
     struct fit motion = {.model = NULL};
     struct error ignored = {0};
     struct arena scratch = {0}; /* of what is known of the motion beforehand: large, and not needed any more */
+    double asked[CURVE_PARAMETERS];
+    memcpy(asked, f->at, (size_t)f->as_curve.parameters * sizeof *asked);
     series_overview(series, &scratch, &overview);
     f->stretch = stretch_of(series, &overview);
     f->curve->tol = tolerance(f, &overview);
@@ -370,6 +405,7 @@ static bool fit_all(struct fitting *f, struct scene_fit *fit, struct error *erro
     }
     arena_reset(&scratch);
     if (!approach(f, overview.oscillates ? overview.period : NAN, error) ||
+        !try_other_swings(f, asked, overview.noise, error) ||
         !fit_part(f, series->n, true, &fit->curve, error))
         return false;
     accept_simulation(f, &fit->curve);

@@ -46,22 +46,13 @@ static struct wanted wanted_of(const struct scene_curve *c, const struct system 
     return w;
 }
 
-/* Where a curve is written to. */
-struct sampling {
-    const double *t;
-    size_t n;
-    double offset, *value, *derivative; /* [n], [n][columns] or NULL */
-    size_t columns;
-};
-
 static void put_sample(const struct scene_curve *c, const struct system *system, const struct sampling *s, size_t i,
                        const double *y)
 {
     take_sample(c, system, s->t[i], y, s->offset, &s->value[i], s->derivative ? s->derivative + i * s->columns : NULL);
 }
 
-/* Those at the start. False: the start lies behind a sample. */
-static bool put_first(const struct scene_curve *c, const struct system *system, const struct sampling *s, size_t *i)
+bool scene_curve_first(const struct scene_curve *c, const struct system *system, const struct sampling *s, size_t *i)
 {
     for (*i = 0; *i < s->n && s->t[*i] <= system->t0; ++*i) {
         if (s->t[*i] < system->t0)
@@ -71,19 +62,19 @@ static bool put_first(const struct scene_curve *c, const struct system *system, 
     return true;
 }
 
-/* The samples within a step, by its polynomials; those at its end are the state itself. */
-static void put_inside(const struct scene_curve *c, const struct step *step, const struct wanted *w,
-                       const struct sampling *s, double from, size_t *i)
+void scene_curve_inside(const struct scene_curve *c, const struct step *step, const struct sampling *s, double from,
+                        size_t *i)
 {
+    const struct wanted w = wanted_of(c, step->system);
     struct dense_polynomial polynomial[LIMIT_VARIABLES];
     double inside[LIMIT_VARIABLES];
     if (*i < s->n && s->t[*i] < step->t)
-        for (int k = 0; k < w->count; k++)
-            method_polynomial(c->method, step, w->index[k], &polynomial[k]);
+        for (int k = 0; k < w.count; k++)
+            method_polynomial(c->method, step, w.index[k], &polynomial[k]);
     for (; *i < s->n && s->t[*i] < step->t; ++*i) {
         const double theta = (s->t[*i] - from) / step->h;
-        for (int k = 0; k < w->count; k++)
-            inside[w->index[k]] = dense_polynomial_at(&polynomial[k], theta);
+        for (int k = 0; k < w.count; k++)
+            inside[w.index[k]] = dense_polynomial_at(&polynomial[k], theta);
         put_sample(c, step->system, s, *i, inside);
     }
     for (; *i < s->n && s->t[*i] == step->t; ++*i)
@@ -93,12 +84,11 @@ static void put_inside(const struct scene_curve *c, const struct step *step, con
 /* Along the mesh. False: a step failed, the start lies behind a sample, or it was cancelled. */
 static bool march_curve(const struct scene_curve *c, const struct system *system, const struct sampling *s)
 {
-    const struct wanted wanted = wanted_of(c, system);
     double y[LIMIT_VARIABLES], low[LIMIT_VARIABLES] = {0};
     struct step step = {.system = system, .t = system->t0, .y = y, .low = low, .work = c->work};
     size_t i;
     memcpy(y, system->start, (size_t)system->n * sizeof *y);
-    if (!put_first(c, system, s, &i))
+    if (!scene_curve_first(c, system, s, &i))
         return false;
     for (size_t k = 0; i < s->n; k++) {
         const double from = step.t;
@@ -108,7 +98,7 @@ static bool march_curve(const struct scene_curve *c, const struct system *system
         if (method_step(c->method, &step) != STEP_OK)
             return false;
         step.t = c->mesh[k];
-        put_inside(c, &step, &wanted, s, from, &i);
+        scene_curve_inside(c, &step, s, from, &i);
     }
     return true;
 }
@@ -120,7 +110,7 @@ static bool follow_linear(const struct scene_curve *c, const struct system *syst
     size_t i;
     memcpy(y, system->start, (size_t)system->n * sizeof *y);
     linear_motion_bind(c->linear, c->variation, s->derivative ? c->variation->directions : 0);
-    if (!put_first(c, system, s, &i))
+    if (!scene_curve_first(c, system, s, &i))
         return false;
     for (; i < s->n; i++) {
         if ((i & 4095) == 0 && cancelled(c->cancel))
@@ -152,7 +142,8 @@ static bool compute(struct scene_curve *c, const double *parameter, const double
         (derivative && !variation_bind(c->variation, &scene, c->place, c->frees)))
         return false;
     const struct system *system = derivative ? &c->variation->whole : &c->variation->base;
-    if (!(c->linear ? follow_linear : march_curve)(c, system, &sampling))
+    const bool dry = c->variation->base.dry && c->variation->base.switches == 1 && c->variation->base.n == 2;
+    if (!(c->linear ? follow_linear : dry ? scene_dry_march : march_curve)(c, system, &sampling))
         return false;
     for (size_t i = 0; i < n; i++)
         if (!isfinite(value[i]))

@@ -28,6 +28,26 @@ struct scene_curve {
     const struct cancel *cancel;
 };
 
+/* Where a curve is written to. */
+struct sampling {
+    const double *t;
+    size_t n;
+    double offset, *value, *derivative; /* [n], [n][columns] or NULL */
+    size_t columns;
+};
+
+/* Of the samples from *i on those at the start; false: the start lies behind one of them. */
+bool scene_curve_first(const struct scene_curve *curve, const struct system *system, const struct sampling *sampling,
+                       size_t *i);
+/* Those within the step that began at `from`, by its polynomials, and those at its end. `system` of the step has the
+ * curve's variables first. */
+void scene_curve_inside(const struct scene_curve *curve, const struct step *step, const struct sampling *sampling,
+                        double from, size_t *i);
+
+/* scene_dry.c: along the mesh through the turning points and rests of dry friction. The variation, whose base is `system`
+ * or that of it, is left frozen. False: a step failed, or it was cancelled. */
+bool scene_dry_march(const struct scene_curve *curve, const struct system *system, const struct sampling *sampling);
+
 void scene_curve_free(struct scene_curve *curve);
 /* As struct fit_curve wants it, the curve being the context. */
 bool scene_curve_evaluate(void *context, const double *parameter, const double *t, size_t n, double *value,

@@ -70,16 +70,19 @@ bool direction_find(const struct scene *scene, int place, struct direction *d)
 }
 
 /* df/dp, zero but for the rows that terms add to. */
-static void slope_by_parameter(const struct system *base, const struct direction *d, double t, const double *y,
+static void slope_by_parameter(const struct variation *v, const struct direction *d, double t, const double *y,
                                double *slope)
 {
+    const struct system *base = &v->base;
     double sum[2][LIMIT_VARIABLES / 2];
     const int rows = base->order == 2 ? base->n / 2 : base->n, above = base->n - rows;
     for (int i = 0; i < rows; i++)
         sum[0][i] = sum[1][i] = 0;
     for (int k = 0; k < d->changes; k++)
         for (int s = 0; s < 2; s++)
-            if (d->change[k].in[s])
+            if (d->change[k].in[s] && v->dry != 0 && d->change[k].row->flags & TERM_DRY)
+                sum[s][0] -= v->dry * d->change[k].c[s][0];
+            else if (d->change[k].in[s])
                 d->change[k].row->add(d->change[k].c[s], t, y, sum[s]);
     for (int i = 0; i < above; i++)
         slope[i] = 0;
@@ -88,11 +91,11 @@ static void slope_by_parameter(const struct system *base, const struct direction
 }
 
 /* S' of one direction. */
-static void vary(const struct system *base, const struct direction *d, double t, const double *y,
+static void vary(const struct variation *v, const struct direction *d, double t, const double *y,
                  const double *jacobian, const double *s, double *out)
 {
-    const int n = base->n;
-    slope_by_parameter(base, d, t, y, out);
+    const int n = v->base.n;
+    slope_by_parameter(v, d, t, y, out);
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++)
             out[i] += jacobian[i * n + j] * s[j];
@@ -120,7 +123,7 @@ static void variation_add(const double *c, double t, const double *y, double *a)
     system_derivative(&v->base, t, y, rate);
     system_jacobian(&v->base, t, y, jacobian);
     for (int j = 0; j < v->directions; j++)
-        vary(&v->base, &v->direction[j], t, y, jacobian, y + n * (j + 1), rate + n * (j + 1));
+        vary(v, &v->direction[j], t, y, jacobian, y + n * (j + 1), rate + n * (j + 1));
     for (int i = 0; i < v->whole.n; i++)
         a[i] += rate[i];
 }
@@ -147,7 +150,7 @@ static void variation_jacobian(const double *c, double t, const double *y, doubl
         for (int j = 0; j < v->directions; j++) {
             for (int s = 0; s < 2; s++) {
                 at[l] = s == 0 ? y[l] + delta : y[l] - delta;
-                vary(&v->base, &v->direction[j], t, at, jacobian[s], y + n * (j + 1), out[s]);
+                vary(v, &v->direction[j], t, at, jacobian[s], y + n * (j + 1), out[s]);
             }
             for (int i = 0; i < n; i++)
                 jac[((j + 1) * n + i) * all + l] += (out[0][i] - out[1][i]) / (2 * delta);
@@ -170,6 +173,7 @@ bool variation_bind(struct variation *v, const struct scene *scene, const int *p
         return false;
     const struct system *base = &v->base;
     v->directions = count;
+    v->dry = 0;
     v->whole = (struct system){.model = base->model,
                                .n = base->n * (count + 1),
                                .order = 1,

@@ -28,6 +28,7 @@ struct variation {
     struct system whole; /* base and its derivatives by each direction: n (1 + directions) variables of first order */
     int directions;
     struct direction direction[CURVE_PARAMETERS];
+    double dry; /* 1, -1: the base is frozen on the branch of dry friction on which the velocity has this sign; 0: not */
 };
 
 /* n (1 + count) <= LIMIT_VARIABLES. The variation must stay where it is: its system points to it. */

@@ -316,6 +316,43 @@ static void a_pipe_without_writer_can_be_interrupted(void **state)
     buffer_free(&b);
 }
 
+static void a_pipe_without_writer_is_refused_soon(void **state)
+{
+    (void)state;
+    struct buffer b = {0};
+    struct error error = {0};
+    assert_int_equal(mkfifo("fifo", 0666), 0);
+    assert_false(file_read("fifo", 100, &b, &error));
+    assert_int_equal(error.code, ERROR_IO);
+    assert_string_equal(error.text, "cannot read fifo: it is a pipe that nobody writes to");
+    buffer_free(&b);
+}
+
+static bool append(void *context, struct text content, size_t from, uintmax_t size, struct error *error)
+{
+    FILE *file = fopen(context, "ab");
+    (void)content, (void)from, (void)error;
+    assert_int_equal(size, 3);
+    assert_non_null(file);
+    fputs("more", file);
+    return fclose(file) == 0;
+}
+
+/* One that is being written is read as it was when it was opened, or there were no end. */
+static void a_file_that_grows_is_read_as_it_was(void **state)
+{
+    (void)state;
+    struct buffer b = {0};
+    struct error error = {0};
+    char name[] = "a";
+    assert_true(put(name, "one", gentle, &error));
+    struct read_watch watch = {.context = name, .look = append};
+    assert_true(file_read_watched(name, 1000, &watch, &b, &error));
+    assert_string_equal(b.data, "one");
+    assert_true(watch.grew);
+    buffer_free(&b);
+}
+
 #define IN_FOLDER(test) cmocka_unit_test_setup_teardown(test, enter_folder, leave_folder)
 
 int main(void)
@@ -333,6 +370,8 @@ int main(void)
         IN_FOLDER(reading_refuses),
         IN_FOLDER(pipes_and_links_are_read),
         IN_FOLDER(a_pipe_without_writer_can_be_interrupted),
+        IN_FOLDER(a_pipe_without_writer_is_refused_soon),
+        IN_FOLDER(a_file_that_grows_is_read_as_it_was),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -73,7 +73,8 @@ static void factorise(const struct adopted_fit *adopted, double l[MOST][MOST])
 }
 
 /* A run with other parameters, at every tenth row. */
-static void run_drawn(const struct run *like, const struct scene *scene, double *y, size_t n)
+static void run_drawn(const struct run *like, const struct scene *scene, int variable, double *y,
+                      size_t n)
 {
     struct error error;
     const double end = trace_time(like->trace, trace_count(like->trace) - 1);
@@ -84,7 +85,7 @@ static void run_drawn(const struct run *like, const struct scene *scene, double 
         continue;
     assert_int_equal(trace_count(run->trace), trace_count(like->trace));
     for (size_t i = 0; i < n; i++)
-        y[i] = trace_state(run->trace, 10 * i)[0];
+        y[i] = trace_state(run->trace, 10 * i)[variable];
     run_destroy(run);
 }
 
@@ -94,8 +95,8 @@ static int by_size(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static void draw(const struct session *session, const struct run *run, double *values[DRAWS],
-                 size_t n)
+static void draw(const struct session *session, const struct run *run, int variable,
+                 double *values[DRAWS], size_t n)
 {
     const struct adopted_fit *adopted = &session->adopted;
     double l[MOST][MOST] = {{0}};
@@ -114,7 +115,7 @@ static void draw(const struct session *session, const struct run *run, double *v
                 value += l[i][j] * z[j];
             assert_true(scene_set(&scene, adopted->place[i], (struct measured){value, 0}, &error));
         }
-        run_drawn(run, &scene, values[d], n);
+        run_drawn(run, &scene, variable, values[d], n);
     }
 }
 
@@ -131,7 +132,8 @@ static void check_percentiles(const struct curve *curve, double *values[DRAWS], 
             sorted[d] = values[d][i];
         qsort(sorted, DRAWS, sizeof *sorted, by_size);
         const double half = 0.5 * (sorted[DRAWS - 1 - DRAWS / 40] - sorted[DRAWS / 40]);
-        const double ratio = half / curve->spread[10 * i];
+        const bool rests = half == 0 && curve->spread[10 * i] < 1e-12; /* held by dry friction */
+        const double ratio = rests ? 1 : half / curve->spread[10 * i];
         ratios += ratio / (double)n;
         if (!(ratio > 0.8 && ratio < 1.2))
             fail_msg("t = %g s: percentiles +- %g, the band +- %g", curve->x[10 * i], half,
@@ -140,16 +142,19 @@ static void check_percentiles(const struct curve *curve, double *values[DRAWS], 
     assert_true(ratios > 0.9 && ratios < 1.1);
 }
 
-static void draw_band(struct bench *bench, struct arena *arena, struct figure *figure)
+/* kept: from what the session keeps for its panes. */
+static void draw_kind(struct bench *bench, enum plot_kind kind, bool kept, struct arena *arena,
+                      struct figure *figure)
 {
     const int place = bench->session->current_run;
-    const struct figure_request request = {.kind = PLOT_POSITION,
+    const struct figure_request request = {.kind = kind,
                                            .run = &place,
                                            .runs = 1,
                                            .recording = -1,
                                            .window = {NAN, NAN},
                                            .width = 4000,
-                                           .band = TEXT("--band"),
+                                           .band = kept ? TEXT("") : TEXT("--band"),
+                                           .kept_band = kept,
                                            .full = true};
     struct error error = {0};
     if (!session_figure(bench->session, &request, arena, figure, &error))
@@ -157,7 +162,12 @@ static void draw_band(struct bench *bench, struct arena *arena, struct figure *f
     assert_non_null(figure->curve[0].spread);
 }
 
-static void check_draws(const char *line)
+static void draw_band(struct bench *bench, struct arena *arena, struct figure *figure)
+{
+    draw_kind(bench, PLOT_POSITION, false, arena, figure);
+}
+
+static void check_draws(const char *line, enum plot_kind kind)
 {
     struct bench bench;
     struct arena arena = {0};
@@ -167,7 +177,7 @@ static void check_draws(const char *line)
     type_ok(&bench, "m = 200 g; method rk4 dt=20ms");
     type_ok(&bench, line);
     type_ok(&bench, "adopt; run 12 s");
-    draw_band(&bench, &arena, &figure);
+    draw_kind(&bench, kind, false, &arena, &figure);
     const struct run *run = bench.session->run[bench.session->current_run]->run;
     const size_t n = trace_count(run->trace) / 10;
     assert_int_equal(figure.curve[0].n, trace_count(run->trace));
@@ -175,7 +185,7 @@ static void check_draws(const char *line)
         values[d] = arena_array(&arena, n, sizeof *values[d]);
         assert_non_null(values[d]);
     }
-    draw(bench.session, run, values, n);
+    draw(bench.session, run, kind == PLOT_VELOCITY, values, n);
     check_percentiles(&figure.curve[0], values, n);
     arena_reset(&arena);
     bench_close(&bench);
@@ -187,12 +197,14 @@ static void test_band_holds_95_percent(void **state)
     record("damped.csv", 0.2, 0, 0, 2e-3, 1);
     record("disk.csv", 0, 2, 0, 1e-3, 2);
     record("rub.csv", 0, 0, 0.08, 1e-3, 4);
-    check_draws("load damped.csv; fit");
-    check_draws("load damped.csv; fit drag");
-    check_draws("load damped.csv; fit scene free=k,gamma,y0,v0");
-    check_draws("scene drag; C = 1; m = 200 g; load disk.csv; fit drag");
-    check_draws("load rub.csv; fit drag");
-    check_draws("g = 9.81 m/s^2; load damped.csv; fit");
+    check_draws("load damped.csv; fit", PLOT_POSITION);
+    check_draws("load damped.csv; fit drag", PLOT_POSITION);
+    check_draws("load damped.csv; fit scene free=k,gamma,y0,v0", PLOT_POSITION);
+    check_draws("scene drag; C = 1; m = 200 g; load disk.csv; fit drag", PLOT_POSITION);
+    check_draws("load rub.csv; fit drag", PLOT_POSITION);
+    check_draws("g = 9.81 m/s^2; load damped.csv; fit", PLOT_POSITION);
+    check_draws("load damped.csv; fit drag", PLOT_VELOCITY);
+    check_draws("load rub.csv; fit drag", PLOT_VELOCITY);
 }
 
 /* ---- against what is true ---- */
@@ -408,12 +420,12 @@ static void test_refusals(void **state)
     record("damped.csv", 0.2, 0, 0, 2e-3, 1);
     type_ok(&bench, "method rk4 dt=10ms; run 3 s");
     refused(&bench, "plot position --band", "there is no adopted fit");
-    refused(&bench, "plot energy --band", "--band is for positions over time");
+    refused(&bench, "plot energy --band", "--band is for positions or velocities over time");
     type_ok(&bench, "m = 200 g; load damped.csv; fit; adopt");
     refused(&bench, "plot position --band", "in run 1, and ");
     type_ok(&bench, "run 3 s; plot position --band");
     refused(&bench, "plot position run all --band", "needs one run");
-    refused(&bench, "plot y --band", "--band is for positions over time");
+    refused(&bench, "plot y --band", "--band is for positions or velocities over time");
     refused(&bench, "plot position data damped --band", "needs one run");
     type_ok(&bench, "y0 = 3 cm; run 3 s");
     refused(&bench, "plot position --band", "y0 is 3 cm in run 3, and ");
@@ -430,6 +442,86 @@ static void test_refusals(void **state)
     bench_close(&bench);
 }
 
+/* ---- where else it is ---- */
+
+/* Of each row the band of the plot is what the file says, and what the panes keep to 0.5 %. */
+static void check_kept(struct bench *bench, enum plot_kind kind)
+{
+    struct arena arena = {0};
+    struct figure asked, kept;
+    draw_kind(bench, kind, false, &arena, &asked);
+    draw_kind(bench, kind, true, &arena, &kept);
+    assert_int_equal(asked.curve[0].n, kept.curve[0].n);
+    double most = 0, apart = 0;
+    for (size_t i = 0; i < asked.curve[0].n; i++) {
+        most = fmax(most, asked.curve[0].spread[i]);
+        apart = fmax(apart, fabs(asked.curve[0].spread[i] - kept.curve[0].spread[i]));
+    }
+    assert_true(most > 0 && apart < 0.005 * most);
+    arena_reset(&arena);
+}
+
+static void test_panes_keep_the_band(void **state)
+{
+    (void)state;
+    struct bench bench;
+    bench_open(&bench, false);
+    record("damped.csv", 0.2, 0, 0, 2e-3, 1);
+    record("rub.csv", 0, 0, 0.08, 1e-3, 4);
+    const struct session *session = bench.session;
+    type_ok(&bench, "m = 200 g; method rk4 dt=20ms; set band on; run 4 s");
+    assert_null(session->band.half); /* nothing was adopted: nothing is found */
+    type_ok(&bench, "set band off; load damped.csv; fit drag; adopt; run 8 s");
+    assert_null(session->band.half);
+    type_ok(&bench, "set band on");
+    check_kept(&bench, PLOT_POSITION);
+    check_kept(&bench, PLOT_VELOCITY);
+    const double *before = session->band.half;
+    type_ok(&bench, "print y; plot position");
+    assert_ptr_equal(session->band.half, before); /* found once */
+    type_ok(&bench, "y0 = 3 cm; run 8 s");
+    assert_null(session->band.half); /* it is no run of the fit */
+    type_ok(&bench, "load rub.csv; fit drag; adopt; method dop853; run 8 s");
+    check_kept(&bench, PLOT_POSITION);
+    bench_close(&bench);
+}
+
+static void test_file_has_the_band(void **state)
+{
+    (void)state;
+    struct bench bench;
+    struct arena arena = {0};
+    struct figure figure;
+    bench_open(&bench, false);
+    record("damped.csv", 0.2, 0, 0, 2e-3, 1);
+    type_ok(&bench, "m = 200 g; method rk4 dt=20ms; load damped.csv; fit; adopt; run 8 s");
+    draw_kind(&bench, PLOT_VELOCITY, false, &arena, &figure);
+    type_ok(&bench, "export out.csv v --band --force");
+    assert_says(&bench.out, "401 rows of t,v,v_low,v_high");
+    char *text = file_text("out.csv"), *row = strstr(text, "\nt [s],v [m/s],v_low [m/s],v_high [m/s]\n");
+    assert_non_null(row);
+    row = strchr(row + 1, '\n') + 1;
+    for (int i = 0; i < 401; i++, row = strchr(row, '\n') + 1) {
+        double t, v, low, high;
+        assert_int_equal(sscanf(row, "%lf,%lf,%lf,%lf", &t, &v, &low, &high), 4);
+        const double half = figure.curve[0].spread[i];
+        assert_true(fabs(v - low - half) < 1e-12 && fabs(high - v - half) < 1e-12);
+    }
+    free(text);
+    arena_reset(&arena);
+    type_ok(&bench, "plan");
+    assert_says(&bench.out, "band      95 % of the adopted fit, only when asked for (--band, 'set band on'): 8 "
+                            "variational equations beside the 2 of the motion, once, to 1e-10");
+    refused(&bench, "export - energy --band", "no column is a variable of the state");
+    refused(&bench, "export - data --band", "--band is for the columns of a run");
+    type_ok(&bench, "y0 = 3 cm; plan");
+    assert_null(strstr(said(&bench.out), "band      "));
+    type_ok(&bench, "run 1 s");
+    refused(&bench, "export - y --band", "y0 is 3 cm in run 2, and ");
+    refused(&bench, "export - run all --band", "--band is for one run");
+    bench_close(&bench);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -439,6 +531,8 @@ int main(void)
         cmocka_unit_test(test_text_has_the_band),
         cmocka_unit_test(test_option_is_completed),
         cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_panes_keep_the_band),
+        cmocka_unit_test(test_file_has_the_band),
     };
     return cmocka_run_group_tests(tests, enter_folder, leave_folder);
 }

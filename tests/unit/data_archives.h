@@ -95,7 +95,8 @@ static inline void put_zip(struct buffer *out, const struct file *file, size_t f
     buffer_free(&directory);
 }
 
-/* Deflate, fixed codes: a literal, then copies of 258 bytes from 1 back; 13 bits for each. */
+/* Deflate, fixed codes (RFC 1951, 3.2.6): a table, then copies of 258 bytes from 1 back: blank lines; 13 bits for each
+ * copy. */
 static inline void put_bomb(struct buffer *out, size_t copies)
 {
     uint64_t bits = 0;
@@ -104,8 +105,10 @@ static inline void put_bomb(struct buffer *out, size_t copies)
 #define PUT(value, n)                                                                                                  \
     for (bits |= (uint64_t)(value) << count, count += (n); count >= 8; count -= 8, bits >>= 8)                         \
         buffer_char(out, (char)(bits & 0xFF));
-    PUT(3, 3)    /* the last block, fixed codes */
-    PUT(0x46, 8) /* a literal: which one does not matter */
+    PUT(3, 3) /* the last block, fixed codes */
+    for (const char *c = table; *c; c++)
+        for (int bit = 8; bit-- > 0;) /* a literal's code, its first bit first */
+            PUT((0x30 + *c) >> bit & 1, 1)
     for (size_t i = 0; i < copies; i++) {
         PUT(0xA3, 8) /* length 258: 11000101, its first bit first */
         PUT(0, 5)
