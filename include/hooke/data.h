@@ -150,13 +150,14 @@ struct findings {
     double rests;       /* [s] from when on nothing moves any more; NAN: it moves to the end */
     double period;      /* [s] it was inspected with; NAN: none */
     double sway_period; /* [s] NAN: not known */
+    char still[160];    /* why it does not oscillate; "": it does, or nobody has said */
 };
 
 /*
  * Looks at the whole file, whatever its window is, once; the result belongs to the recording. period [s]: about that of
- * the oscillation (to a few percent); NAN: it has none, then only what needs none is looked for. False: no memory.
+ * the oscillation (to a few percent); NAN: it has none, then only what needs none is looked for, and `still` says why. False: no memory.
  */
-bool recording_inspect(struct recording *recording, double period, struct error *error);
+bool recording_inspect(struct recording *recording, double period, const char *still, struct error *error);
 /* Takes back what was found at the ends: the window is then the whole file. */
 void recording_keep_ends(struct recording *recording);
 /* Masks what the findings say; the window becomes theirs, unless somebody has chosen one. Values are never invented. */

@@ -12,7 +12,7 @@ bool find_faults(struct recording *recording, struct arena *arena, struct error 
 {
     struct recording whole = *recording; /* its arrays are shared: nothing of it is changed */
     struct series series;
-    struct overview overview = {.period = NAN};
+    struct overview overview = {.period = NAN, .reason = "it has fewer than 8 samples"};
     struct error ignored;
     if (recording->findings)
         return true;
@@ -20,7 +20,7 @@ bool find_faults(struct recording *recording, struct arena *arena, struct error 
     const bool enough = recording_series(&whole, arena, 8, &series, &ignored);
     if (enough)
         series_overview(&series, arena, &overview);
-    if (!recording_inspect(recording, overview.period, error))
+    if (!recording_inspect(recording, overview.period, overview.oscillates ? "" : overview.reason, error))
         return false;
     const struct findings *f = recording->findings;
     const bool narrow = f->window[0] > recording->t[0] || f->window[1] < recording->t[recording->rows - 1];
@@ -204,7 +204,7 @@ void reply_findings(const struct recording *recording, struct arena *arena, stru
     if (kinds == 0)
         buffer_format(&text, "%s: nothing wrong was found\n", recording->name);
     if (isnan(f->period))
-        buffer_put(&text, TEXT("it does not oscillate: only times and steps were looked at\n"));
+        buffer_format(&text, "it does not oscillate: %s; only times and steps were looked at\n", f->still);
     if (recording->cleaned)
         buffer_format(&text, "%s: %zu of %zu samples masked, window %.6g..%.6g s; 'data restore' takes it back",
                       recording->name, f->masked, recording->rows, recording->window[0], recording->window[1]);

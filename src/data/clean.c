@@ -7,6 +7,7 @@
 #include "clean.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 #define FAR_OFF 6.0        /* robust standard deviations */
@@ -376,7 +377,7 @@ static bool inspect(struct recording *recording, double period, struct findings 
     return !moves || inspect_motion(&c);
 }
 
-bool recording_inspect(struct recording *recording, double period, struct error *error)
+bool recording_inspect(struct recording *recording, double period, const char *still, struct error *error)
 {
     struct arena scratch = {0};
     if (recording->findings)
@@ -386,6 +387,7 @@ bool recording_inspect(struct recording *recording, double period, struct error 
     arena_reset(&scratch);
     if (!ok)
         return error_memory(error);
+    snprintf(findings->still, sizeof findings->still, "%s", still);
     recording->findings = findings;
     return true;
 }

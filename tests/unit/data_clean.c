@@ -56,7 +56,7 @@ static struct recording *recorded(const struct made *m, double step)
 static const struct findings *inspected(struct recording *recording)
 {
     struct error error;
-    assert_true(recording_inspect(recording, PERIOD, &error));
+    assert_true(recording_inspect(recording, PERIOD, "", &error));
     return recording->findings;
 }
 
