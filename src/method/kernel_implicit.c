@@ -44,25 +44,6 @@ NEWTON_SHAPES(KNOWN_SLOPE)
     }
 CLOSED_SHAPES(CLOSED_STAGE)
 
-static const struct implicit_tableau one_stage = NEWTON_EULER;
-
-INLINE enum step_status newton_stage_of(slope_function *slope, jacobian_function *jacobian, const struct known *known,
-                                        struct step *step, double t, double h, const double *y, double *z, double *sum,
-                                        double *work)
-{
-    const struct newton equations = {&one_stage, newton_rest, slope, jacobian, known};
-    struct room room = room_of(1, N, work);
-    double weight[N];
-    newton_weights(step_scale(step), N, y, weight);
-    z[0] = z[1] = 0;
-    if (!newton_factor(&equations, step, N, t, h, y, &room))
-        return STEP_NO_SOLUTION;
-    const enum step_status status = newton_to_rounding(&equations, step, N, t, h, y, z, weight, &room);
-    for (int i = 0; i < N; i++)
-        sum[i] = y[i] + z[i];
-    return status;
-}
-
 /* drive_jacobian is NULL, and nothing to add. */
 #define drive_slopes(c, t, y, jac) ((void)0)
 #define spring_slopes spring_jacobian
@@ -82,7 +63,7 @@ INLINE enum step_status newton_stage_of(slope_function *slope, jacobian_function
     INLINE enum step_status shape##_stage(const void *known, struct step *step, double t, double h, const double *y,   \
                                           double *z, double *sum, double *work)                                        \
     {                                                                                                                  \
-        return newton_stage_of(shape##_known_slope, shape##_known_jacobian, known, step, t, h, y, z, sum, work);       \
+        return motion_stage(shape##_known_slope, shape##_known_jacobian, known, step, t, h, y, z, sum, work);       \
     }
 NEWTON_SHAPES(NEWTON_STAGE)
 

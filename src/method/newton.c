@@ -184,6 +184,10 @@ enum step_status newton_stage(struct step *step, double t, double h, const doubl
     const struct system *system = step->system;
     if (system->order == 2 && system->n == 2 && system->oscillator.whole)
         return solve_oscillator(step, t, h, y, z, sum);
+    if (system->order == 2 && system->n == 2 && !system->linear && step->tol == 0) {
+        newton_forget(work); /* no factors of this step are there */
+        return motion_stage(system_slope, system_slopes, system, step, t, h, y, z, sum, work);
+    }
     const struct newton equations = newton_of(&newton_euler, newton_stages, system);
     memset(z, 0, (size_t)system->n * sizeof *z);
     enum step_status status = newton_solve(&equations, step, t, h, y, z, work);

@@ -24,6 +24,8 @@ enum { HALVINGS = 8, ITERATIONS = 30 };
 #define SLOW 0.1         /* increments that shrink by less than this want a new Jacobian */
 #define CONTRACTS 0.5    /* increments that shrink by this stay near where they began (Newton-Kantorovich) */
 
+#define LOST (DBL_EPSILON / 32) /* an increment that changes no digit */
+
 static const double newton_one[] = {1}, newton_now[] = {0};
 #define NEWTON_EULER                                                                                                   \
     {.stages = 1,                                                                                                      \
@@ -262,20 +264,121 @@ INLINE void newton_weights(const double *scale, int n, const double *y, double *
 INLINE enum step_status oscillator_stage(const struct oscillator *o, bool dragged, double force, struct step *step, double h,
                                          const double *y, double *z, double *sum)
 {
+    const double a = 1 + o->damping * h + o->stiffness * h * h, inverse = 1 / a; /* the same in each step */
+    const double bend = 4 * (o->quadratic * h * inverse) * inverse, r = y[1] + h * force, u = r * inverse;
     step->cost.evals++;
     step->cost.solves++;
-    double a = 1 + o->damping * h + o->stiffness * h * h, r = y[1] + h * force;
     if (!isfinite(a) || !isfinite(r))
         return STEP_NONFINITE;
-    double v = dragged ? drag_root(a, o->quadratic * h, r) : r / a;
-    const double share = dragged ? o->quadratic * h * fabs(v) : -0.0, rate = dragged ? o->quadratic * fabs(v) : -0.0;
+    const double v = dragged ? 2 * u / (1 + sqrt(1 + bend * fabs(r))) : u; /* drag_root() */
+    const double share = dragged ? o->quadratic * h * fabs(v) : -0.0;
+    const double held = h * (o->stiffness * h + o->damping) * v, lost = dragged ? share * v : -0.0;
     /* Where it is small, the increment by the force: the rounding of a would shift v in the same way at every step. */
-    bool small = fabs(a - 1 + share) < 1;
+    const bool small = fabs(a - 1 + share) < 1;
     z[0] = h * v;
-    z[1] = small ? h * (force - (o->stiffness * h + o->damping + rate) * v) : v - y[1];
+    z[1] = small ? (h * force - held) - lost : v - y[1];
     sum[0] = y[0] + z[0];
     sum[1] = small ? y[1] + z[1] : v;
     return isfinite(v) ? STEP_OK : STEP_NO_SOLUTION;
+}
+
+/* ---- one stage of an equation of motion ---- */
+
+/* A derivative of the velocity's equation, and its sign as in short steps. False: there is no next iterate. */
+INLINE bool motion_factor(jacobian_function *slopes, const void *forces, struct step *step, double t,
+                          double h, const double *at, double *inverse, bool *positive)
+{
+    double jacobian[4];
+    slopes(forces, t, at, jacobian);
+    step->cost.jacobians++;
+    *inverse = 1 / (1 - h * (h * jacobian[2] + jacobian[3]));
+    *positive = *inverse > 0;
+    return *inverse != 0 && isfinite(*inverse);
+}
+
+/*
+ * v' = v + h a(t, q + h v', v'), one equation for x = v' - v: what newton_iterate() does with both variables. Where
+ * increments shrink so fast that the next one would be lost in rounding, it is not waited for.
+ */
+INLINE enum step_status motion_iterate(slope_function *slope, jacobian_function *slopes, const void *forces,
+                                       struct step *step, double t, double h, const double *y, double *x,
+                                       double weight, bool *near)
+{
+    double inverse, last = HUGE_VAL, off = HUGE_VAL, move = 0, sum[2] = {y[0], y[1]}, dydt[2];
+    bool positive;
+    if (!motion_factor(slopes, forces, step, t, h, sum, &inverse, &positive))
+        return STEP_NO_SOLUTION;
+    *near = positive;
+    for (int iteration = 0, halvings = 0; iteration < ITERATIONS;) {
+        sum[1] = y[1] + *x;
+        sum[0] = y[0] + h * sum[1];
+        slope(forces, t, sum, dydt);
+        step->cost.evals++;
+        const double rest = h * dydt[1] - *x, size_of_rest = fabs(rest) * weight;
+        if (iteration == 0 && !isfinite(rest))
+            return STEP_NONFINITE;
+        if (!(size_of_rest < off) && last > STANDSTILL) {
+            if (++halvings > HALVINGS)
+                return STEP_NO_SOLUTION;
+            *near = false;
+            move /= 2;
+            *x -= move;
+            continue;
+        }
+        move = rest * inverse;
+        step->cost.solves++;
+        const double size = fabs(move) * weight;
+        *x += move;
+        if (size > CONTRACTS * last && size > STANDSTILL)
+            *near = false;
+        if (size <= DBL_EPSILON / 2 || (size >= last && size <= STANDSTILL) || (iteration > 0 && size * size <= LOST * last)) {
+            *near = *near && positive;
+            return STEP_OK;
+        }
+        if (size > SLOW * last) {
+            sum[1] = y[1] + *x;
+            sum[0] = y[0] + h * sum[1];
+            if (!motion_factor(slopes, forces, step, t, h, sum, &inverse, &positive))
+                return STEP_NO_SOLUTION;
+        }
+        last = size;
+        off = size_of_rest;
+        halvings = 0;
+        iteration++;
+    }
+    *near = false;
+    return last <= STANDSTILL ? STEP_OK : STEP_NO_SOLUTION;
+}
+
+/*
+ * newton_stage() to rounding for q'' = a(t, q, q') of one coordinate: z and y + z [2]; work: for newton_follow(). The
+ * functions stand alone, so that a compiler that knows them inlines them.
+ */
+INLINE enum step_status motion_stage(slope_function *slope, jacobian_function *slopes, const void *forces,
+                                     struct step *step, double t, double h, const double *y, double *z,
+                                     double *sum, double *work)
+{
+    double weight[2], x = 0;
+    bool near;
+    newton_weights(step_scale(step), 2, y, weight);
+    const double by_position = fabs(h) * weight[0];
+    const double larger = weight[1] > by_position ? weight[1] : by_position;
+    enum step_status status = motion_iterate(slope, slopes, forces, step, t, h, y, &x, larger, &near);
+    z[1] = x;
+    z[0] = h * (y[1] + x);
+    if (status != STEP_NONFINITE && !(status == STEP_OK && near)) {
+        static const struct implicit_tableau euler = NEWTON_EULER;
+        const struct newton equations = {&euler, newton_stages, slope, slopes, forces};
+        double all[2] = {z[0], z[1]}, from[2] = {y[0], y[1]};
+        if (newton_follow(&equations, step, 2, t, h, from, all, weight, work)) {
+            z[0] = all[0];
+            z[1] = all[1];
+            status = STEP_OK;
+        }
+    }
+    sum[0] = y[0] + z[0];
+    sum[1] = y[1] + z[1];
+    return status;
 }
 
 #endif
