@@ -165,6 +165,7 @@ struct run {
     struct singularity singular; /* with STOP_SINGULAR */
     struct unsound_step unsound; /* the worst one seen by run_diagnose() */
     bool warned_growth, warned_sliding, warned_piling, warned_unsound, warned_doubt, warned_error;
+    bool warned_burst;
     struct controller controller;
     struct opinion opinion; /* by run_second_opinion() */
 
@@ -283,6 +284,8 @@ void run_second_opinion(struct run *run, bool whole, const struct cancel *cancel
 /* below [n]: variables of an adaptive run whose values are less than the error that it allows, and not only because
  * they pass through 0: none of their digits is certain. How many. */
 int run_below_tolerance(const struct run *run, bool *below);
+/* A short time at which the equations do something that no step has seen, where all steps are recorded. */
+bool run_missed_burst(const struct run *run, struct burst *missed);
 
 /* ---- observables ----
  *

@@ -444,6 +444,18 @@ static inline double drag_flow_apply(const struct drag_flow *flow, double v)
 void system_jacobian(const struct system *system, double t, const double *y,
                      double *jac); /* d y'/d y, [n][n] row-major */
 
+/*
+ * Short times at which a typed equation does something that samples would miss, as bounds of it prove, along the
+ * straight way from one state to another: between t[0] and t[1] [s], shorter than 1/32 of it each. Appended to those
+ * there are, and those that meet become one; the new count, at most `most`.
+ */
+struct burst {
+    double from, to; /* [s] */
+};
+
+int system_bursts(const struct system *system, const double t[2], const double *from, const double *to,
+                  struct burst *burst, int count, int most);
+
 double system_kinetic(const struct system *system, const double *y);         /* [J] */
 double system_potential(const struct system *system, const double *y);       /* [J] */
 bool system_has_potential(const struct system *system);                      /* all forces but drag have one */

@@ -192,6 +192,7 @@ static bool arrive(struct session *session, const struct journey *journey, const
     struct error lost = {0};
     const bool right = reply_opinion(session, run, reply, &lost);
     reply_below_tolerance(run, reply);
+    reply_missed_burst(run, reply);
     reply_phase_unknown(run, reply);
     reply_sliding(run, reply);
     reply_event_doubts(journey->held, reply);

@@ -322,6 +322,7 @@ void plan_opinion(const struct session *session, const struct system *system, co
 /* Its line, and a warning where the error is large; false: nothing is right, which is an error. */
 bool reply_opinion(const struct session *session, struct run *run, struct reply *reply, struct error *error);
 void reply_opinion_values(const struct run *run, struct reply *reply); /* its keys in JSON */
+void reply_missed_burst(struct run *run, struct reply *reply); /* once */
 /* Of an exact solution so long that roundings of the parameters move its phase. */
 void reply_phase_unknown(const struct run *run, struct reply *reply);
 /* Warns of a state whose squares underflow. */

@@ -31,9 +31,14 @@ static const struct candidate {
 #define MEANING 1e-3   /* where two references differ by more, neither means anything */
 #define COST_MOST 40e6 /* evaluations, Jacobians and solves of one solution, over n */
 #define TRIES 3
+#define TRIES_BURST 8
+#define SAME 1e-9 /* by which solutions may part that step otherwise */
 #define SHRINKS 1e4
 #define PARTS 4          /* of all but the first: no step is longer than a thousandth of the span, */
 #define PARTS_IN_TIME 32 /* where the law changes with time than an 8000th: there may be pulses */
+
+#define BURSTS 64
+#define PARTS_OF_BURST 16 /* bounds are wider than the truth */
 
 struct search {
     const struct system *system;
@@ -44,7 +49,10 @@ struct search {
     size_t size;                         /* [double] of one solution */
     bool failed;                         /* no memory */
     bool stiff;                          /* an explicit method became too dear: the others will, too */
-    int parts;                           /* adaptive steps end at so many parts of each grid interval */
+    int parts;                           /* adaptive steps end at so many parts of each grid interval, */
+    struct burst burst[BURSTS];          /* and at so many parts of each of these, in the order of the way */
+    int bursts;
+    bool looked; /* for them */
 };
 
 static double *solution(const struct search *search, enum kind kind)
@@ -75,13 +83,30 @@ static double largest_distance(const struct search *search, const double *a, con
     return most;
 }
 
+/* Where the next adaptive step ends at the latest, on the way from t to `to`; shift: of the clock. */
+static double next_stop(const struct search *search, double t, double to, double shift)
+{
+    const double way = to > t ? 1 : -1;
+    for (int i = 0; i < search->bursts; i++) {
+        const struct burst *burst = &search->burst[i];
+        for (int k = 0; k <= PARTS_OF_BURST; k++) {
+            const double at = burst->from + (burst->to - burst->from) * k / PARTS_OF_BURST - shift;
+            if (way * (at - t) > 0 && way * (to - at) > 0)
+                return at;
+        }
+    }
+    return to;
+}
+
 /*
  * Every grid time is hit. Where the laws do not depend on time the clock starts anew at each of them, so that rounding
  * of the time does not add up. steps: in an interval, 0: adaptive, none across
- * the ends of `parts` equal parts of it.
+ * the ends of `parts` equal parts of it, nor across a burst.
  */
-static enum stop walk(struct solver *s, int64_t steps, int parts, double *grid, const struct cancel *cancel)
+static enum stop walk(const struct search *search, struct solver *s, int64_t steps, double *grid)
 {
+    const struct cancel *cancel = search->cancel;
+    const int parts = search->parts;
     const int n = s->system->n;
     const double interval = s->span / (STUDY_TIMES - 1);
     struct controller controller = {.tol = s->tol};
@@ -94,6 +119,7 @@ static enum stop walk(struct solver *s, int64_t steps, int parts, double *grid, 
         const bool anew = s->system->autonomous;
         const double from = anew ? 0 : s->system->t0 + s->span * (k - 1) / (STUDY_TIMES - 1);
         const double to = anew ? interval : s->system->t0 + s->span * k / (STUDY_TIMES - 1);
+        const double shift = anew ? s->system->t0 + s->span * (k - 1) / (STUDY_TIMES - 1) : 0;
         s->step.t = from;
         s->step.warm = s->step.again = false;
         int part = 1;
@@ -104,7 +130,8 @@ static enum stop walk(struct solver *s, int64_t steps, int parts, double *grid, 
                 status = method_turning_step(s->method, &s->step);
             } else {
                 const double next = part < parts ? from + (to - from) * part / parts : to;
-                status = method_adapt(s->method, &s->step, &controller, next);
+                const double stop = next_stop(search, s->step.t, next, shift);
+                status = method_adapt(s->method, &s->step, &controller, stop);
                 part += s->step.t == next;
             }
             if (status != STEP_OK)
@@ -121,12 +148,16 @@ static enum stop walk(struct solver *s, int64_t steps, int parts, double *grid, 
     return STOP_END;
 }
 
+/* Inside of a burst that is short the clock has few digits left: what is found there is as good as it can be. */
 static bool solve_adaptive(struct search *search, struct solver *s, bool explicit, double *grid)
 {
-    for (int try = 0; try < TRIES; try++, s->tol *= 10) {
-        const enum stop stop = walk(s, 0, search->parts, grid, search->cancel);
-        search->stiff |= stop == STOP_FULL && explicit;
-        if (stop == STOP_END || stop == STOP_CANCELLED || stop == STOP_FULL)
+    const bool bursts = search->bursts > 0;
+    const int tries = bursts ? TRIES_BURST : TRIES;
+    s->most /= bursts ? tries : 1;
+    for (int try = 0; try < tries; try++, s->tol *= 10) {
+        const enum stop stop = walk(search, s, 0, grid);
+        search->stiff |= stop == STOP_FULL && explicit && !bursts;
+        if (stop == STOP_END || stop == STOP_CANCELLED || (stop == STOP_FULL && !bursts))
             return stop == STOP_END;
     }
     return false;
@@ -138,7 +169,7 @@ static bool solve_fixed(struct search *search, struct solver *s, double *grid)
     double *finer = solution(search, KIND_COUNT), moved = HUGE_VAL;
     bool have = false;
     for (int64_t steps = 1; steps <= 1 << 20; steps *= 2) {
-        if (walk(s, steps, 1, finer, search->cancel) != STOP_END) {
+        if (walk(search, s, steps, finer) != STOP_END) {
             if (have || solver_cost(s) > s->most || cancelled(search->cancel))
                 break;
             continue;
@@ -233,15 +264,47 @@ static bool shrinks_fast(const struct system *system, double span)
     return -trace * span > SHRINKS;
 }
 
+/* Bursts along the way that a solution takes. */
+static void look_for_bursts(struct search *search, const double *grid)
+{
+    const struct system *system = search->system;
+    const double span = search->reference->span;
+    for (int k = 1; k < STUDY_TIMES && !cancelled(search->cancel); k++) {
+        const double t[2] = {system->t0 + span * (k - 1) / (STUDY_TIMES - 1),
+                             system->t0 + span * k / (STUDY_TIMES - 1)};
+        search->bursts = system_bursts(system, t, grid + (k - 1) * system->n, grid + k * system->n, search->burst,
+                                       search->bursts, BURSTS);
+    }
+}
+
+/* Again with steps that end there; where that changes nothing they had been seen, and are forgotten. */
+static bool solve_with_bursts(struct search *search, const struct candidate *candidate)
+{
+    double *first = solution(search, KIND_COUNT), *grid = solution(search, candidate->kind);
+    memcpy(first, grid, search->size * sizeof *first);
+    search->by[candidate->kind] = NULL;
+    const bool found = try_candidate(search, candidate);
+    set_amplitudes(search->reference, search->system, found ? grid : first);
+    if (found && largest_distance(search, grid, first) < SAME)
+        search->bursts = 0;
+    return found;
+}
+
 /* All but the first take steps of a bounded size: a pulse that long ones step over does not escape both. */
 static void search_kinds(struct search *search, bool explicit_ones, bool others)
 {
     struct reference *reference = search->reference;
     for (size_t i = 0; i < COUNT_OF(candidates) && !cancelled(search->cancel) && !search->failed; i++) {
         const bool explicit = candidates[i].kind == KIND_EXPLICIT;
-        if (explicit ? !explicit_ones : !others)
-            continue;
-        if (try_candidate(search, &candidates[i])) {
+        if ((explicit ? !explicit_ones : !others) || (search->bursts > 0 && candidates[i].tol == 0))
+            continue; /* steps of one size, short enough for a burst, would be too many */
+        bool found = try_candidate(search, &candidates[i]);
+        if (found && !search->looked) {
+            search->looked = true;
+            look_for_bursts(search, solution(search, candidates[i].kind));
+            found = search->bursts == 0 || solve_with_bursts(search, &candidates[i]);
+        }
+        if (found) {
             confront(search, candidates[i].kind);
             search->parts = search->system->autonomous ? PARTS : PARTS_IN_TIME;
         }

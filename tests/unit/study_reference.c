@@ -6,9 +6,14 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include <hooke/study.h>
+
+#include "unit/scene_typing.h"
 
 static void bind(const char *preset, const char *param, double value, struct system *system)
 {
@@ -94,6 +99,51 @@ static void test_quadratic_drag(void **state)
     reference_free(&reference);
 }
 
+/*
+ * Pulses so short that steps of all methods pass over them, of area 1 at t = 5.123 s: one that is typed, one whose
+ * clock is a variable, and one as a drive of the spring, which gives it a push J: y = y0 cos(w t) + J/(m w) sin(w (t
+ * - 5.123)).
+ */
+static void test_narrow_pulses(void **state)
+{
+    (void)state;
+    static const char *const pulses[][5] = {
+        {"var x = 0", "param w = 1", "x' = exp(-((t - 5.123)/w)^2)/(w*sqrt(pi))"},
+        {"var x = 0", "var y = 0", "param w = 1", "y' = 1", "x' = exp(-((y - 5.123)/w)^2)/(w*sqrt(pi))"},
+        {"param w = 1", "force 0.2*exp(-((t - 5.123)/w)^2)/(w*sqrt(pi))"},
+    };
+    for (size_t i = 0; i < COUNT_OF(pulses); i++)
+        for (size_t k = 0; k < 3; k++) {
+            const double width = pow(10, -3 - 2 * (double)k);
+            if (!getenv("LONG") && k != (i + 2) % 3)
+                continue;
+            struct scene scene;
+            struct system system;
+            struct reference reference;
+            struct error error = {0};
+            struct typed_models *models = typed_create(&error);
+            const char *lines[6] = {0};
+            memcpy(lines, pulses[i], sizeof pulses[i]);
+            scene_init(&scene, NULL);
+            assert_true(type_scene(models, &scene, lines));
+            assert_true(scene_set(&scene, scene_param(&scene, "w"), (struct measured){width, 0}, &error));
+            assert_true(scene_bind(&scene, &system, &error));
+            if (!study_reference(&system, 10, NULL, &reference, &error))
+                fail_msg("%s, width %g: %s", pulses[i][0], width, error.text);
+            const double omega = sqrt(75), t = 10, *end = reference.y + (STUDY_TIMES - 1) * system.n;
+            const double right = i < 2 ? 1 : 0.05 * cos(omega * t) + sin(omega * (t - 5.123)) / omega;
+            const double off = fabs(end[0] - right) / reference.amplitude[0];
+            /* of the clock, which has eps/w of a short pulse's digits; the push of one is over at once, else (w
+             * omega)^2 */
+            const double most = 1e-11 + 16 * DBL_EPSILON * 5 / width + (i == 2 ? pow(width * omega, 2) : 0);
+            if (!(off <= most && reference.accuracy <= 1e-11 + 16 * DBL_EPSILON * 5 / width))
+                fail_msg("scene %zu, width %g: %.17g for %.17g, accuracy %g", i, width, end[0], right,
+                         reference.accuracy);
+            reference_free(&reference);
+            typed_destroy(models);
+        }
+}
+
 static void test_cancelled(void **state)
 {
     (void)state;
@@ -133,9 +183,9 @@ static void test_loss_of_meaning(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_closed_form),     cmocka_unit_test(test_two_kinds_against_the_truth),
-        cmocka_unit_test(test_quadratic_drag),  cmocka_unit_test(test_cancelled),
-        cmocka_unit_test(test_loss_of_meaning),
+        cmocka_unit_test(test_closed_form),    cmocka_unit_test(test_two_kinds_against_the_truth),
+        cmocka_unit_test(test_quadratic_drag), cmocka_unit_test(test_narrow_pulses),
+        cmocka_unit_test(test_cancelled),      cmocka_unit_test(test_loss_of_meaning),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

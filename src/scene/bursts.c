@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Bursts of typed equations: stretches so short that samples miss them. What bounds of the equations (interval
+ * arithmetic, Moore 1966) allow between samples is compared with what the samples show; where they allow more, a
+ * stretch is cut in two, until it is seen, or until nothing that matters can hide in it.
+ */
+#include "typed.h"
+
+#include <math.h>
+
+#include "jet.h"
+
+#define SAMPLES 7
+#define SEEN 8.0      /* times what samples show: bounds are wider than the truth */
+#define TINY 1e-13    /* of a variable's size: what a stretch may add to it unseen */
+#define DEPTH_LEAST 6 /* halvings: longer stretches are no bursts */
+#define DEPTH_MOST 50
+#define ROUNDING 1e-12
+#define LOOKS 3000 /* bounds of a row */
+
+/* The straight way, as bounds of all names on a part of it. */
+struct way {
+    const struct typed *typed;
+    const double *c; /* of the bound term */
+    double t[2];
+    const double *from, *to;
+    struct jet name[1 + LIMIT_VARIABLES + TERM_VALUES];
+};
+
+static struct jet between(double from, double to, double a, double b)
+{
+    const double at = from + (to - from) * a, end = from + (to - from) * b;
+    return (struct jet){interval_wide(fmin(at, end), fmax(at, end), 2), interval_point(to - from), interval_point(0)};
+}
+
+/* a < b in [0, 1]; a == b: a point. */
+static void go(struct way *way, double a, double b)
+{
+    const struct typed *typed = way->typed;
+    const int n = typed->model.n;
+    way->name[0] = between(way->t[0], way->t[1], a, b);
+    for (int i = 0; i < n; i++)
+        way->name[1 + i] = between(way->from[i], way->to[i], a, b);
+    for (int i = 0; i <= typed->reads; i++)
+        way->name[1 + n + i] = jet_number(way->c[1 + i]);
+    for (int i = 0; i < typed->observes; i++)
+        way->name[2 + n + typed->reads + i] = expr_jet(typed->observe[i], way->name);
+}
+
+static struct jet row_bounds(struct way *way, int row, double a, double b)
+{
+    struct jet sum = jet_number(0);
+    go(way, a, b);
+    for (enum typed_group g = 0; g < GROUPS; g++)
+        if (way->typed->group[g] && way->typed->group[g][row])
+            sum = jet_add(sum, expr_jet(way->typed->group[g][row], way->name));
+    return sum;
+}
+
+static double row_value(struct way *way, int row, double at)
+{
+    const struct interval value = row_bounds(way, row, at, at).value;
+    return value.lo + (value.hi - value.lo) / 2;
+}
+
+static double largest(struct interval a)
+{
+    return fmax(fabs(a.lo), fabs(a.hi));
+}
+
+/* What may hide between samples of a stretch, and what they show of it. */
+struct stretch_look {
+    double hidden, seen;
+};
+
+static struct stretch_look look(struct way *way, int row, double a, double b)
+{
+    const struct jet bounds = row_bounds(way, row, a, b);
+    const double width = bounds.value.hi - bounds.value.lo, length = b - a;
+    const double bent = largest(bounds.bend) * length * length / 8; /* from the straight line between the ends */
+    const double first = row_value(way, row, a), last = row_value(way, row, b);
+    double low = fmin(first, last), high = fmax(first, last), off = 0;
+    for (int i = 1; i < SAMPLES; i++) {
+        const double share = (double)i / SAMPLES, value = row_value(way, row, a + length * share);
+        low = fmin(low, value);
+        high = fmax(high, value);
+        off = fmax(off, fabs(value - first - (last - first) * share));
+    }
+    const double hidden = fmin(bent, width);
+    if (isnan(width) || hidden < ROUNDING * largest(bounds.value)) /* no number there, or rounding */
+        return (struct stretch_look){0, 0};
+    return bent < width ? (struct stretch_look){bent, off} : (struct stretch_look){width, high - low};
+}
+
+/* Appends [a, b] as times, to the burst before where they meet. */
+static int keep(const struct way *way, double a, double b, struct burst *burst, int count, int most)
+{
+    const double from = way->t[0] + (way->t[1] - way->t[0]) * a, to = way->t[0] + (way->t[1] - way->t[0]) * b;
+    for (int i = 0; i < count; i++)
+        if (fmin(from, to) <= fmax(burst[i].from, burst[i].to) && fmax(from, to) >= fmin(burst[i].from, burst[i].to)) {
+            const bool forward = way->t[1] > way->t[0];
+            burst[i].from = forward ? fmin(burst[i].from, from) : fmax(burst[i].from, from);
+            burst[i].to = forward ? fmax(burst[i].to, to) : fmin(burst[i].to, to);
+            return count;
+        }
+    if (count < most)
+        burst[count++] = (struct burst){from, to};
+    return count;
+}
+
+static int search_row(struct way *way, int row, double size, struct burst *burst, int count, int most)
+{
+    struct {
+        double a, b;
+        int depth;
+    } stack[DEPTH_MOST + 2];
+    int top = 0;
+    stack[top].a = 0;
+    stack[top].b = 1;
+    stack[top++].depth = 0;
+    for (int looks = 0; top > 0 && looks < LOOKS; looks++) {
+        const double a = stack[--top].a, b = stack[top].b, middle = a + (b - a) / 2;
+        const int depth = stack[top].depth;
+        const struct stretch_look at = look(way, row, a, b);
+        if (!(at.hidden * (b - a) * fabs(way->t[1] - way->t[0]) > TINY * size))
+            continue;
+        if (at.hidden <= SEEN * at.seen) {
+            if (depth >= DEPTH_LEAST)
+                count = keep(way, a, b, burst, count, most);
+            continue;
+        }
+        if (depth == DEPTH_MOST)
+            continue; /* a jump, or no number */
+        stack[top].a = middle;
+        stack[top].b = b;
+        stack[top++].depth = depth + 1;
+        stack[top].a = a;
+        stack[top].b = middle;
+        stack[top++].depth = depth + 1;
+    }
+    return count;
+}
+
+int system_bursts(const struct system *system, const double t[2], const double *from, const double *to,
+                  struct burst *burst, int count, int most)
+{
+    const struct typed *typed = system->model->typed;
+    if (!typed)
+        return count;
+    struct way way = {.typed = typed, .c = system->typed.c, .t = {t[0], t[1]}, .from = from, .to = to};
+    const int rows = typed_rows(typed);
+    for (int i = 0; i < rows; i++)
+        count = search_row(&way, i, system->scale[system->n - rows + i], burst, count, most);
+    return count;
+}
