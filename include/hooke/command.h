@@ -182,8 +182,15 @@ struct held_recording {
     char *options; /* as they have to stand after the file name to load it again */
 };
 
+/* Values that a result took as exact, since nobody stated an uncertainty; "": no more. */
+#define EXACT_NAMES 8
+struct exact_names {
+    char name[EXACT_NAMES][LIMIT_NAME + 1];
+};
+
 struct measurement {
     char quantity[24];
+    struct exact_names exact;
     struct measured value;
     enum quantity unit;
     double periods;           /* NAN: does not apply */
@@ -197,7 +204,7 @@ struct kept_fit {
     struct fit fit;
     enum quantity quantity; /* of what was fitted */
     struct measured k;      /* NAN: nobody had said what the mass is */
-    bool exact_mass;        /* k is as if the mass had no uncertainty */
+    struct exact_names exact;
     char of[LIMIT_NAME + 16];
 };
 
@@ -373,6 +380,8 @@ struct adopted_fit {
     struct scene scene;                                     /* model NULL: nothing was adopted */
     int place[CURVE_PARAMETERS], count;                     /* of the parameters */
     double covariance[CURVE_PARAMETERS * CURVE_PARAMETERS]; /* [count][count] */
+    struct exact_names exact;
+    char of[LIMIT_NAME + 16]; /* "data swing3": what was fitted */
 };
 
 /* The band of an adopted fit about a run, for the panes. */

@@ -2,6 +2,7 @@
 /* adopt: all that the last fit found becomes the scene, and is proved by a run over the recording. */
 #include "adopted.h"
 #include "fit_text.h"
+#include "inputs.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -24,6 +25,7 @@ struct adoption {
     int left;
     int data;        /* place of the recording that was fitted, -1: none */
     bool as_on_data; /* it starts where the fit does: it can be compared */
+    struct inputs inputs; /* what entered besides the fit */
     bool pendulum;   /* the scene swings on a rod, not on a spring */
 };
 
@@ -47,6 +49,8 @@ static void become(const struct adoption *a)
 {
     a->session->setup.scene = a->scene;
     a->session->adopted = (struct adopted_fit){.scene = a->scene};
+    inputs_keep(&a->inputs, &a->session->adopted.exact);
+    memcpy(a->session->adopted.of, a->session->fit_of, sizeof a->session->adopted.of);
 }
 
 static void leave_out(struct adoption *a, const char *what)
@@ -119,6 +123,7 @@ static void reply_adoption(const struct adoption *a, struct buffer *text, struct
         buffer_put(text, TEXT(", of the fit "));
         buffer_quantity(text, fit->rms, quantity, 3);
     }
+    inputs_put(&a->inputs, text);
     reply_text(reply, buffer_text(text));
     reply_begin(reply, "adopt");
     reply_object(reply, "parameters");
@@ -129,6 +134,7 @@ static void reply_adoption(const struct adoption *a, struct buffer *text, struct
     for (int i = 0; i < a->left; i++)
         reply_string(reply, NULL, a->left_out[i]);
     reply_close(reply);
+    inputs_reply(&a->inputs, reply);
     reply_real(reply, "rms_fit", fit->rms);
     reply_real(reply, "rms_run", rms);
     if (isfinite(rms))
@@ -206,6 +212,7 @@ static bool adopt_curve(struct session *session, const struct arguments *given, 
         if (!take(&a, param_at(&scene, i)->row.name, value, error))
             return false;
     }
+    inputs_use_motion(&a.inputs, fitted, session->fit_free);
     become(&a);
     adopted_free(&session->adopted, session->fit_free, &session->fit.covariance);
     put_taken(&a, &text);
@@ -224,6 +231,17 @@ static bool adopt_curve(struct session *session, const struct arguments *given, 
 
 /* ---- of an oscillation ---- */
 
+/* A coefficient that these parameters turn into one of the scene, `factor` times as large. */
+static struct measured converted(struct adoption *a, struct measured rate, double factor,
+                                 const char *names)
+{
+    struct inputs used = {.exacts = 0};
+    inputs_use_params(&used, &a->scene, names);
+    if (rate.value != 0)
+        inputs_use_params(&a->inputs, &a->scene, names);
+    return inputs_widen(&used, (struct measured){rate.value * factor, rate.uncertainty * factor});
+}
+
 /* Every term of the law, those it does not have as 0. */
 static bool take_law(struct adoption *a, const struct fit *fit, struct error *error)
 {
@@ -236,7 +254,7 @@ static bool take_law(struct adoption *a, const struct fit *fit, struct error *er
     const double drag = param_value(&a->scene, "rho") * param_value(&a->scene, "area") / m;
     const double along = a->pendulum ? m * param_value(&a->scene, "length") : m; /* of a force, by its f */
     if ((fit->drag.force == RESTORING_CUBIC || param_value(&a->scene, "k3") != 0) && scene_param(&a->scene, "k3") >= 0 &&
-        !take(a, "k3", (struct measured){fit->drag.cubic.value * m, fit->drag.cubic.uncertainty * m}, error))
+        !take(a, "k3", converted(a, fit->drag.cubic, m, "m"), error))
         return false;
     const bool quadratic = law->law & LAW_QUADRATIC, dry = law->law & LAW_DRY;
     if (!take(a, "gamma", law->rate[0], error))
@@ -244,7 +262,7 @@ static bool take_law(struct adoption *a, const struct fit *fit, struct error *er
     if (quadratic && !(drag > 0))
         leave_out(a, a->pendulum ? "quadratic drag" : "quadratic drag (rho or area is 0)");
     else if ((quadratic || param_value(&a->scene, "C") > 0) &&
-             !take(a, "C", (struct measured){law->rate[1].value / drag, law->rate[1].uncertainty / drag}, error))
+             !take(a, "C", converted(a, law->rate[1], 1 / drag, "m rho area"), error))
         return false;
     if (scene_param(&a->scene, "friction") < 0) {
         if (dry)
@@ -252,7 +270,7 @@ static bool take_law(struct adoption *a, const struct fit *fit, struct error *er
         return true;
     }
     return !(dry || param_value(&a->scene, "friction") > 0) ||
-           take(a, "friction", (struct measured){law->rate[2].value * along, law->rate[2].uncertainty * along}, error);
+           take(a, "friction", converted(a, law->rate[2], along, a->pendulum ? "m g" : "m"), error);
 }
 
 /* The spring of the fit, or the rod that swings as fast; middle: where the motion is about. With gravity that is the
@@ -267,6 +285,7 @@ static bool take_force(struct adoption *a, const struct fit *fit, double *middle
         const double length = gravity.value / square.value;
         if (!(gravity.value > 0))
             return error_set(error, ERROR_COMMAND, "the length of a pendulum needs its gravity: g = 9.81 m/s^2");
+        inputs_use_params(&a->inputs, &a->scene, "g");
         return take(a, "length",
                     (struct measured){length, length * hypot(square.uncertainty / square.value,
                                                              gravity.uncertainty / gravity.value)},
@@ -274,6 +293,7 @@ static bool take_force(struct adoption *a, const struct fit *fit, double *middle
     }
     const struct measured stiffness = fit_stiffness(fit, mass);
     *middle = -mass.value * gravity.value / stiffness.value;
+    inputs_use_params(&a->inputs, &a->scene, "m g");
     return take(a, "k", stiffness, error);
 }
 

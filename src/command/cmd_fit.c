@@ -18,7 +18,8 @@ static bool known_mass(const struct scene *scene, struct measured *mass)
 }
 
 static void keep_fit(struct session *session, const struct subject *subject, const struct fit *fit,
-                     const struct measured *k)
+                     const struct measured *k,
+                     const struct inputs *inputs)
 {
     const enum quantity quantity = subject->series.quantity;
     const struct measured unknown = {NAN, NAN};
@@ -37,7 +38,7 @@ static void keep_fit(struct session *session, const struct subject *subject, con
     session->has_fit = true;
     session->fit_zero = subject->recording ? subject->recording->zero : 0;
     struct kept_fit kept = {.fit = *fit, .quantity = quantity, .k = k ? *k : unknown};
-    kept.exact_mass = k && !(session->setup.scene.uncertainty[scene_param(&session->setup.scene, "m")] > 0);
+    inputs_keep(inputs, &kept.exact);
     memcpy(kept.of, subject->name, sizeof kept.of);
     session_keep_fit(session, &kept);
     memcpy(session->fit_of, subject->name, sizeof session->fit_of);
@@ -100,10 +101,11 @@ static bool fit_motion(const struct asked_fit *asked, const char *name, struct e
     const bool with_k = spring && known_mass(scene, &mass);
     if (with_k)
         stiffness = fit_stiffness(&fit, mass);
-    if (fit.converged)
-        keep_fit(session, subject, &fit, with_k ? &stiffness : NULL);
     struct told_fit told = {.subject = subject, .model = fit.model, .motion = &fit, .k = stiffness, .spring = spring};
-    told.exact_mass = with_k && !(mass.uncertainty > 0);
+    if (with_k)
+        inputs_use(&told.inputs, "m", mass);
+    if (fit.converged)
+        keep_fit(session, subject, &fit, with_k ? &stiffness : NULL, &told.inputs);
     for (int i = 0; i < fit.warnings; i++)
         fit_tell_warning(&told, "%s", fit.warning[i]);
     fit_tell_window(&told, fit.drag.candidates > 0 ? WINDOW_LAW_STICKS : WINDOW_LAW_SINE, arena);

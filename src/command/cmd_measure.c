@@ -3,6 +3,7 @@
 #ifndef COMMAND_ROWS
 #include "choices.h"
 #include "findings.h"
+#include "inputs.h"
 #include "measuring.h"
 
 #include <math.h>
@@ -30,6 +31,14 @@ static bool keep(struct measuring *m, const char *name, struct measured value, e
 static void begin(struct measuring *m, struct measured value, enum quantity unit, double periods)
 {
     measure_begin(m, m->quantity, value, unit, periods);
+}
+
+/* What else entered the latest measurement: for the text, the open record, the report. */
+static void tell_inputs(struct measuring *m, const struct inputs *inputs, struct buffer *text)
+{
+    inputs_put(inputs, text);
+    inputs_reply(inputs, m->reply);
+    inputs_keep(inputs, &latest(m)->exact);
 }
 
 static void put(struct buffer *text, const char *name, struct measured value, enum quantity unit)
@@ -264,6 +273,12 @@ static bool measure_energy(struct measuring *m)
     reply_real(m->reply, "first", first);
     reply_real(m->reply, "last", last);
     reply_string(m->reply, "from", m->subject.how[0] ? m->subject.how : NULL);
+    struct inputs inputs = {.exacts = 0};
+    if (m->subject.recording) {
+        inputs_use(&inputs, "m", m->subject.mass);
+        inputs_use(&inputs, "k", m->subject.k);
+    }
+    tell_inputs(m, &inputs, &text);
     reply_end(m->reply);
     return say(m, &text);
 }
@@ -332,7 +347,10 @@ static bool measure_reynolds(struct measuring *m)
     const struct scene *scene = m->subject.run ? &m->subject.run->scene : &m->session->setup.scene;
     if (!needs_spring(scene, "the Reynolds number", m->error) || !largest_speed(m, &speed))
         return false;
-    const struct measured re = {scene_reynolds(scene, speed.value), scene_reynolds(scene, speed.uncertainty)};
+    struct inputs inputs = {.exacts = 0};
+    inputs_use_params(&inputs, scene, "rho length eta");
+    const struct measured re = inputs_widen(
+        &inputs, (struct measured){scene_reynolds(scene, speed.value), scene_reynolds(scene, speed.uncertainty)});
     if (!keep(m, m->quantity, re, QUANTITY_NUMBER, NAN))
         return false;
     struct buffer text = {0};
@@ -343,6 +361,7 @@ static bool measure_reynolds(struct measuring *m)
     begin(m, re, QUANTITY_NUMBER, NAN);
     reply_string(m->reply, "regime", reynolds_regime(re.value));
     reply_measured(m->reply, "speed", speed, QUANTITY_VELOCITY);
+    tell_inputs(m, &inputs, &text);
     reply_end(m->reply);
     return say(m, &text);
 }
@@ -366,7 +385,10 @@ static bool measure_k(struct measuring *m)
     const double omega = 2 * PI / p.period.value;
     const double gamma = series_decay(&m->subject.series, m->given->arena, false, 0, &d, &ignored) ? d.gamma.value : 0;
     struct measured k = {.value = mass * (omega * omega + gamma * gamma / 4)};
-    k.uncertainty = k.value * hypot(2 * p.period.uncertainty / p.period.value, u / mass);
+    struct inputs inputs = {.exacts = 0};
+    inputs_use(&inputs, "m", (struct measured){mass, u});
+    k.uncertainty = k.value * 2 * p.period.uncertainty / p.period.value;
+    k = inputs_widen(&inputs, k);
     if (!keep(m, m->quantity, k, QUANTITY_STIFFNESS, p.periods))
         return false;
     struct buffer text = {0};
@@ -379,6 +401,7 @@ static bool measure_k(struct measuring *m)
     else if (!own && !scene->given[index])
         reply_warning(m->reply, "the mass is the default of the scene: set it, for example m = 200 g");
     begin(m, k, QUANTITY_STIFFNESS, p.periods);
+    tell_inputs(m, &inputs, &text);
     reply_end(m->reply);
     return say(m, &text);
 }

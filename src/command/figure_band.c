@@ -152,7 +152,7 @@ bool drawing_kept_band(struct drawing *d)
 
 /* ---- kept for the panes ---- */
 
-#define A_PERIOD 64      /* points of the kept band: a straight line is off by 0.1 % of it between */
+#define A_PERIOD 64     /* points of the kept band: straight lines between are off by 0.1 % of it */
 #define KEPT_LEAST 500
 #define KEPT_MOST 20000
 
@@ -241,10 +241,13 @@ void band_plan(const struct session *session, const struct system *system, struc
     for (int i = 0; i < (int)scene_params(scene)->count; i++)
         if (scene->value[i] != adopted->scene.value[i])
             return;
-    buffer_format(text, "band      95 %% of the adopted fit, only when asked for (--band, 'set band on'): ");
+    buffer_put(text, TEXT("band      95 % of the adopted fit, only when asked for "
+                          "(--band, 'set band on'): "));
     if (system->switches > 0)
-        buffer_format(text, "%d runs of dop853 to 1e-10, two for each uncertain parameter\n", 2 * count);
+        buffer_format(text, "%d runs of dop853 to 1e-10, two for each uncertain parameter\n",
+                      2 * count);
     else
-        buffer_format(text, "%d variational equations beside the %d of the motion, once, to 1e-10\n",
+        buffer_format(text,
+                      "%d variational equations beside the %d of the motion, once, to 1e-10\n",
                       n * count, n);
 }

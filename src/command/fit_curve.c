@@ -183,6 +183,16 @@ static bool take_free(const struct asked_fit *asked, int *place, int *count, str
     return true;
 }
 
+static struct inputs exact_in(const struct scene *scene, const int *place, int count)
+{
+    struct inputs inputs = {.exacts = 0};
+    bool is_free[PARAM_MAX] = {false};
+    for (int i = 0; i < count; i++)
+        is_free[place[i]] = true;
+    inputs_use_motion(&inputs, scene, is_free);
+    return inputs;
+}
+
 /* "k = 15 N/m, m = 0.2 kg (free= frees them)"; NULL: nothing. */
 static const char *describe_held(const struct scene *scene, const int *held, int count, struct arena *arena)
 {
@@ -263,6 +273,7 @@ bool fit_the_scene(const struct asked_fit *asked, struct error *error)
                             .name = fit.name,
                             .quantity = quantity,
                             .held = describe_held(&scene, held, helds, arena),
+                            .inputs = exact_in(&scene, place, count),
                             .k = {NAN, NAN}};
     const int last = fit.curve.parameters - 1, friction = scene_param(&fit.scene, "friction");
     const bool sticks = friction >= 0 && fit.scene.value[friction] > 0;

@@ -196,8 +196,7 @@ static void put_motion(const struct told_fit *told, struct arena *arena, struct 
         put_laws(told, arena, text);
     else
         put_law(fit, text);
-    if (told->exact_mass)
-        buffer_put(text, TEXT("\n  (the mass is taken as exact; m = 200 +- 1 g, for example, says how well it is known)"));
+    inputs_put(&told->inputs, text);
     if (!isfinite(told->k.value) && told->spring)
         buffer_put(text, TEXT("\n  (set the mass, for example m = 200 g, to get k)"));
 }
@@ -256,6 +255,7 @@ static void put_curve(const struct told_fit *told, struct arena *arena, struct b
             }
     if (told->held)
         buffer_format(text, "\n  held: %s", told->held);
+    inputs_put(&told->inputs, text);
 }
 
 /* ---- the record ---- */
@@ -389,10 +389,7 @@ static void reply_record(const struct told_fit *told, struct reply *reply)
     if (told->modes)
         reply_modes(told, reply);
     reply_bool(reply, "converged", told->motion ? fit->converged : told->curve->converged);
-    reply_array(reply, "exact");
-    if (told->exact_mass)
-        reply_string(reply, NULL, "m");
-    reply_close(reply);
+    inputs_reply(&told->inputs, reply);
     reply_array(reply, "warnings");
     for (int i = 0; i < told->warnings; i++)
         reply_string(reply, NULL, told->warning[i]);

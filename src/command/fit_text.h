@@ -4,6 +4,7 @@
 #define HOOKE_COMMAND_FIT_TEXT_H
 
 #include "findings.h"
+#include "inputs.h"
 
 #define FIT_WARNINGS 8
 
@@ -19,7 +20,7 @@ struct told_fit {
     const char *held;              /* what was not fitted: "m = 0.2 kg, k = 15 N/m"; NULL: nothing to say */
     struct measured k;             /* NAN: not known */
     bool spring;                   /* k could be known */
-    bool exact_mass;               /* k was computed with a mass that has no uncertainty */
+    struct inputs inputs;          /* what entered besides the recording */
     char warning[FIT_WARNINGS][200];
     int warnings;
 };

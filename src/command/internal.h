@@ -410,6 +410,7 @@ struct subject {
     struct run *run;            /* NULL: a recording */
     struct recording *recording;
     char how[340]; /* of the energy of a recording: whose m, k and v */
+    struct measured mass, k; /* these */
 };
 
 /* The scene that a run or a recording is measured against: its own; for a recording the present one, if somebody has

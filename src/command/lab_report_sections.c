@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The sections of a report, in the order of the lab sheet; each is there only if the session has something for it. */
+#include "inputs.h"
 #include "lab_report.h"
 
 #include <stdio.h>
@@ -102,6 +103,30 @@ static void put_laws(struct document *document, const struct fit *fit)
     document_close(document, BLOCK_PARAGRAPH);
 }
 
+/* What the numbers of a recording took as exact, once for all of them. */
+static void put_exact(struct report *report, const char *of)
+{
+    const struct session *session = report->session;
+    struct document *document = &report->document;
+    struct inputs inputs = {.exacts = 0};
+    for (int i = 0; i < session->kept_fits; i++)
+        if (strcmp(session->kept_fit[i].of, of) == 0)
+            inputs_recall(&inputs, &session->kept_fit[i].exact);
+    for (int i = 0; i < session->measurements; i++)
+        if (strcmp(session->measurement[i].of, of) == 0)
+            inputs_recall(&inputs, &session->measurement[i].exact);
+    if (strcmp(session->adopted.of, of) == 0)
+        inputs_recall(&inputs, &session->adopted.exact);
+    if (inputs.exacts == 0)
+        return;
+    document_open(document, BLOCK_PARAGRAPH);
+    document_say(document, "Stated without an uncertainty and taken as exact: ");
+    for (int i = 0; i < inputs.exacts; i++)
+        document_say(document, "%s%s", i ? ", " : "", inputs.exact[i]);
+    document_say(document, ". What was computed with these is more uncertain if they are not.");
+    document_close(document, BLOCK_PARAGRAPH);
+}
+
 static bool put_recording(struct report *report, int place, enum section section, struct error *error)
 {
     struct document *document = &report->document;
@@ -131,18 +156,12 @@ static bool put_recording(struct report *report, int place, enum section section
                                   : error_memory(error);
     buffer_free(&about);
     put_values(report, of, false);
-    bool exact = false;
     for (int i = 0; i < report->session->kept_fits; i++) {
         const struct kept_fit *kept = &report->session->kept_fit[i];
         if (strcmp(kept->of, of) == 0 && section == SECTION_DAMPED_RECORDING)
             put_laws(document, &kept->fit);
-        exact = exact || (strcmp(kept->of, of) == 0 && kept->exact_mass);
     }
-    if (exact) {
-        document_open(document, BLOCK_PARAGRAPH);
-        document_say(document, "The mass was given without an uncertainty and is taken as exact: that of k is the fit's alone.");
-        document_close(document, BLOCK_PARAGRAPH);
-    }
+    put_exact(report, of);
     return ok;
 }
 

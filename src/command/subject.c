@@ -67,6 +67,8 @@ static bool data_energy(const struct session *session, struct arena *arena, stru
     if (!data_motion(session, subject->recording, &subject->series, true, arena, &motion, error))
         return false;
     snprintf(subject->how, sizeof subject->how, "%s; %s", motion.how_k, motion.how_v);
+    subject->mass = motion.mass;
+    subject->k = motion.k;
     return motion_series(&motion, true, -HUGE_VAL, HUGE_VAL, arena, &subject->series, error);
 }
 

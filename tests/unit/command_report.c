@@ -184,6 +184,25 @@ static void what_is_not_there_is_left_out(void **state)
     remove_folder("small");
 }
 
+/* Once for all numbers of a recording; what was stated is not among them. */
+static void what_counts_as_exact_is_said_once(void **state)
+{
+    (void)state;
+    struct bench bench;
+    struct buffer content = {0};
+    bench_open(&bench, false);
+    type_ok(&bench, "set timing off; m = 200 g; method rk4; run 6 s; export own.csv t,y; drop all");
+    type_ok(&bench, "load own.csv; eta = 1.82e-5 +- 1e-7 Pa*s; fit; adopt; measure k; measure reynolds");
+    type_ok(&bench, "report stated");
+    read_whole("stated", "report.md", &content);
+    has(&content, "Stated without an uncertainty and taken as exact: m, rho, length. What was");
+    const char *first = strstr(content.data, "taken as exact");
+    assert_null(strstr(first + 1, "taken as exact"));
+    buffer_free(&content);
+    bench_close(&bench);
+    remove_folder("stated");
+}
+
 static void a_run_that_diverged_comes_back(void **state)
 {
     (void)state;
@@ -264,6 +283,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_lab_comes_back_bit_for_bit),
         cmocka_unit_test(what_is_not_there_is_left_out),
+        cmocka_unit_test(what_counts_as_exact_is_said_once),
         cmocka_unit_test(a_run_that_diverged_comes_back),
         cmocka_unit_test(what_is_not_known_is_no_number),
         cmocka_unit_test(names_are_no_markup),
