@@ -281,9 +281,10 @@ void run_explain(const struct run *run, struct buffer *text);
  * run's own, unless the error so far makes the rest doubtful. src/run/opinion.c has the way.
  */
 void run_second_opinion(struct run *run, bool whole, const struct cancel *cancel);
-/* below [n]: variables of an adaptive run whose values are less than the error that it allows, and not only because
- * they pass through 0: none of their digits is certain. How many. */
-int run_below_tolerance(const struct run *run, bool *below);
+/* below [n]: how small a variable of an adaptive run is next to the error that it allows, or has by its second opinion,
+ * and not only because it passes through 0: none of its digits is certain, it is less than that [SI]. 0: others. How
+ * many. */
+int run_below_tolerance(const struct run *run, double *below);
 /* A short time at which the equations do something that no step has seen, where all steps are recorded. */
 bool run_missed_burst(const struct run *run, struct burst *missed);
 

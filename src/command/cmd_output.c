@@ -92,19 +92,23 @@ HANDLER(print)
 {
     UNUSED(error);
     struct item *item = given_for(given, "EXPR")->item;
-    struct named_value named;
+    struct named_value named = {.below = 0};
     struct buffer text = {0};
     /* Of a single name the uncertainty is known, too. */
     if (!item->is_string && peek_name(item->text).len == item->text.len && names_value(session, item->text, &named))
         item->value.uncertainty = named.uncertainty;
-    if (item->is_string)
+    if (item->is_string) {
         safe_text(&text, item->text, true);
-    else
+    } else if (named.below > 0) {
+        buffer_put(&text, TEXT("no digit is certain: less than "));
+        buffer_measured(&text, (struct measured){named.below, 0}, item->quantity, 2);
+    } else {
         buffer_measured(&text, item->value, item->quantity, session->setup.settings.digits);
+    }
     reply_text(reply, buffer_text(&text));
     reply_begin(reply, "print");
     reply_string(reply, "text", buffer_view(&text));
-    reply_real(reply, "value", item->is_string ? NAN : item->value.value);
+    reply_real(reply, "value", item->is_string || named.below > 0 ? NAN : item->value.value);
     reply_string(reply, "unit",
                  item->is_string || item->quantity == QUANTITY_OTHER ? NULL : quantity_unit(item->quantity));
     reply_end(reply);

@@ -259,6 +259,12 @@ bool names_value(const struct session *session, struct text name, struct named_v
     if (!find_name(&names, name, &slot))
         return false;
     *value = slot_value(&names, slot);
+    const struct run *run = session_run(session);
+    if (run && slot >> SLOT_KIND == NAME_STATE && run->system.model == state_model(&names)) {
+        double below[LIMIT_VARIABLES];
+        run_below_tolerance(run, below);
+        value->below = below[slot & ((1 << SLOT_KIND) - 1)];
+    }
     return true;
 }
 

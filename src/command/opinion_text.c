@@ -138,23 +138,24 @@ void reply_opinion_values(const struct run *run, struct reply *reply)
 void reply_below_tolerance(const struct run *run, struct reply *reply)
 {
     enum { NAMED = 3 };
-    bool below[LIMIT_VARIABLES];
+    double below[LIMIT_VARIABLES];
     const int count = run_below_tolerance(run, below);
     struct buffer names = {0};
     int first = -1;
     for (int i = 0, named = 0; i < run->system.n && named < NAMED; i++) {
-        if (!below[i])
+        if (!(below[i] > 0))
             continue;
-        first = first < 0 ? i : first;
+        first = first < 0 && !(run->system.atol[i] > 0) ? i : first;
         buffer_format(&names, "%s%s", named++ > 0 ? ", " : "", system_variable(&run->system, i).name);
     }
     if (count > NAMED)
         buffer_format(&names, " and %d more", count - NAMED);
     if (count > 0) {
-        reply_line(reply, "no digit is certain of %s: below %s tolerance", buffer_view(&names),
-                   count > 1 ? "their" : "its");
-        reply_line(reply, "'atol %s = VALUE' asks for errors as small as that",
-                   system_variable(&run->system, first).name);
+        reply_line(reply, "no digit is certain of %s: below %s tolerance%s", buffer_view(&names),
+                   count > 1 ? "their" : "its", first < 0 ? ", or the error; a smaller tol may help" : "");
+        if (first >= 0)
+            reply_line(reply, "'atol %s = VALUE' asks for errors as small as that",
+                       system_variable(&run->system, first).name);
     }
     buffer_free(&names);
 }

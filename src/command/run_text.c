@@ -8,11 +8,11 @@
 
 #define TINY 1.5e-154 /* its square is the least normal number */
 
-/* NAN: the scene has no variable of that name. */
-static double state_value(const struct run *run, const char *name)
+/* NAN: the scene has no variable of that name, or none of its digits is certain. */
+static double state_value(const struct run *run, const double *below, const char *name)
 {
     const int variable = model_variable(run->system.model, text_of(name));
-    return variable < 0 ? NAN : run->y[variable];
+    return variable < 0 || below[variable] > 0 ? NAN : run->y[variable];
 }
 
 #define STANDARD_GRAVITY 9.80665 /* [m/s^2] */
@@ -113,7 +113,9 @@ void reply_run(const struct session *session, const struct run *run, struct repl
     if (reply->format == FORMAT_TEXT)
         return;
     struct run_errors errors;
+    double below[LIMIT_VARIABLES];
     run_errors(run, &errors);
+    run_below_tolerance(run, below);
     reply_begin(reply, "run");
     reply_int(reply, "run", run->number);
     reply_string(reply, "method", run->method->row.name);
@@ -123,17 +125,15 @@ void reply_run(const struct session *session, const struct run *run, struct repl
     reply_int(reply, "evals", run->cost.evals);
     reply_int(reply, "turning_steps", run->cost.turns);
     reply_real(reply, "t", run->t);
-    reply_real(reply, "y", state_value(run, "y"));
-    reply_real(reply, "v", state_value(run, "v"));
+    reply_real(reply, "y", state_value(run, below, "y"));
+    reply_real(reply, "v", state_value(run, below, "v"));
     reply_object(reply, "state");
     for (int i = 0; i < run->system.n; i++)
-        reply_real(reply, system_variable(&run->system, i).name, run->y[i]);
+        reply_real(reply, system_variable(&run->system, i).name, below[i] > 0 ? NAN : run->y[i]);
     reply_close(reply);
-    bool below[LIMIT_VARIABLES];
-    run_below_tolerance(run, below);
     reply_array(reply, "below_tolerance");
     for (int i = 0; i < run->system.n; i++)
-        if (below[i])
+        if (below[i] > 0)
             reply_string(reply, NULL, system_variable(&run->system, i).name);
     reply_close(reply);
     reply_real(reply, "energy", ledger.final);

@@ -6,9 +6,17 @@
 #include <math.h>
 
 #define ADDED_UP 10   /* errors of steps come to about so many tolerances in a run */
+#define DIGIT 10       /* times the error: what is less has no first digit */
 #define PASSING 0.01 /* of the run: what would be above the tolerance within so long passes through 0 */
 
-int run_below_tolerance(const struct run *run, bool *below)
+/* What the error of variable i is known to be at the present state, 0: nothing. */
+static double known_error(const struct run *run, int i)
+{
+    const struct opinion *opinion = &run->opinion;
+    return opinion->t == run->t && isnan(opinion->lost) ? opinion->end[i] : 0;
+}
+
+int run_below_tolerance(const struct run *run, double *below)
 {
     const struct system *system = &run->system;
     const double soon = PASSING * fabs(run->t - system->t0), tol = fmax(run->controller.tol, 10 * DBL_EPSILON);
@@ -19,9 +27,12 @@ int run_below_tolerance(const struct run *run, bool *below)
         return 0;
     system_derivative(system, run->t, run->y, slope);
     for (int i = 0; i < system->n; i++) {
-        const double allowed = ADDED_UP * tol * run->controller.scale[i];
-        below[i] = run->y[i] != 0 && fabs(run->y[i]) < allowed && fabs(slope[i]) * soon < allowed;
-        count += below[i];
+        const double up = ADDED_UP * tol * run->controller.scale[i], error = known_error(run, i);
+        const double allowed = fmax(up, DIGIT * error);
+        if (run->y[i] == 0 || !(fabs(run->y[i]) < allowed && fabs(slope[i]) * soon < allowed))
+            continue;
+        below[i] = fmax(up, fabs(run->y[i]) + error);
+        count++;
     }
     return count;
 }
