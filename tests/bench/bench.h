@@ -58,6 +58,7 @@ struct hand_scene {
 extern const struct hand_scene hand_scenes[]; /* name NULL: end */
 const struct hand_scene *hand_scene(const char *name);
 hand_loop *hand_find(const struct hand_scene *scene, const char *method);
+hand_loop *hand_chain(int n); /* rk4 of 4, 8, 16 or 32 oscillators in a ring */
 
 /* ---- adaptive solves: hooke, by hand, and by libraries ---- */
 

@@ -60,16 +60,18 @@ struct hand {
     struct known known;
     const double *start;
     double *row;
+    int n; /* variables */
+    int64_t steps;
 };
 
 static double run_hand(void *self)
 {
     struct hand *hand = self;
     double state[LIMIT_VARIABLES];
-    memcpy(state, hand->start, 4 * sizeof *state);
+    memcpy(state, hand->start, (size_t)hand->n * sizeof *state);
     const int64_t begin = clock_ns();
-    hand->loop(&hand->known, 0.01, 0, STEPS, state, hand->row);
-    return (double)(clock_ns() - begin) / STEPS;
+    hand->loop(&hand->known, 0.01, 0, hand->steps, state, hand->row);
+    return (double)(clock_ns() - begin) / (double)hand->steps;
 }
 
 #define FORM(name, form) static const char name[] = form
@@ -103,7 +105,8 @@ static void against_hand(double *row)
         general.settings.kernel = KERNEL_GENERAL;
         const struct hand_scene *scene = hand_scene(rows[i].scene);
         static const double line[] = {1, 0}, plane[] = {0.5, 0, 0, 1.7320508075688772};
-        struct hand hand = {hand_find(scene, rows[i].method), scene->known, scene->n == 2 ? line : plane, row};
+        struct hand hand = {hand_find(scene, rows[i].method), scene->known, scene->n == 2 ? line : plane, row,
+                            scene->n, STEPS};
         struct arm arm[] = {ARM(run_typed, &typed), ARM(run_hand, &hand), ARM(run_typed, &general)};
         contest(arm, 3);
         char what[64];
@@ -152,6 +155,32 @@ static void against_general(void)
         }
     for (int i = 0; i < 3; i++)
         buffer_free(&lines[i]);
+}
+
+/* Rings against the same by hand. */
+static void chains(double *row)
+{
+    static const int size[] = {4, 8, 16, 32};
+    for (size_t i = 0; i < COUNT_OF(size); i++) {
+        const int n = size[i];
+        const struct known known = {.k = 0.5, .b = 0.05};
+        double start[LIMIT_VARIABLES] = {1};
+        struct buffer lines = {0};
+        buffer_format(&lines, "var x1 = 1;param k = 0.5;param b = 0.05");
+        for (int j = 1; j < n; j++)
+            buffer_format(&lines, ";var x%d = 0", j + 1);
+        add_ring(&lines, ";x%1$d'' = k*(x%2$d - 2*x%1$d + x%3$d) - b*x%1$d^3", n);
+        struct typed typed = {.method = bench_method("rk4"), .settings = {.dt = 0.01}, .steps = STEPS / 20};
+        type(&typed, lines.data);
+        struct hand hand = {hand_chain(n), known, start, row, 2 * n, STEPS / 20};
+        struct arm arm[] = {ARM(run_typed, &typed), ARM(run_hand, &hand)};
+        contest(arm, 2);
+        char what[64];
+        snprintf(what, sizeof what, "rk4, ring of %d as typed: %s", n, typed.way);
+        table_row(what, &arm[0], "C loop", &arm[1], 2);
+        typed_destroy(typed.models);
+        buffer_free(&lines);
+    }
 }
 
 /* ---- solves with a tolerance ---- */
@@ -254,6 +283,7 @@ void bench_typed(void)
     table_begin("Scenes as typed, recorded", "ns a step");
     against_hand(row);
     against_general();
+    chains(row);
     table_begin("Scenes as typed, a solve", "us a solve");
     against_built_in();
     ready();
