@@ -109,8 +109,8 @@ static inline bool typed_ratios_fit(const struct typed_term *term)
 {
     return term->part && 1 + term->part->given <= TERM_VALUES - typed_rows(term->typed);
 }
-/* The mass of coordinate i: that of the scene, unless typed_find_potential() found that they differ. */
-double typed_mass_of(const double *c, int i);
+/* The mass of each coordinate [rows]: that of the scene, unless typed_find_potential() found that they differ. */
+void typed_masses(const double *c, double *mass);
 
 struct typed_part *typed_part_create(const struct typed *typed, uint64_t zeros, struct error *error);
 void typed_part_destroy(struct typed_part *part);

@@ -68,21 +68,26 @@ static double potential(const double *c, const double *y)
     return out[0];
 }
 
-double typed_mass_of(const double *c, int i)
+void typed_masses(const double *c, double *mass)
 {
     const struct typed_term *term = typed_term_of(c);
-    const double ratio = typed_ratios_fit(term) ? c[TERM_VALUES - 1 - i] : 0;
-    return ratio > 0 ? ratio * c[1] : c[1];
+    const int rows = typed_rows(term->typed);
+    const bool differ = typed_ratios_fit(term);
+    for (int i = 0; i < rows; i++) {
+        const double ratio = differ ? c[TERM_VALUES - 1 - i] : 0;
+        mass[i] = ratio > 0 ? ratio * c[1] : c[1];
+    }
 }
 
 static double power(const double *c, double t, const double *y)
 {
     const struct typed_term *term = typed_term_of(c);
     const int rows = typed_rows(term->typed);
-    double out[LIMIT_VARIABLES], sum = 0;
+    double out[LIMIT_VARIABLES], mass[LIMIT_VARIABLES], sum = 0;
+    typed_masses(c, mass);
     typed_evaluate(term->add, c, t, y, out);
     for (int i = 0; i < rows; i++)
-        sum += typed_mass_of(c, i) * out[i] * y[rows + i];
+        sum += mass[i] * out[i] * y[rows + i];
     return sum;
 }
 

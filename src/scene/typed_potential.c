@@ -30,19 +30,20 @@ static const double gauss[NODES / 2] = {0.129484966168869693270611432679082, 0.2
 struct path {
     const struct typed_term *term;
     const double *c;
-    const double *from, *to;                                                 /* [rows] */
+    int rows;
+    const double *mass, *from, *to;                                          /* [rows] */
     void (*at)(const struct path *path, double s, double *q, double *along); /* q and dq/ds [rows] */
 };
 
 static double force_along(const struct path *path, double s)
 {
-    const int rows = typed_rows(path->term->typed);
+    const int rows = path->rows;
     double q[LIMIT_VARIABLES], along[LIMIT_VARIABLES], a[LIMIT_VARIABLES], sum = 0;
     memset(q + rows, 0, (size_t)rows * sizeof *q);
     path->at(path, s, q, along);
     typed_evaluate(path->term->add, path->c, 0, q, a);
     for (int i = 0; i < rows; i++)
-        sum += typed_mass_of(path->c, i) * along[i] * a[i];
+        sum += path->mass[i] * along[i] * a[i];
     return sum;
 }
 
@@ -103,7 +104,7 @@ static double integral(const struct path *path, double *size)
 
 static void straight(const struct path *path, double s, double *q, double *along)
 {
-    for (int i = 0; i < typed_rows(path->term->typed); i++) {
+    for (int i = 0; i < path->rows; i++) {
         along[i] = path->to[i] - path->from[i];
         q[i] = path->from[i] + s * along[i];
     }
@@ -111,7 +112,7 @@ static void straight(const struct path *path, double s, double *q, double *along
 
 static void from_origin(const struct path *path, double s, double *q, double *along)
 {
-    for (int i = 0; i < typed_rows(path->term->typed); i++) {
+    for (int i = 0; i < path->rows; i++) {
         q[i] = s * path->to[i];
         along[i] = path->to[i];
     }
@@ -119,7 +120,7 @@ static void from_origin(const struct path *path, double s, double *q, double *al
 
 static void from_infinity(const struct path *path, double s, double *q, double *along)
 {
-    for (int i = 0; i < typed_rows(path->term->typed); i++) {
+    for (int i = 0; i < path->rows; i++) {
         q[i] = path->to[i] / s;
         along[i] = -path->to[i] / (s * s);
     }
@@ -139,7 +140,7 @@ static double length(const double *q, int rows)
  */
 static void around_origin(const struct path *path, double s, double *q, double *along)
 {
-    const int rows = typed_rows(path->term->typed);
+    const int rows = path->rows;
     const double r = length(path->to, rows), across = length(path->to + 1, rows - 1), rate = log(r), at = pow(r, s);
     const double turn = rows > 1 ? atan2(across, path->to[0]) : 0, sign = rows == 1 && path->to[0] < 0 ? -1 : 1;
     q[0] = sign * at * cos(s * turn);
@@ -156,7 +157,10 @@ static void around_origin(const struct path *path, double s, double *q, double *
 static double along_path(const double *c, const double *y,
                          void (*at)(const struct path *path, double s, double *q, double *along), double *size)
 {
-    const struct path path = {typed_term_of(c), c, NULL, y, at};
+    const struct typed_term *term = typed_term_of(c);
+    double mass[LIMIT_VARIABLES];
+    typed_masses(c, mass);
+    const struct path path = {term, c, typed_rows(term->typed), mass, NULL, y, at};
     return -integral(&path, size);
 }
 
@@ -165,12 +169,13 @@ static double linear_potential(const double *c, const double *y)
 {
     const struct typed_term *term = typed_term_of(c);
     const int rows = typed_rows(term->typed);
-    double q[LIMIT_VARIABLES] = {0}, at0[LIMIT_VARIABLES], a[LIMIT_VARIABLES], sum = 0;
+    double q[LIMIT_VARIABLES] = {0}, at0[LIMIT_VARIABLES], a[LIMIT_VARIABLES], mass[LIMIT_VARIABLES], sum = 0;
+    typed_masses(c, mass);
     typed_evaluate(term->add, c, 0, q, at0);
     memcpy(q, y, (size_t)rows * sizeof *q);
     typed_evaluate(term->add, c, 0, q, a);
     for (int i = 0; i < rows; i++)
-        sum += typed_mass_of(c, i) * q[i] * (at0[i] + a[i]);
+        sum += mass[i] * q[i] * (at0[i] + a[i]);
     return -sum / 2;
 }
 
@@ -326,7 +331,9 @@ static bool fits_between(const struct typed_term *term, const double *c, const d
                          double potential_a, double potential_b)
 {
     const double tolerated = 1e-8;
-    const struct path path = {term, c, a, b, straight};
+    double mass[LIMIT_VARIABLES];
+    typed_masses(c, mass);
+    const struct path path = {term, c, typed_rows(term->typed), mass, a, b, straight};
     double size;
     const double fall = integral(&path, &size);
     return fabs(potential_a - potential_b - fall) <= tolerated * (fabs(potential_a) + fabs(potential_b) + size);
