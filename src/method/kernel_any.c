@@ -9,6 +9,7 @@
 #define UNROLL _Pragma("GCC unroll 32")
 #include <hooke/base.h>
 enum { MOST = LIMIT_VARIABLES };
+#include "kernel_typed.h"
 #include "rows.h"
 #include "step_body.h"
 
@@ -25,14 +26,49 @@ static void any_slope(const void *system, double t, const double *y, double *dyd
     system_derivative(system, t, y, dydt);
 }
 
-static void any_force(const void *system, double t, const double *y, double *a)
+/* A whole typed scene in one program: prepared once a march, not at each evaluation. */
+struct whole {
+    const struct system *system;
+    int positions; /* variables whose slopes are others; -1: not in one program */
+    bool force;    /* what does not depend on velocity is in one */
+    struct known known;
+};
+
+static void whole_take(struct whole *whole, const struct system *system)
 {
-    system_force(system, t, y, a);
+    const int n = system->n, rows = system->order == 2 ? n / 2 : n;
+    whole->system = system;
+    const bool taken = n > 2 && known_take(&whole->known, system);
+    whole->positions = taken && sum_is_one(&whole->known.whole) ? n - rows : -1;
+    whole->force = taken && sum_is_one(&whole->known.force);
 }
 
-static void any_drag(const void *system, double t, const double *y, double *a)
+static void whole_slope(const void *of, double t, const double *y, double *dydt)
 {
-    system_drag(system, t, y, a);
+    const struct whole *whole = of;
+    const int n = whole->system->n, positions = whole->positions;
+    if (positions < 0) {
+        system_derivative(whole->system, t, y, dydt);
+        return;
+    }
+    memcpy(dydt, y + n - positions, (size_t)positions * sizeof *y);
+    one_evaluate(&whole->known.whole, n, n - positions, t, y, dydt + positions);
+}
+
+static void whole_force(const void *of, double t, const double *y, double *a)
+{
+    const struct whole *whole = of;
+    const int n = whole->system->n;
+    if (whole->force)
+        one_evaluate(&whole->known.force, n, n / 2, t, y, a);
+    else
+        system_force(whole->system, t, y, a);
+}
+
+static void whole_drag(const void *of, double t, const double *y, double *a)
+{
+    const struct whole *whole = of;
+    system_drag(whole->system, t, y, a);
 }
 
 #define JOIN_(a, b) a##b
@@ -48,7 +84,9 @@ static void any_drag(const void *system, double t, const double *y, double *a)
     static int64_t RK_NAME(const struct march *march)                                                                  \
     {                                                                                                                  \
         const struct system *system = march->step->system;                                                             \
-        return rk_march(&RK_ROW, size_of(system), any_slope, system, march);                                           \
+        struct whole whole;                                                                                            \
+        whole_take(&whole, system);                                                                                    \
+        return rk_march(&RK_ROW, size_of(system), whole_slope, &whole, march);                                         \
     }                                                                                                                  \
     static enum step_status STEP_NAME(const struct method *method, struct step *step)                                  \
     {                                                                                                                  \
@@ -64,7 +102,9 @@ static void any_drag(const void *system, double t, const double *y, double *a)
     {                                                                                                                  \
         const struct system *system = march->step->system;                                                             \
         const enum drag drag = system->velocity ? march->step->drag : DRAG_DEFAULT;                                    \
-        return split_march(&SPLIT_ROW, system->n, drag, any_force, any_drag, system, march);                           \
+        struct whole whole;                                                                                            \
+        whole_take(&whole, system);                                                                                    \
+        return split_march(&SPLIT_ROW, system->n, drag, whole_force, whole_drag, &whole, march);                       \
     }
 #include "split.def"
 #undef SPLITTING
