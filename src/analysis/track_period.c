@@ -17,6 +17,8 @@ enum { PHASES_LEAST = 4, POWERS = 3 };
 #define NORMAL 1.96   /* of a 95 % interval */
 #define RARELY 1e-5   /* the chance of scatter so small that it is none */
 #define BENDS_AT 4.0  /* standard deviations of the curvature */
+#define RISES_AT 3.0   /* standard deviations of the curvature of log A */
+#define LATE 1.8
 #define BENDS_LEAST 1e-4 /* relative change of the period over the recording that is worth a word */
 
 struct phases {
@@ -212,6 +214,31 @@ static double slope_sigma(const struct polynomial *line)
     return line->sigma[1] * fmax(widen, chance ? 1 / sqrt(line->variance) : 0);
 }
 
+/*
+ * How much longer the period may seem than it is, relative to it: under dry friction the decay rate r = -A'/A rises and
+ * with it the delay of the phase, by up to LATE dr/omega (1.4 to 1.8 in recordings whose motion is known; linear and
+ * quadratic drag have none).
+ */
+static double delay_of_friction(const struct track *track, struct phases *p, double omega, double *scratch,
+                                unsigned char *use)
+{
+    struct polynomial decay;
+    size_t n = 0;
+    for (size_t k = 0; k < track->windows && n < p->n; k++) {
+        const struct track_window *w = &track->window[k];
+        if (w->clear && w->sigma < 1) {
+            p->phase[n++] = log(w->amplitude);
+        }
+    }
+    memset(use, 1, p->n);
+    if (p->n <= PHASES_LEAST || !weigh_polynomial(p, 3, scratch, use, &decay) ||
+        !(decay.coefficient[2] < -RISES_AT * decay.sigma[2])) {
+        return 0;
+    }
+    const double rise = -4 * decay.coefficient[2] / p->half; /* [1/s] */
+    return LATE * rise / (omega * omega * 2 * p->half);
+}
+
 bool track_period(const struct track *track, struct arena *arena, struct period *out)
 {
     struct phases p;
@@ -261,5 +288,12 @@ bool track_period(const struct track *track, struct arena *arena, struct period 
             out->period.uncertainty = fmax(out->period.uncertainty, 0.25 * fabs(to - from));
         }
     }
+    const double late = delay_of_friction(track, &p, omega, scratch, use) * period;
+    if (late > NORMAL * out->period.uncertainty && !out->warning[0]) {
+        snprintf(out->warning, sizeof out->warning,
+                 "the decay speeds up, as under dry friction, which delays the phases: T may be up to %.2g s too "
+                 "long ('fit drag' knows)", late);
+    }
+    out->period.uncertainty = hypot(out->period.uncertainty, late / NORMAL);
     return out->period.value > 0;
 }

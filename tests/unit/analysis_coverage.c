@@ -95,6 +95,14 @@ static double slowly_decaying(double t, double period, double span)
     return exp(-0.7 * t / span);
 }
 
+/* Dry friction alone, x periods from a turning point at 1: half swings about +-d, until it sticks. */
+static double under_dry_friction(double x, double d)
+{
+    const int half = (int)fmin(2 * x, 0.5 * (1 / d - 1) + 1); /* swings, while the amplitude exceeds d */
+    const double sign = half % 2 ? -1 : 1, from = 1 - 2 * d * half;
+    return from > d ? sign * (d + (from - d) * cos(PI * (2 * x - half))) : sign * from;
+}
+
 enum shape { DECAYING, SHORT, DAMPED, CHIRP, BEATS, COULOMB };
 
 static struct recorded make(enum shape shape, double amplitude)
@@ -121,7 +129,7 @@ static struct recorded make(enum shape shape, double amplitude)
                                    : shape == CHIRP
                                        ? cos(angle + 2 * PI * change * periods * (x / periods) * (x / periods - 1))
                                    : shape == BEATS ? first + 0.8 * cos(angle * (1 + apart))
-                                                    : fmax(1 - 1.1 * t / r.span, 0) * first);
+                                                    : under_dry_friction(x + (phase + PI) / (2 * PI), 0.25 / periods));
     }
     return r;
 }
