@@ -3,6 +3,7 @@
 #ifndef COMMAND_ROWS
 #include "choices.h"
 #include "findings.h"
+#include "fit_text.h"
 #include "inputs.h"
 #include "measuring.h"
 
@@ -96,12 +97,12 @@ static bool measure_period(struct measuring *m)
     if (!series_period(&m->subject.series, m->given->arena, &p, m->error) ||
         !keep(m, m->quantity, p.period, QUANTITY_TIME, p.periods))
         return false;
-    put(&text, "T", p.period, QUANTITY_TIME);
+    put_value(&text, "T", p.period, QUANTITY_TIME, m->subject.recording);
     buffer_format(&text, " (%g period%s, %s)", p.periods, p.periods == 1 ? "" : "s", p.how);
     if (!m->subject.energy && !m->subject.column)
         put_theory(&text, p.period.value, theory_period(m), QUANTITY_TIME);
     if (m->subject.recording && series_correlation_period(&m->subject.series, &p, m->given->arena, &alike))
-        put(&text, "\nautocorrelation: T", alike, QUANTITY_TIME);
+        put_value(&text, "\nautocorrelation: T", alike, QUANTITY_TIME, true);
     begin(m, p.period, QUANTITY_TIME, p.periods);
     reply_string(m->reply, "how", p.how);
     if (m->subject.recording)

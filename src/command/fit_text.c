@@ -211,16 +211,21 @@ static void put_parameters(const struct told_fit *told, struct arena *arena, str
     for (size_t i = 0; i < COUNT_OF(heads); i++)
         cell_text(&table, heads[i]);
     for (int j = 0; j < curve->parameters; j++) {
+        const double *range = curve->interval[j], half = 0.5 * (range[1] - range[0]);
+        /* Two digits of the half width, as of the uncertainty; that of a run is rounding. */
+        const double size = fmax(fabs(range[0]), fabs(range[1]));
+        const int digits = told->subject->recording && half > 0 && size > half
+                               ? (int)fmin(fmax(3 + floor(log10(size / half)), 6), 15) : 6;
         struct buffer value = {0}, interval = {0};
-        buffer_measured(&value, curve->value[j], told->quantity[j], 8);
+        buffer_measured(&value, curve->value[j], told->quantity[j], told->subject->recording ? EXACT_DIGITS : 8);
         if (curve->bound[j]) {
             buffer_put(&interval, TEXT("on its bound"));
         } else if (!curve->determined[j]) {
             buffer_put(&interval, TEXT("not determined"));
         } else {
-            buffer_quantity(&interval, curve->interval[j][0], told->quantity[j], 6);
+            buffer_quantity(&interval, range[0], told->quantity[j], digits);
             buffer_put(&interval, TEXT(" .. "));
-            buffer_quantity(&interval, curve->interval[j][1], told->quantity[j], 6);
+            buffer_quantity(&interval, range[1], told->quantity[j], digits);
         }
         cell_text(&table, told->name[j]);
         cell_take(&table, &value);

@@ -255,6 +255,32 @@ static void names_after_free_complete(void **state)
     bench_close(&bench);
 }
 
+/* A long recording is more precise than the digits that are usual: they follow the uncertainty. */
+static void small_uncertainties_are_shown(void **state)
+{
+    (void)state;
+    FILE *out = fopen("long.txt", "w");
+    assert_non_null(out);
+    fprintf(out, "t (s)\ty (m)\n");
+    for (int i = 0; i < 24000; i++)
+        fprintf(out, "%.2f\t%.4f\n", 0.05 * i, 0.05 * exp(-5e-4 * 0.05 * i) * cos(8 * 0.05 * i));
+    fclose(out);
+    struct bench bench;
+    bench_open(&bench, true);
+    type_ok(&bench, "load long.txt");
+    type_ok(&bench, "measure period"); /* pi/4 = 0.785398163 */
+    assert_says(&bench.out, "T = 0.785398");
+    assert_null(strstr(bench.out.data, "T = 0.785398 s"));
+    type_ok(&bench, "m = 200 g; fit scene");
+    double low = 0, high = 0, value = 0, off = 0;
+    const char *row = strstr(bench.out.data, "\n  k ");
+    assert_non_null(row);
+    assert_int_equal(sscanf(row, " k %lf +- %lf N/m %lf N/m .. %lf N/m", &value, &off, &low, &high), 4);
+    assert_true(fabs(high - low - 3.92 * off) < 0.4 * off && high < value + 3 * off && low > value - 3 * off);
+    assert_true(off < 1e-5 * value && fabs(value - 12.8) < 5 * off);
+    bench_close(&bench);
+}
+
 static int enter(void **state)
 {
     return getcwd(home, sizeof home) ? enter_folder(state) : -1;
@@ -266,6 +292,7 @@ int main(void)
         cmocka_unit_test(certified_values_are_found),     cmocka_unit_test(one_spring_has_one_stiffness),
         cmocka_unit_test(scene_fits_are_adopted),         cmocka_unit_test(records_hold_every_key),
         cmocka_unit_test(what_does_not_converge_says_so), cmocka_unit_test(names_after_free_complete),
+        cmocka_unit_test(small_uncertainties_are_shown),
     };
     return cmocka_run_group_tests(tests, enter, leave_folder);
 }
