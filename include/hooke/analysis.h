@@ -359,7 +359,8 @@ struct drag_fit {
         double rms;
     } candidate[DRAG_LAWS];
     int candidates;        /* 0: the fit was not one of drag */
-    enum drag_law best;    /* by BIC, preferred or not: the law that the fit's values are those of */
+    enum drag_law best;    /* the simplest that remains: the law that the fit's values are those of */
+    unsigned remaining;    /* bit i: the data do not exclude candidate[i]; more than one: not distinguishable */
     double independent;    /* residuals, after allowing for their correlation in the amplitude */
     double delta;          /* BIC of the next best law less that of the best */
     double p_value;        /* F-test of the last term of a sum, or of a second one beside a single law */
@@ -400,8 +401,7 @@ struct fit {
     double window[2];                /* [s] */
     struct measured halves[2];       /* gamma of the two halves of the window, NAN where a half determines nothing */
     struct measured half_periods[2]; /* [s] */
-    enum drag_law preferred;         /* which law the envelope follows */
-    double evidence[3];              /* BIC of linear, quadratic, mixed */
+    enum drag_law preferred;         /* of damping; LAW_NONE: the laws were not compared (fit drag does) */
     bool converged;
     int iterations;
     double autocorrelation; /* lag 1 of the residuals */

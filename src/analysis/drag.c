@@ -312,8 +312,6 @@ bool drag_laws(struct motion *m, enum quantity quantity, bool forces, const stru
     }
     drag_losses(&f, &f.fit[widest], evidence.loss);
     const int best = law_choose(&evidence, out);
-    for (int i = 0; i < 3; i++)
-        out->evidence[i] = drag->candidate[i].bic;
     if (!drag_report_offset(&f, &f.fit[best], &factors, arena, out))
         return error_memory(error);
     drag_report(&f, best, &factors, out);

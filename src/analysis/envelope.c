@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Which drag makes the amplitude fall? Averaging y'' + gamma y' + b|y'|y' + Omega^2 y = 0 over a period gives
- * A(s) = A0 exp(-gamma s/2) / (1 + q phi(s)), phi = (1 - exp(-gamma s/2)) 2/gamma, q = 4 b Omega A0/(3 pi); the phase
- * is unaffected (Nayfeh & Mook 1979, Nonlinear Oscillations, 3.3). Linear: q = 0; quadratic: gamma = 0, A = A0/(1 + q
- * s).
+ * The envelope, where the search for the laws of damping begins, and what sways about it. Averaging y'' + gamma y' +
+ * b|y'|y' + Omega^2 y = 0 over a period gives A(s) = A0 exp(-gamma s/2) / (1 + q phi(s)), phi = (1 - exp(-gamma s/2))
+ * 2/gamma, q = 4 b Omega A0/(3 pi); the phase is unaffected (Nayfeh & Mook 1979, Nonlinear Oscillations, 3.3). Linear:
+ * q = 0; quadratic: gamma = 0, A = A0/(1 + q s).
  */
 #include "internal.h"
 
@@ -14,8 +14,6 @@
 enum { WINDOWS_MOST = 64, WINDOWS_LEAST = 8 };
 
 #define AVERAGED 1e-10 /* mean square to which averaging over a period is good: no law is better than that */
-/* Difference of BIC that decides: with it no wrong single law and few spurious second terms. */
-#define DELTA_LEAST 6.0
 
 struct envelope {
     size_t count;
@@ -82,7 +80,7 @@ static int law_jacobian(const gsl_vector *x, void *context, gsl_matrix *jacobian
 }
 
 struct law_fit {
-    double mean_square, autocorrelation, gamma, q;
+    double mean_square, gamma, q;
     bool found;
 };
 
@@ -108,13 +106,11 @@ static bool fit_law(struct envelope *e, bool gamma, bool quadratic, double start
         /* GSL_ENOPROG: the minimum to the last digit */
         result->found = status == GSL_SUCCESS || status == GSL_ENOPROG;
         const gsl_vector *f = gsl_multifit_nlinear_residual(work), *at = gsl_multifit_nlinear_position(work);
-        double square = 0, product = 0;
+        double square = 0;
         for (size_t i = 0; i < e->count; i++) {
             square += gsl_vector_get(f, i) * gsl_vector_get(f, i);
-            product += i > 0 ? gsl_vector_get(f, i) * gsl_vector_get(f, i - 1) : 0;
         }
         result->mean_square = fmax(square / (double)e->count, AVERAGED);
-        result->autocorrelation = square > 0 ? product / square : 0;
         result->gamma = gamma ? gsl_vector_get(at, 1) : 0;
         result->q = quadratic ? gsl_vector_get(at, p - 1) : 0;
         result->found = result->found && isfinite(square);
@@ -152,7 +148,7 @@ static void read_envelope(const struct motion *m, struct envelope *e)
     e->noise = e->count ? noise / (double)e->count / (largest * largest) : 0;
 }
 
-bool envelope_laws(const struct motion *m, struct fit *fit, double *sway, struct envelope_rates rates[3])
+bool envelope_laws(const struct motion *m, double *sway, struct envelope_rates rates[3])
 {
     static const struct {
         bool gamma, quadratic;
@@ -160,10 +156,6 @@ bool envelope_laws(const struct motion *m, struct fit *fit, double *sway, struct
     struct law_fit law[COUNT_OF(laws)];
     struct envelope readings = {0}, *e = &readings;
     *sway = NAN;
-    fit->preferred = LAW_NONE;
-    for (size_t i = 0; i < COUNT_OF(laws); i++) {
-        fit->evidence[i] = NAN;
-    }
     read_envelope(m, e);
     if (e->count < WINDOWS_LEAST) {
         return true;
@@ -178,27 +170,11 @@ bool envelope_laws(const struct motion *m, struct fit *fit, double *sway, struct
         }
         rates[i] = (struct envelope_rates){.gamma = law[i].gamma / span, .q = law[i].q / span};
     }
-    /* One count of independent readings for all three: that of the largest model. */
-    double n = (double)e->count, independent = n / autocorrelation_factor(law[2].autocorrelation);
-    for (size_t i = 0; i < COUNT_OF(laws); i++) {
-        double parameters = 1 + laws[i].gamma + laws[i].quadratic;
-        fit->evidence[i] = independent * log(law[i].mean_square) + parameters * log(independent);
-    }
-    const double *bic = fit->evidence;
-    int simple = bic[0] <= bic[1] ? 0 : 1;
-    bool physical = law[2].gamma > 0 && law[2].q > 0;
-    if (physical && bic[simple] - bic[2] >= DELTA_LEAST) {
-        fit->preferred = LAW_LINEAR | LAW_QUADRATIC;
-    } else if (bic[1 - simple] - bic[simple] >= DELTA_LEAST) {
-        fit->preferred = simple == 0 ? LAW_LINEAR : LAW_QUADRATIC;
-    } else {
-        fit->preferred = LAW_UNDECIDED;
-    }
     double square = 0;
     for (size_t k = 0; k < e->count; k++) {
         square += e->a[k] * e->a[k];
     }
     double scatter = fmin(fmin(law[0].mean_square, law[1].mean_square), law[2].mean_square);
-    *sway = scatter > 10 * e->noise ? sqrt(scatter / (square / n)) : 0;
+    *sway = scatter > 10 * e->noise ? sqrt(scatter / (square / (double)e->count)) : 0;
     return true;
 }

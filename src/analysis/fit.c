@@ -6,8 +6,6 @@
 #include <math.h>
 #include <stdio.h>
 
-#define SIGNIFICANT 3.0 /* standard deviations of gamma above 0 before laws of drag are compared */
-
 /* Variance of the linear combination g of the parameters. */
 static double variance(const struct harmonic *h, const double g[HARMONIC_PARAMETERS])
 {
@@ -113,7 +111,7 @@ static bool fit_harmonic(const char *model, enum harmonic_free unknowns, enum la
 {
     const bool drag = laws != LAWS_NONE;
     struct motion m;
-    *fit = (struct fit){.model = model, .evidence = {NAN, NAN, NAN}};
+    *fit = (struct fit){.model = model};
     fit->halves[0] = fit->halves[1] = fit->half_periods[0] = fit->half_periods[1] = (struct measured){NAN, NAN};
     gsl_set_error_handler_off(); /* GSL's default ends the program; statuses are checked here */
     if (!motion_require(&m, series, arena, cancel, error)) {
@@ -163,7 +161,6 @@ static bool fit_harmonic(const char *model, enum harmonic_free unknowns, enum la
         size_t middle = samples_index(&m.samples, 0.5 * (fit->window[0] + series->t[moves - 1]));
         fit_half(&m, 0, middle, 0, fit);
         fit_half(&m, middle, moves, 1, fit);
-        double formal = fit->gamma.uncertainty;
         widen_by_halves(fit->halves, &fit->gamma);
         widen_by_halves(fit->half_periods, &fit->period);
         fit->omega.uncertainty = fit->omega.value * fit->period.uncertainty / fit->period.value;
@@ -171,14 +168,11 @@ static bool fit_harmonic(const char *model, enum harmonic_free unknowns, enum la
         fit_covariance_widen(&fit->covariance, SINE_GAMMA, fit->gamma.uncertainty);
         const double rate = fmax(m.harmonic.gamma, 0);
         struct envelope_rates rates[3] = {{rate, 0}, {0, 0.5 * rate}, {0.5 * rate, 0.25 * rate}};
-        if (!envelope_laws(&m, fit, &sway, rates)) {
+        if (!envelope_laws(&m, &sway, rates)) {
             return error_memory(error);
         }
         if (drag && !drag_laws(&m, series->quantity, laws == LAWS_ALL, rates, arena, fit, error)) {
             return false;
-        }
-        if (!drag && !(fit->gamma.value > SIGNIFICANT * formal)) {
-            fit->preferred = LAW_NONE;
         }
     }
     fit_diagnose(&m, sway, fit);

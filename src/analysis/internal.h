@@ -191,11 +191,11 @@ struct envelope_rates {
 double envelope_value(const struct envelope_rates *rates, double s, double by[2]);
 
 /*
- * Compares linear, quadratic and linear+quadratic drag on the envelope: fills preferred and evidence. *sway: scatter of the
- * amplitudes about the best law, relative to their size, where it is more than their noise, else 0; NAN: too few
- * readings to tell. rates of these three where they were found. False: no memory.
+ * Linear, quadratic and linear+quadratic drag of the envelope. *sway: scatter of the amplitudes about the best of them,
+ * relative to their size, where it is more than their noise, else 0; NAN: too few readings to tell. rates of these
+ * three where they were found. False: no memory.
  */
-bool envelope_laws(const struct motion *motion, struct fit *fit, double *sway, struct envelope_rates rates[3]);
+bool envelope_laws(const struct motion *motion, double *sway, struct envelope_rates rates[3]);
 
 /* ---- laws.c ---- */
 

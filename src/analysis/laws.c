@@ -1,19 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The laws of damping, and the choice among their fits. A law is claimed only where (1) every term it has is needed:
- * BIC and an F-test; (2) no other law that does not contain it fits about as well; (3) a further term could take only a
- * small share of the energy lost. Else the data do not distinguish.
+ * The laws of damping, and the choice among their fits. A law remains unless another that it does not contain refutes
+ * it by BIC (and an F-test, where that only has further terms); one that contains the simplest that remains, as long as
+ * its further terms may take a share of the energy lost that counts. Only where a single law remains is it claimed.
  */
-#include "law_fit.h"
+#include "drag.h"
 
 #include <gsl/gsl_cdf.h>
 #include <stdio.h>
 
 #define DELTA_LEAST 6.0  /* of BIC, and */
-#define DELTA_MORE 10.0  /* of BIC against a law that has more terms, and none of its own in common */
+#define DELTA_MORE 10.0  /* of BIC against a law that has more terms, and does not contain it */
 #define CHANCE_MOST 0.01 /* of the F-test, for a further term */
-#define HIDDEN 0.05      /* chance below which a further term may be there although it is not shown to be */
-#define SHARE_MOST 0.3   /* of the energy lost that a further term may take at most (two standard deviations) */
+#define SHARE_MOST 0.2   /* of the energy lost that each further term may take (two standard deviations) */
 
 static const struct drag_law_row rows[] = {
     {{"linear", "", "viscous: the air at small speeds, eddy currents", "y'' + gamma y' + omega0^2 y = 0", NULL},
@@ -69,63 +68,100 @@ static double chance(const struct law_evidence *e, int small, int large)
     return gsl_cdf_fdist_Q(gain, extra, fmax(e->freedom - e->fit[large].parameters, 1));
 }
 
-/* The largest share of the loss that the terms which `large` has beyond `law` may take. */
-static double share_beyond(const struct law_evidence *e, const struct drag_candidate *large, enum drag_law law)
+/*
+ * The largest share of the loss that the terms which a law has beyond `part` may take: two standard deviations along
+ * the direction in which they grow most. *there, unless NULL: whether no coefficient is negative at its end; else the
+ * edge is a law with fewer terms, which is judged itself.
+ */
+static double share_beyond(const struct law_evidence *e, const struct drag_candidate *c, enum drag_law part,
+                           bool *there)
 {
-    double all = 0, beyond = 0;
-    for (int k = 0; k < DRAG_RATES; k++) {
-        const bool further = large->law >> k & 1 && !(law >> k & 1);
-        all += large->rate[k].value * e->loss[k];
-        beyond += further ? (large->rate[k].value + 2 * large->rate[k].uncertainty) * e->loss[k] : 0;
+    const struct law_fit *fit = &e->fit[c->law - 1];
+    double all = 0, beyond = 0, variance = 0, weight[LAW_PARAMETERS] = {0}, along[LAW_PARAMETERS] = {0};
+    for (int k = 0, j = FIRST_RATE; k < DRAG_RATES; k++) {
+        if (!(c->law >> k & 1))
+            continue;
+        weight[j] = part >> k & 1 ? 0 : e->loss[k];
+        all += c->rate[k].value * e->loss[k];
+        beyond += c->rate[k].value * weight[j++];
     }
-    return beyond / all;
+    for (int i = FIRST_RATE; i < fit->parameters; i++) {
+        for (int j = FIRST_RATE; j < fit->parameters; j++)
+            along[i] += fit->inverse[i][j] * weight[j] * e->variance;
+        variance += weight[i] * along[i];
+    }
+    const double deviation = sqrt(fmax(variance, 0));
+    for (int i = FIRST_RATE; i < fit->parameters && there; i++)
+        if (fit->place[i] < EQUATION_CUBIC)
+            *there = (i == FIRST_RATE || *there) && fit->motion.value[fit->place[i]] + 2 * along[i] / deviation > 0;
+    return all > 0 ? fmax(beyond + 2 * deviation, 0) / all : 1;
 }
 
-/* Why the best law is not to be claimed: false, and the reason. */
-static bool stands_against(const struct law_evidence *e, int best, int other, struct fit *out)
+/* By how much BIC must be larger for a law to be refuted by another that it does not contain. */
+static double needed(enum drag_law law, enum drag_law by)
 {
-    struct drag_fit *drag = &out->drag;
-    const struct drag_candidate *a = &drag->candidate[best], *b = &drag->candidate[other];
-    const char *name = drag_law_name(b->law);
-    const double over = b->bic - a->bic;
-    if (contains(a->law, b->law)) {
-        const double p = chance(e, other, best);
-        if (over >= DELTA_LEAST && p < CHANCE_MOST)
+    return contains(by, law) || terms(law) <= terms(by) ? DELTA_LEAST : DELTA_MORE;
+}
+
+/* A law is refuted by one that it does not contain: by BIC, and by the F-test where that has but further terms. */
+static bool refuted(const struct law_evidence *e, const struct drag_fit *drag, int i)
+{
+    const struct drag_candidate *c = &drag->candidate[i];
+    for (int j = 0; j < DRAG_LAWS; j++) {
+        const struct drag_candidate *by = &drag->candidate[j];
+        if (i != j && physical(by) && !contains(c->law, by->law) && c->bic - by->bic >= needed(c->law, by->law) &&
+            (!contains(by->law, c->law) || chance(e, i, j) < CHANCE_MOST))
             return true;
-        snprintf(drag->said, sizeof drag->said,
-                 "not distinguishable: %s is best, but lowers BIC by only %.3g against %s (%g needed), F-test p = %.1g",
-                 drag_law_name(a->law), over, name, DELTA_LEAST, p);
-    } else if (contains(b->law, a->law)) {
-        if (terms(b->law) > terms(a->law) + 1)
-            return true;
-        const double p = chance(e, best, other), share = share_beyond(e, b, a->law);
-        if (!(physical(b) && p < HIDDEN) && share < SHARE_MOST)
-            return true;
-        snprintf(drag->said, sizeof drag->said,
-                 "not distinguishable: %s is best, but %s is not excluded (F-test p = %.1g; its further term could take "
-                 "%.0f %% of the loss)",
-                 drag_law_name(a->law), name, p, 100 * fmin(fabs(share), 1));
-    } else {
-        const double needed = terms(b->law) > terms(a->law) ? DELTA_MORE : DELTA_LEAST;
-        if (!physical(b) || over >= needed)
-            return true;
-        snprintf(drag->said, sizeof drag->said,
-                 "not distinguishable: BIC of %s is lower by only %.3g than that of %s (%g needed)",
-                 drag_law_name(a->law), over, name, needed);
     }
     return false;
 }
 
-/* Among the laws that the data do not tell from the best, one with fewer terms. */
-static int simplest(const struct law_evidence *e, int best, struct fit *out)
+/* Of the laws that nothing refutes, that with the fewest terms, then the least BIC; -1: all have a wrong sign. */
+static int simplest(const struct law_evidence *e, const struct drag_fit *drag)
 {
-    int simple = best;
-    for (int i = 0; i < DRAG_LAWS; i++)
-        if (i != best && terms(law_at(i)) < terms(law_at(simple)) && physical(&out->drag.candidate[i]) &&
-            !stands_against(e, best, i, out))
+    int simple = -1;
+    for (int i = 0; i < DRAG_LAWS; i++) {
+        const struct drag_candidate *c = &drag->candidate[i];
+        if (!physical(c) || refuted(e, drag, i))
+            continue;
+        const int more = simple < 0 ? -1 : terms(c->law) - terms(law_at(simple));
+        if (more < 0 || (more == 0 && c->bic < drag->candidate[simple].bic))
             simple = i;
+    }
     return simple;
 }
+
+/*
+ * Whether another law remains beside the simplest. One that contains it is never refuted: it remains where its further
+ * terms may take a share of the loss that counts, or are shown to be there, if weakly.
+ */
+static bool remains(const struct law_evidence *e, const struct drag_fit *drag, int simple, int i, bool beside_others)
+{
+    const struct drag_candidate *c = &drag->candidate[i];
+    const enum drag_law law = law_at(simple);
+    if (i == simple || !c->converged)
+        return i == simple;
+    if (!contains(c->law, law))
+        return physical(c) && !refuted(e, drag, i);
+    bool there = false;
+    const double share = share_beyond(e, c, law, &there);
+    return (physical(c) && chance(e, simple, i) < CHANCE_MOST) ||
+           ((there || beside_others) && share > SHARE_MOST * (terms(c->law) - terms(law)));
+}
+
+/* Bit i: candidate i remains. Where more than one does, so do all that contain the simplest and could be told by none.
+ */
+static unsigned remaining(const struct law_evidence *e, const struct drag_fit *drag, int simple)
+{
+    unsigned mask = 0, wide = 0;
+    for (int i = 0; i < DRAG_LAWS; i++) {
+        mask |= (unsigned)remains(e, drag, simple, i, false) << i;
+        wide |= (unsigned)remains(e, drag, simple, i, true) << i;
+    }
+    return mask == 1u << simple ? mask : wide;
+}
+
+/* ---- in words ---- */
 
 /* The law with the least BIC among `others`, -1: none. */
 static int next_best(const struct drag_fit *drag, int best, bool parts)
@@ -140,39 +176,79 @@ static int next_best(const struct drag_fit *drag, int best, bool parts)
     return next;
 }
 
+/* The laws that remain, and what keeps them: BIC of one of them, or a further term. */
+static void say_undecided(const struct law_evidence *e, int simple, const struct drag_fit *drag, struct buffer *text)
+{
+    const enum drag_law law = law_at(simple);
+    double share = 0;
+    int rival = -1;
+    buffer_format(text, "not distinguishable: %s", drag_law_name(law));
+    for (int i = 0; i < DRAG_LAWS; i++) {
+        const struct drag_candidate *c = &drag->candidate[i];
+        if (i == simple || !(drag->remaining >> i & 1))
+            continue;
+        buffer_format(text, " or %s", drag_law_name(c->law));
+        if (contains(c->law, law))
+            share = fmax(share, share_beyond(e, c, law, NULL));
+        else if (rival < 0 || c->bic < drag->candidate[rival].bic)
+            rival = i;
+    }
+    if (rival >= 0) {
+        const double over = drag->candidate[rival].bic - drag->candidate[simple].bic;
+        buffer_format(text, " (BIC of %s is %s by only %.3g, %g needed", drag_law_name(law_at(rival)),
+                      over < 0 ? "lower" : "higher", fabs(over), needed(law_at(rival), law));
+    }
+    if (share > 0)
+        buffer_format(text, "%sa further term could take %.0f %% of the loss", rival < 0 ? " (" : "; ",
+                      100 * fmin(share, 1));
+    if (rival >= 0 || share > 0)
+        buffer_char(text, ')');
+}
+
+/* What the claim rests on. */
+static void say_claimed(const struct law_evidence *e, int best, const struct drag_fit *drag, struct buffer *text)
+{
+    const struct drag_candidate *c = &drag->candidate[best];
+    const int next = next_best(drag, best, false), part = next_best(drag, best, true);
+    double share = 0;
+    for (int i = 0; i < DRAG_LAWS; i++)
+        if (terms(law_at(i)) == terms(c->law) + 1 && contains(law_at(i), c->law) && drag->candidate[i].converged)
+            share = fmax(share, share_beyond(e, &drag->candidate[i], c->law, NULL));
+    if (part >= 0)
+        buffer_format(text, "%s: its last term lowers BIC by %.3g against %s (%g needed), F-test p = %.1g (%g needed)",
+                      drag_law_name(c->law), drag->candidate[part].bic - c->bic, drag_law_name(law_at(part)),
+                      DELTA_LEAST, drag->p_value, CHANCE_MOST);
+    else if (next >= 0)
+        buffer_format(text, "%s: BIC is lower by %.3g than that of %s", drag_law_name(c->law), drag->delta,
+                      drag_law_name(law_at(next)));
+    else
+        buffer_format(text, "%s: every other law would have a negative coefficient", drag_law_name(c->law));
+    if (terms(c->law) < DRAG_RATES)
+        buffer_format(text, "; a further term takes less than %.2g %% of the loss", fmax(100 * share, 0.1));
+}
+
 int law_choose(const struct law_evidence *e, struct fit *out)
 {
     struct drag_fit *drag = &out->drag;
-    int best = -1, undecided = 0;
-    for (int i = 0; i < DRAG_LAWS; i++)
-        if (physical(&drag->candidate[i]) && (best < 0 || drag->candidate[i].bic < drag->candidate[best].bic))
-            best = i;
-    if (best < 0)
-        best = LAW_LINEAR - 1;
-    best = simplest(e, best, out);
+    const int simple = simplest(e, drag), best = simple < 0 ? LAW_LINEAR - 1 : simple;
     const struct drag_candidate *c = &drag->candidate[best];
+    struct buffer text = {0};
     drag->best = c->law;
-    for (int i = 0; i < DRAG_LAWS && !undecided; i++)
-        undecided = i != best && drag->candidate[i].converged && !stands_against(e, best, i, out);
+    drag->remaining = simple < 0 ? 1u << best : remaining(e, drag, simple);
     const int next = next_best(drag, best, false), part = next_best(drag, best, true);
     drag->delta = next < 0 ? INFINITY : drag->candidate[next].bic - c->bic;
-    drag->p_value = part >= 0   ? chance(e, part, best)
+    drag->p_value = part >= 0                                     ? chance(e, part, best)
                     : next >= 0 && contains(law_at(next), c->law) ? chance(e, best, next)
                                                                   : NAN;
-    out->preferred = undecided ? LAW_UNDECIDED : c->law;
-    if (undecided)
-        return best;
-    if (part >= 0)
-        snprintf(drag->said, sizeof drag->said,
-                 "%s: its last term lowers BIC by %.3g against %s (%g needed), F-test p = %.1g (%g needed)",
-                 drag_law_name(c->law), drag->candidate[part].bic - c->bic, drag_law_name(law_at(part)), DELTA_LEAST,
-                 drag->p_value, CHANCE_MOST);
-    else if (next >= 0)
-        snprintf(drag->said, sizeof drag->said,
-                 "%s: BIC is lower by %.3g than that of %s (%g needed); no further term is needed", drag_law_name(c->law),
-                 drag->delta, drag_law_name(law_at(next)), DELTA_LEAST);
+    const bool decided = drag->remaining == 1u << best;
+    out->preferred = decided ? c->law : LAW_UNDECIDED;
+    if (simple < 0)
+        buffer_format(&text, "%s: every law would have a negative coefficient", drag_law_name(c->law));
+    else if (decided)
+        say_claimed(e, best, drag, &text);
     else
-        snprintf(drag->said, sizeof drag->said, "%s: every other law would have a negative coefficient",
-                 drag_law_name(c->law));
+        say_undecided(e, best, drag, &text);
+    snprintf(drag->said, sizeof drag->said, "%.*s", (int)text.len, text.data ? text.data : "");
+    buffer_free(&text);
     return best;
 }

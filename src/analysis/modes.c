@@ -295,7 +295,6 @@ static void report(struct fitting *f, size_t rejected, struct modes_fit *modes)
                         .phase = none,
                         .halves = {none, none},
                         .half_periods = {none, none},
-                        .evidence = {NAN, NAN, NAN},
                         .t0 = t0,
                         .window = {t0, end},
                         .used = f->fit.used,

@@ -40,8 +40,9 @@ struct mode_start {
 int modes_search(const struct samples *x, int modes, bool quick, const struct cancel *cancel,
                  struct mode_start *start, double *samples);
 /*
- * By how much BIC prefers k modes to k - 1. Residuals that hang together count as fewer: those with
- * all that were found, since a mode that is still missing makes them hang together, too.
+ * By how much BIC prefers k modes to k - 1, the frequency being the best of n/2 (Bonferroni).
+ * Residuals that hang together count as fewer: those with all that were found, since a mode that is
+ * still missing makes them hang together, too.
  */
 double modes_evidence(const struct mode_start *start, int k, int found, double samples);
 

@@ -303,6 +303,6 @@ double modes_evidence(const struct mode_start *start, int k, int found, double s
 {
     const double n = samples / autocorrelation_factor(start[found].autocorrelation);
     const double rounding = ROUNDING * start[0].rss;
-    return n * log(fmax(start[k - 1].rss, rounding) / fmax(start[k].rss, rounding)) -
-           MODE_PARAMETERS * log(n);
+    return n * log(fmax(start[k - 1].rss, rounding) / fmax(start[k].rss, rounding)) - MODE_PARAMETERS * log(n) -
+           2 * log(n / 2);
 }

@@ -25,14 +25,15 @@ static void warn_halves(struct fit *fit)
 {
     const struct measured *a = &fit->halves[0], *b = &fit->halves[1];
     double difference = a->value - b->value, sigma = hypot(a->uncertainty, b->uncertainty);
-    if (fabs(difference) > HALVES_DIFFER * sigma && fabs(difference) > 0.1 * fabs(fit->gamma.value)) {
+    const bool differ = fabs(difference) > HALVES_DIFFER * sigma && fabs(difference) > 0.1 * fabs(fit->gamma.value);
+    if (differ && fit->drag.candidates == 0) { /* the laws say what else it is */
         struct buffer first = {0}, second = {0};
         buffer_uncertain(&first, a->value, a->uncertainty);
         buffer_uncertain(&second, b->value, b->uncertainty);
         if (!first.failed && !second.failed)
             fit_warn(fit,
                      "the envelope is not one exponential: gamma is %s 1/s in the first half, %s 1/s in the second "
-                     "(%s)",
+                     "(%s; 'fit drag' weighs the laws)",
                      first.data, second.data,
                      difference > 0 ? "drag that grows with speed does that" : "dry friction does that");
         buffer_free(&first);

@@ -150,8 +150,8 @@ COMMAND(fit, .row = {"fit", "", "fit an oscillation, the scene or a formula to a
         .text =
             "damped: y = c + A exp(-gamma t/2) cos(omega t + phase), t from the first sample of the window: gamma is "
             "that of\n"
-            "y'' + gamma y' + omega0^2 y = 0. No guesses are needed. Both halves and the law of the envelope are "
-            "always compared.\n"
+            "y'' + gamma y' + omega0^2 y = 0. No guesses are needed. Both halves are compared; which law it is, drag "
+            "says.\n"
             "drag: the equation of motion with linear drag, quadratic drag, dry friction and their sums: which it is.\n"
             "modes N: N damped sines at once (2 unless told): frequencies, splitting, and the coupling of two equal "
             "oscillators.\n"
@@ -168,11 +168,11 @@ COMMAND(fit, .row = {"fit", "", "fit an oscillation, the scene or a formula to a
         .examples = "load bare.txt; m = 200 g; fit damped; adopt; fit scene free=k,gamma,y0,v0; adopt; run\n"
                     "load disk.txt; fit modes 2; fit a*exp(-b*t)*cos(w*t+p)+c b=0.01 w=8.3",
         .see = "adopt measure load",
-        ARGUMENTS(PLACE("MODEL", TYPE_MODEL, .choices = &fit_kind_catalog),
-                  PLACE("COUNT", TYPE_INTEGER), WORD("to", TYPE_RECORDING, .group = 1),
-                  WORD("run", TYPE_RUN, .group = 1), KEY("window", TYPE_RANGE, .quantity = QUANTITY_TIME),
-                  KEY("free", TYPE_PARAM, .flags = ARG_MANY), KEY("NAME", TYPE_START, .flags = ARG_MANY | ARG_NEGATIVE),
-                  OPTION("robust", TYPE_NONE), OPTION("bootstrap", TYPE_INTEGER)))
+        ARGUMENTS(PLACE("MODEL", TYPE_MODEL, .choices = &fit_kind_catalog), PLACE("COUNT", TYPE_INTEGER),
+                  WORD("to", TYPE_RECORDING, .group = 1), WORD("run", TYPE_RUN, .group = 1),
+                  KEY("window", TYPE_RANGE, .quantity = QUANTITY_TIME), KEY("free", TYPE_PARAM, .flags = ARG_MANY),
+                  KEY("NAME", TYPE_START, .flags = ARG_MANY | ARG_NEGATIVE), OPTION("robust", TYPE_NONE),
+                  OPTION("bootstrap", TYPE_INTEGER)))
 
 COMMAND(adopt, .row = {"adopt", "", "take what the last fit found into the scene: k, the drag, the start", "", NULL},
         .group = "DATA",

@@ -80,20 +80,6 @@ static void put_head(const struct told_fit *told, struct buffer *text)
 
 /* ---- an oscillation ---- */
 
-static void put_law(const struct fit *fit, struct buffer *text)
-{
-    const char *law = drag_law_name(fit->preferred);
-    if (!law)
-        return;
-    buffer_format(text, "\n  drag law of the envelope: %s (BIC linear ", law);
-    buffer_short(text, fit->evidence[0], 6);
-    buffer_put(text, TEXT(", quadratic "));
-    buffer_short(text, fit->evidence[1], 6);
-    buffer_put(text, TEXT(", linear+quadratic "));
-    buffer_short(text, fit->evidence[2], 6);
-    buffer_put(text, TEXT(");\n  'fit drag' judges by the motion itself, and decides"));
-}
-
 static void cell_rate(struct text_table *table, struct measured value, const char *unit, bool measured)
 {
     struct buffer cell = {0};
@@ -194,8 +180,6 @@ static void put_motion(const struct told_fit *told, struct arena *arena, struct 
     }
     if (fit->drag.candidates > 0)
         put_laws(told, arena, text);
-    else
-        put_law(fit, text);
     inputs_put(&told->inputs, text);
     if (!isfinite(told->k.value) && told->spring)
         buffer_put(text, TEXT("\n  (set the mass, for example m = 200 g, to get k)"));
@@ -334,6 +318,11 @@ static void reply_laws(const struct told_fit *told, struct reply *reply)
     }
     reply_close(reply);
     const bool compared = drag && drag->candidates > 0;
+    reply_array(reply, "remaining");
+    for (int i = 0; compared && i < drag->candidates; i++)
+        if (drag->remaining >> i & 1)
+            reply_string(reply, NULL, drag_law_name(drag->candidate[i].law));
+    reply_close(reply);
     reply_string(reply, "restoring", compared ? restoring_name(drag->force) : NULL);
     if (compared && drag->force == RESTORING_CUBIC)
         reply_measured(reply, "beta", drag->cubic, QUANTITY_OTHER);

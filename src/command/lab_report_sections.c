@@ -86,19 +86,14 @@ static void sort_material(const struct report *report, struct material *m)
 /* The laws that were compared, and what came of it. */
 static void put_laws(struct document *document, const struct fit *fit)
 {
-    static const enum drag_law envelope[] = {LAW_LINEAR, LAW_QUADRATIC, LAW_LINEAR | LAW_QUADRATIC};
     const char *law = drag_law_name(fit->preferred);
     if (!law)
         return;
     document_open(document, BLOCK_PARAGRAPH);
-    document_say(document, fit->drag.candidates > 0 ? "Law of damping (fit %s, integrated): %s; BIC"
-                                                    : "Drag law of the envelope (fit %s): %s; BIC",
-                 fit->model, law);
+    document_say(document, "Law of damping (fit %s, integrated): %s; BIC", fit->model, law);
     for (int i = 0; i < fit->drag.candidates; i++)
         document_say(document, "%s %s %.6g", i ? "," : "", drag_law_name(fit->drag.candidate[i].law),
                      fit->drag.candidate[i].bic);
-    for (size_t i = 0; i < COUNT_OF(envelope) && fit->drag.candidates == 0; i++)
-        document_say(document, "%s %s %.6g", i ? "," : "", drag_law_name(envelope[i]), fit->evidence[i]);
     document_say(document, ".");
     document_close(document, BLOCK_PARAGRAPH);
 }

@@ -431,7 +431,7 @@ static void long_recordings_show_the_law(void **state)
         }
         print_message("%s: %s\n", cases[i].file, fit.drag.said);
         assert_true(fit.preferred == cases[i].law || fit.preferred == LAW_UNDECIDED);
-        assert_true(fit.evidence[0] - fmin(fit.evidence[1], fit.evidence[2]) > 30);
+        assert_true(fit.drag.candidate[0].bic - fmin(fit.drag.candidate[1].bic, fit.drag.candidate[2].bic) > 30);
         found++;
         arena_reset(&arena);
         recording_destroy(recording);

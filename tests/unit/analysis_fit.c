@@ -305,8 +305,10 @@ static void laws_of_drag(void **state)
         struct synthetic s = synthetic_make(&truth);
         struct fit fit;
         struct error error = {0};
-        assert_true(fit_named("damped", &s.series, &fit, &error));
+        assert_true(fit_named("drag", &s.series, &fit, &error));
         assert_int_equal(fit.preferred, cases[i].law);
+        assert_true(fit_named("damped", &s.series, &fit, &error));
+        assert_int_equal(fit.preferred, LAW_NONE); /* one judgement: that of the motion itself */
         bool halves = false;
         for (int k = 0; k < fit.warnings; k++) {
             halves |= strstr(fit.warning[k], "not one exponential") != NULL;
@@ -320,7 +322,7 @@ static void laws_of_drag(void **state)
     struct synthetic s = synthetic_make(&truth);
     struct fit fit;
     struct error error = {0};
-    assert_true(fit_named("damped", &s.series, &fit, &error));
+    assert_true(fit_named("drag", &s.series, &fit, &error));
     assert_int_equal(fit.preferred, LAW_UNDECIDED);
     assert_string_equal(drag_law_name(fit.preferred), "not distinguishable");
     synthetic_free(&s);
@@ -335,7 +337,7 @@ static void law_does_not_hang_on_the_windows(void **state)
         double gamma, quadratic;
         enum drag_law law;
     } cases[] = {{0.04, 0, LAW_LINEAR}, {1e-9, 0.04, LAW_QUADRATIC}, {0.015, 0.06, LAW_LINEAR | LAW_QUADRATIC}};
-    int runs = is_long() ? 200 : 12, wrong = 0, undecided = 0;
+    int runs = is_long() ? 200 : 3, wrong = 0, undecided = 0;
     random_state = 14;
     for (int run = 0; run < runs; run++) {
         for (size_t i = 0; i < COUNT_OF(cases); i++) {
@@ -351,14 +353,14 @@ static void law_does_not_hang_on_the_windows(void **state)
             struct synthetic s = synthetic_make(&truth);
             struct fit fit;
             struct error error = {0};
-            assert_true(fit_named("damped", &s.series, &fit, &error));
+            assert_true(fit_named("drag", &s.series, &fit, &error));
             wrong += fit.preferred != cases[i].law && fit.preferred != LAW_UNDECIDED;
             undecided += fit.preferred == LAW_UNDECIDED;
             synthetic_free(&s);
         }
     }
     print_message("%d laws: %d wrong, %d undecided\n", 3 * runs, wrong, undecided);
-    assert_true(wrong <= 0.02 * 3 * runs && undecided <= 0.05 * 3 * runs);
+    assert_true(wrong <= 0.005 * 3 * runs && undecided <= 0.05 * 3 * runs + 1);
 }
 
 static double flat(size_t i)

@@ -130,7 +130,8 @@ static double evidence_of(const struct law_case *c, double sigma)
 }
 
 struct tally {
-    int all, clear, right, wrong, false_law, undecided, refused; /* wrong: a term is missing; false: one too many */
+    int all, clear, right, wrong, undecided, excluded, refused; /* excluded: undecided, and the truth is not among those
+                                                                 * that remain */
 };
 
 static bool says(const struct fit *fit, const char *word)
@@ -164,13 +165,13 @@ static void judge(const struct law_case *c, enum ill ill, struct tally *tally)
     tally->clear += clear;
     tally->right += clear && claimed && fit.preferred == c->law;
     tally->wrong += claimed && fit.preferred != c->law;
-    tally->false_law += claimed && (clear ? fit.preferred != c->law : (fit.preferred & c->law) != fit.preferred);
     tally->undecided += clear && found && fit.preferred == LAW_UNDECIDED;
+    tally->excluded += found && !claimed && !(fit.drag.remaining >> (c->law - 1) & 1);
     tally->refused += !found;
     if (claimed && fit.preferred != c->law)
         print_message("  %s, truth %s, noise %g of %g over %g s: %s\n", ills[ill], drag_law_name(c->law), c->noise,
                       c->amplitude, c->span, fit.drag.said);
-    else if (clear && found && !claimed && getenv("VERBOSE"))
+    else if (found && !claimed && (!(fit.drag.remaining >> (c->law - 1) & 1) || (clear && getenv("VERBOSE"))))
         print_message("  %s, truth %s, noise %g of %g over %g s: %s %s\n", ills[ill], drag_law_name(c->law), c->noise,
                       c->amplitude, c->span, is_poor(&fit) ? "poor" : "", fit.drag.said);
     else if (!found)
@@ -179,12 +180,19 @@ static void judge(const struct law_case *c, enum ill ill, struct tally *tally)
     synthetic_free(&s);
 }
 
+/* At least 95 % of those that can be told apart; of so few, less what chance does to them. */
+static bool right_enough(const struct tally *tally)
+{
+    return tally->right >= 0.95 * tally->clear - 3 * sqrt(0.95 * 0.05 * tally->clear);
+}
+
 static void the_right_law_or_none(void **state)
 {
     (void)state;
     const char *wide = getenv("LONG"), *seed = getenv("SEED");
     const int each = wide && *wide ? 60 : 1;
     struct tally all = {0};
+    bool all_well = true;
     random_state = seed ? strtoull(seed, NULL, 10) : 41;
     for (int ill = 0; ill < ILLS; ill++) {
         struct tally tally = {0};
@@ -193,21 +201,23 @@ static void the_right_law_or_none(void **state)
             judge(&c, (enum ill)ill, &tally);
         }
         print_message("%-22s %d recordings, %d distinguishable: %d right, %d not distinguishable; "
-                      "%d wrong, %d refused\n",
-                      ills[ill], tally.all, tally.clear, tally.right, tally.undecided, tally.wrong, tally.refused);
+                      "%d wrong, %d excluded, %d refused\n",
+                      ills[ill], tally.all, tally.clear, tally.right, tally.undecided, tally.wrong, tally.excluded,
+                      tally.refused);
+        all_well = all_well && (each == 1 || right_enough(&tally));
         all.all += tally.all;
         all.clear += tally.clear;
         all.right += tally.right;
         all.wrong += tally.wrong;
-        all.false_law += tally.false_law;
+        all.excluded += tally.excluded;
         all.refused += tally.refused;
     }
-    print_message("%d recordings, %d distinguishable: %d right (%.1f %%); %d wrong, %d refused\n", all.all, all.clear,
-                  all.right, 100.0 * all.right / all.clear, all.wrong, all.refused);
-    assert_true(all.clear > all.all / 3);
-    assert_true(all.right >= 0.95 * all.clear);
-    /* where the noise hides a term, one law in fifty may be named without it; a term that is not there nearly never */
-    assert_true(all.wrong <= 0.02 * all.all + 1 && all.false_law <= 0.005 * all.all);
+    print_message("%d recordings, %d distinguishable: %d right (%.1f %%); %d wrong, %d excluded, %d refused\n", all.all,
+                  all.clear, all.right, 100.0 * all.right / all.clear, all.wrong, all.excluded, all.refused);
+    assert_true(all.clear > all.all / 2);
+    assert_true(all_well && (each > 1 ? all.right >= 0.95 * all.clear : right_enough(&all)));
+    /* noise alone may hide a term by three standard deviations */
+    assert_true(1000 * all.wrong <= all.all && 1000 * all.excluded <= all.all);
     assert_true(all.refused == 0);
 }
 

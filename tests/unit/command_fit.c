@@ -191,10 +191,10 @@ static void scene_fits_are_adopted(void **state)
 static void records_hold_every_key(void **state)
 {
     (void)state;
-    static const char *const keys[] = {"model",      "period",    "omega",   "gamma", "amplitude", "phase",
-                                       "offset",     "k",         "rms",     "used",  "rejected",  "window",
-                                       "halves",     "preferred", "laws",    "delta", "p_value",   "parameters",
-                                       "correlated", "converged", "warnings"};
+    static const char *const keys[] = {"model",      "period",    "omega",    "gamma",    "amplitude", "phase",
+                                       "offset",     "k",         "rms",      "used",     "rejected",  "window",
+                                       "halves",     "preferred", "laws",     "delta",    "p_value",   "parameters",
+                                       "correlated", "converged", "warnings", "remaining"};
     static const char *const fits[] = {"fit damped", "fit drag", "fit scene", "fit a*exp(-b*t)*cos(w*t+p)+c w=8.6"};
     struct bench bench;
     bench_open(&bench, false);
