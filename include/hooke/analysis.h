@@ -371,7 +371,8 @@ struct drag_fit {
         double bic;
     } restoring[RESTORING_FORCES];
     int forces;                   /* 0: only the spring was tried */
-    enum restoring_force force;
+    enum restoring_force force;   /* the simplest that remains */
+    unsigned forces_remaining;    /* bit i: the data do not exclude force i; more than one: not distinguishable */
     struct measured cubic;        /* beta [1/(s^2 y^2)] of a Duffing spring */
     double signal;                /* rms of the motion alone */
     double wander;                /* of the baseline: standard deviation between its blocks; 0: it stands still */

@@ -264,11 +264,11 @@ static bool prepare(struct motion *m, enum quantity quantity, struct arena *aren
 }
 
 /* Which force pulls back: the laws of damping are then those under it. */
-static bool choose_force(struct fitting *f, enum quantity quantity, struct arena *arena, struct drag_fit *drag)
+static bool choose_force(struct fitting *f, enum quantity quantity, struct drag_fit *drag)
 {
     const bool angle = quantity == QUANTITY_ANGLE || quantity == QUANTITY_OTHER;
     struct law_fit best;
-    if (!restoring_choose(&f->samples, &f->start, f->rounding, angle, arena, drag, &best))
+    if (!restoring_choose(f, angle, drag, &best))
         return false;
     if (best.motion.force == RESTORING_LINEAR)
         return true;
@@ -290,8 +290,8 @@ bool drag_laws(struct motion *m, enum quantity quantity, bool forces, const stru
     guess_rates(rates, m->samples.t[m->samples.n - 1] - f.t0, &f);
     struct drag_fit *drag = &out->drag;
     *drag = (struct drag_fit){.candidates = DRAG_LAWS};
-    if (forces && !choose_force(&f, quantity, arena, drag))
-        return error_memory(error);
+    if (forces && !choose_force(&f, quantity, drag))
+        return error_set(error, ERROR_NUMERICAL, "no restoring force could be fitted: the search did not converge");
     const bool settled = settle(&f, edge);
     if (cancelled(m->samples.cancel))
         return error_set(error, ERROR_CANCELLED, "the fit was stopped");
@@ -303,7 +303,7 @@ bool drag_laws(struct motion *m, enum quantity quantity, bool forces, const stru
     struct law_evidence evidence = {.fit = f.fit};
     evidence.variance = factors.amplitude * fmax(factors.sigma * factors.sigma, f.rounding);
     drag->independent = fmax((double)f.fit[widest].used / factors.amplitude, 2);
-    const bool by_windows = factors.amplitude > 1.05 && factors.windows >= DRAG_WINDOWS_LEAST;
+    const bool by_windows = factors.amplitude > DRAG_WIDENED && factors.windows >= DRAG_WINDOWS_LEAST;
     evidence.freedom = by_windows ? factors.windows : drag->independent;
     for (int i = 0; i < DRAG_LAWS; i++) {
         drag_describe(&f.fit[i], i, factors.sigma * sqrt(factors.amplitude), &drag->candidate[i]);

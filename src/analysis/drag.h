@@ -10,6 +10,12 @@ enum { START, SPEED, OMEGA, FIRST_RATE, DRAG_WINDOWS_LEAST = 8 };
 
 #define INTEGRATED 1e-16 /* mean square, relative, to which integration is good: no law is better than that */
 
+#define DELTA_LEAST 6.0   /* of BIC, for a claim, and */
+#define CHANCE_MOST 0.001 /* of the F-test, for a further term to be claimed, and */
+#define HIDDEN 0.01       /* to be taken for possible, though not shown */
+#define SHARE_MOST 0.2    /* of the loss, or of the force, that a further term may take (two standard deviations) */
+#define DRAG_WIDENED 1.05 /* of a variance: slow changes count, so windows are what is independent */
+
 struct fitting {
     struct motion *motion;
     struct law_samples samples;
@@ -46,10 +52,9 @@ void drag_report(const struct fitting *f, int i, const struct drag_factors *fact
 /* ---- restoring.c ---- */
 
 /*
- * Fits each restoring force with linear and quadratic damping, in windows that grow, and chooses by BIC: fills
- * drag->restoring and best. angle: it may be a pendulum. False: no memory.
+ * Fits each restoring force with linear and quadratic damping, in windows that grow, and chooses by BIC and F-test:
+ * fills drag->restoring, force, forces_remaining, and best. angle: it may be a pendulum. False: no number.
  */
-bool restoring_choose(const struct law_samples *x, const struct equation *start, double rounding, bool angle,
-                      struct arena *arena, struct drag_fit *drag, struct law_fit *best);
+bool restoring_choose(struct fitting *f, bool angle, struct drag_fit *drag, struct law_fit *best);
 
 #endif

@@ -9,10 +9,7 @@
 #include <gsl/gsl_cdf.h>
 #include <stdio.h>
 
-#define DELTA_LEAST 6.0  /* of BIC, and */
-#define DELTA_MORE 10.0  /* of BIC against a law that has more terms, and does not contain it */
-#define CHANCE_MOST 0.01 /* of the F-test, for a further term */
-#define SHARE_MOST 0.2   /* of the energy lost that each further term may take (two standard deviations) */
+#define DELTA_MORE 10.0 /* of BIC against a law that has more terms, and does not contain it */
 
 static const struct drag_law_row rows[] = {
     {{"linear", "", "viscous: the air at small speeds, eddy currents", "y'' + gamma y' + omega0^2 y = 0", NULL},
@@ -145,20 +142,20 @@ static bool remains(const struct law_evidence *e, const struct drag_fit *drag, i
         return physical(c) && !refuted(e, drag, i);
     bool there = false;
     const double share = share_beyond(e, c, law, &there);
-    return (physical(c) && chance(e, simple, i) < CHANCE_MOST) ||
+    return (physical(c) && chance(e, simple, i) < HIDDEN) ||
            ((there || beside_others) && share > SHARE_MOST * (terms(c->law) - terms(law)));
 }
 
-/* Bit i: candidate i remains. Where more than one does, so do all that contain the simplest and could be told by none.
- */
+/* Bit i: candidate i remains. Where several do, so do all that contain the simplest, and what they are together. */
 static unsigned remaining(const struct law_evidence *e, const struct drag_fit *drag, int simple)
 {
-    unsigned mask = 0, wide = 0;
+    unsigned mask = 0, wide = 0, terms_of_all = 0;
     for (int i = 0; i < DRAG_LAWS; i++) {
         mask |= (unsigned)remains(e, drag, simple, i, false) << i;
         wide |= (unsigned)remains(e, drag, simple, i, true) << i;
+        terms_of_all |= wide >> i & 1 ? (unsigned)law_at(i) : 0;
     }
-    return mask == 1u << simple ? mask : wide;
+    return mask == 1u << simple ? mask : wide | 1u << (terms_of_all - 1);
 }
 
 /* ---- in words ---- */

@@ -6,13 +6,13 @@
  */
 #include "drag.h"
 
+#include <gsl/gsl_cdf.h>
 #include <string.h>
 
 enum { FIRST_PERIODS = 4, LEAST = 16 };
 
 #define NEARLY 100.0 /* variances that a step may promise to be taken unseen */
 #define FINALLY 1e-2
-#define DECIDES 10.0 /* BIC against the spring */
 
 static const struct row rows[] = {
     [RESTORING_LINEAR] = {"linear", "", "a spring", "omega0^2 y", NULL},
@@ -70,7 +70,7 @@ static size_t next_length(size_t to, size_t n)
     return to > n / 2 ? n : 2 * to;
 }
 
-/* The force from a first window on; false: lost on the way. */
+/* The force from a first window on; false: not found. */
 static bool grow(const struct law_samples *x, size_t from, const struct law_fit *first, enum restoring_force force,
                  double rounding, struct law_fit *fit)
 {
@@ -86,62 +86,121 @@ static bool grow(const struct law_samples *x, size_t from, const struct law_fit 
         struct part part;
         take(x, to, &part);
         fit->omega = fit->motion.value[EQUATION_OMEGA];
-        if (!law_descend(to < n ? &part.law : x, to < n ? NEARLY : FINALLY, rounding, fit))
-            return false;
+        const struct law_fit before = *fit;
+        const bool found = law_descend(to < n ? &part.law : x, to < n ? NEARLY : FINALLY, rounding, fit);
         if (to == n)
-            return true;
+            return found;
+        if (!found) /* too few periods may not hold every parameter: more of them from where it was */
+            *fit = before;
     }
 }
 
-bool restoring_choose(const struct law_samples *x, const struct equation *start, double rounding, bool angle,
-                      struct arena *arena, struct drag_fit *drag, struct law_fit *best)
+/* ---- the choice, by the rule of the laws of damping ---- */
+
+/* Fits of each force, and what a BIC between them is worth. */
+struct forces {
+    struct law_fit fit[RESTORING_FORCES];
+    double variance, freedom;
+};
+
+static double chance(const struct forces *all, int small)
 {
-    const double first_span = FIRST_PERIODS * TWO_PI / start->value[EQUATION_OMEGA];
+    const double gain = fmax(all->fit[small].rss - all->fit[RESTORING_CUBIC].rss, 0) / all->variance;
+    return gsl_cdf_fdist_Q(gain, 1, fmax(all->freedom - all->fit[RESTORING_CUBIC].parameters, 1));
+}
+
+/* The Duffing spring contains the spring, and near enough the pendulum: only a force that it does not contain refutes.
+ */
+static bool refuted(const struct forces *all, const struct drag_fit *drag, int i)
+{
+    const struct restoring_candidate *c = drag->restoring;
+    if (!c[i].converged)
+        return true;
+    for (int j = 0; j < RESTORING_FORCES && i != RESTORING_CUBIC; j++)
+        if (j != i && c[j].converged && c[i].bic - c[j].bic >= DELTA_LEAST &&
+            (j != RESTORING_CUBIC || chance(all, i) < CHANCE_MOST))
+            return true;
+    return false;
+}
+
+/* Whether beta y^3 may be there beside the simplest force: shown weakly, or a share of a spring's force that counts. */
+static bool cubic_remains(const struct forces *all, const struct drag_fit *drag, int simple)
+{
+    const struct law_fit *fit = &all->fit[RESTORING_CUBIC];
+    if (!drag->restoring[RESTORING_CUBIC].converged || simple == RESTORING_CUBIC)
+        return simple == RESTORING_CUBIC;
+    const double omega = fit->motion.value[EQUATION_OMEGA],
+                 a = hypot(fit->motion.value[EQUATION_START], fit->motion.value[EQUATION_SPEED] / omega);
+    const double most =
+        fabs(fit->motion.value[EQUATION_CUBIC]) + 2 * sqrt(all->variance) * law_formal(fit, fit->parameters - 1);
+    return chance(all, simple) < HIDDEN || (simple == RESTORING_LINEAR && most * a * a > SHARE_MOST * omega * omega);
+}
+
+/* Of what nothing refutes the spring first, then the pendulum: each has a parameter less than Duffing's. */
+static int simplest(const struct forces *all, const struct drag_fit *drag)
+{
+    static const int order[] = {RESTORING_LINEAR, RESTORING_SINE, RESTORING_CUBIC};
+    for (size_t i = 0; i < COUNT_OF(order); i++)
+        if (!refuted(all, drag, order[i]))
+            return order[i];
+    return RESTORING_LINEAR;
+}
+
+/* BIC of each with the slow changes of the phase in what the nearest of them leaves; false: no memory, or no number. */
+static bool weigh(struct fitting *f, struct forces *all, struct drag_fit *drag)
+{
+    int widest = -1;
+    struct drag_factors factors;
+    for (int i = 0; i < RESTORING_FORCES; i++)
+        if (drag->restoring[i].converged && (widest < 0 || all->fit[i].rss < all->fit[widest].rss))
+            widest = i;
+    if (widest < 0)
+        return true;
+    if (!law_residuals(&f->samples, &all->fit[widest], f->motion->residual, NULL, NULL) ||
+        !drag_factors(f, &all->fit[widest], &factors))
+        return false;
+    const double independent = fmax((double)all->fit[widest].used / factors.phase, 2);
+    all->variance = factors.phase * fmax(factors.sigma * factors.sigma, f->rounding);
+    all->freedom =
+        factors.phase > DRAG_WIDENED && factors.windows >= DRAG_WINDOWS_LEAST ? factors.windows : independent;
+    for (int i = 0; i < RESTORING_FORCES; i++)
+        if (drag->restoring[i].converged)
+            drag->restoring[i].bic = (all->fit[i].parameters - FIRST_RATE) * log(independent) +
+                                     (all->fit[i].rss - all->fit[widest].rss) / all->variance;
+    return true;
+}
+
+bool restoring_choose(struct fitting *f, bool angle, struct drag_fit *drag, struct law_fit *best)
+{
+    const struct law_samples *x = &f->samples;
+    const double first_span = FIRST_PERIODS * TWO_PI / f->start.value[EQUATION_OMEGA];
     const size_t n = x->samples->n, to = samples_index(x->samples, x->samples->t[0] + first_span);
     const size_t from = to < LEAST ? (n < LEAST ? n : LEAST) : to < n ? to : n;
-    double *residual = arena_array(arena, n, sizeof *residual), least = HUGE_VAL;
-    struct law_fit first, fit[RESTORING_FORCES];
+    struct law_fit first;
+    struct forces all = {.variance = 1, .freedom = 1};
     struct part part;
-    if (!residual)
-        return false;
+    unsigned every = 0;
     take(x, from, &part);
-    begin(&part.law, start, &first);
-    law_descend(&part.law, NEARLY, rounding, &first);
+    begin(&part.law, &f->start, &first);
+    law_descend(&part.law, NEARLY, f->rounding, &first);
     for (int i = 0; i < RESTORING_FORCES; i++) {
         const bool tried = i != RESTORING_SINE || angle;
+        every |= (unsigned)tried << i;
         drag->restoring[i] = (struct restoring_candidate){.bic = NAN};
-        if (tried && grow(x, from, &first, (enum restoring_force)i, rounding, &fit[i])) {
-            drag->restoring[i].converged = true;
-            least = fmin(least, fit[i].rss);
-        }
+        drag->restoring[i].converged =
+            tried && grow(x, from, &first, (enum restoring_force)i, f->rounding, &all.fit[i]);
     }
-    int chosen = RESTORING_LINEAR;
-    for (int i = 0; i < RESTORING_FORCES; i++) {
-        struct restoring_candidate *c = &drag->restoring[i];
-        if (!c->converged)
-            continue;
-        if (!law_residuals(x, &fit[i], residual, NULL, NULL))
-            return false;
-        double product = 0, square = 0;
-        for (size_t k = 1; k < n; k++) {
-            product += x->use[k] && x->use[k - 1] ? residual[k] * residual[k - 1] : 0;
-            square += x->use[k] ? residual[k] * residual[k] : 0;
-        }
-        const double independent = (double)fit[i].used / autocorrelation_factor(square > 0 ? product / square : 0);
-        const double noise = fmax(least, (double)fit[i].used * rounding);
-        c->bic = fmax(2, independent) * log(fmax(fit[i].rss, noise) / noise) +
-                 fit[i].parameters * log((double)fit[i].used);
-    }
-    for (int i = 1; i < RESTORING_FORCES; i++) {
-        const struct restoring_candidate *c = &drag->restoring[i], *now = &drag->restoring[chosen];
-        if (c->converged && (!now->converged || c->bic < now->bic - (chosen == RESTORING_LINEAR ? DECIDES : 0)))
-            chosen = i;
-    }
+    if (!weigh(f, &all, drag))
+        return false;
+    const int chosen = simplest(&all, drag);
     drag->forces = RESTORING_FORCES;
     drag->force = (enum restoring_force)chosen;
-    if (drag->restoring[chosen].converged)
-        *best = fit[chosen];
-    else
-        *best = (struct law_fit){.motion = *start};
+    drag->forces_remaining = drag->restoring[chosen].converged ? 1u << chosen : every;
+    for (int i = 0; i < RESTORING_FORCES; i++)
+        if (i != chosen && drag->restoring[chosen].converged &&
+            (i == RESTORING_CUBIC ? cubic_remains(&all, drag, chosen)
+                                  : chosen != RESTORING_CUBIC && !refuted(&all, drag, i)))
+            drag->forces_remaining |= 1u << i;
+    *best = drag->restoring[chosen].converged ? all.fit[chosen] : (struct law_fit){.motion = f->start};
     return true;
 }

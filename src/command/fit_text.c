@@ -107,7 +107,13 @@ static void put_forces(const struct told_fit *told, struct buffer *text)
     const struct drag_fit *drag = &told->motion->drag;
     if (drag->forces == 0)
         return;
-    buffer_format(text, "\n  restoring force: %s (BIC", restoring_name(drag->force));
+    const bool decided = drag->forces_remaining == 1u << drag->force;
+    buffer_format(text, "\n  restoring force: %s%s",
+                  decided ? "" : "not distinguishable: ", restoring_name(drag->force));
+    for (int i = 0; i < drag->forces && !decided; i++)
+        if (i != (int)drag->force && drag->forces_remaining >> i & 1)
+            buffer_format(text, " or %s", restoring_name((enum restoring_force)i));
+    buffer_put(text, TEXT(" (BIC"));
     for (int i = 0; i < drag->forces; i++)
         if (drag->restoring[i].converged)
             buffer_format(text, " %s %.1f", restoring_name((enum restoring_force)i), drag->restoring[i].bic);
@@ -323,7 +329,8 @@ static void reply_laws(const struct told_fit *told, struct reply *reply)
         if (drag->remaining >> i & 1)
             reply_string(reply, NULL, drag_law_name(drag->candidate[i].law));
     reply_close(reply);
-    reply_string(reply, "restoring", compared ? restoring_name(drag->force) : NULL);
+    const bool known = compared && (drag->forces == 0 || drag->forces_remaining == 1u << drag->force);
+    reply_string(reply, "restoring", known ? restoring_name(drag->force) : NULL);
     if (compared && drag->force == RESTORING_CUBIC)
         reply_measured(reply, "beta", drag->cubic, QUANTITY_OTHER);
     else

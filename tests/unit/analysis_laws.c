@@ -269,6 +269,7 @@ static void restoring_forces_are_found(void **state)
                       fit.omega.value, fit.omega.uncertainty, fit.drag.cubic.value, fit.drag.cubic.uncertainty,
                       fit.drag.said);
         assert_int_equal(fit.drag.force, cases[i].force);
+        assert_int_equal(fit.drag.forces_remaining, 1u << cases[i].force);
         assert_true(close_to(fit.omega.value, OMEGA, 5 * fit.omega.uncertainty + 1e-4 * OMEGA));
         assert_true(close_to(fit.drag.cubic.value, cases[i].beta, 4 * fit.drag.cubic.uncertainty));
         assert_true(close_to(fit.rms, 0.002, 2e-4));
@@ -276,9 +277,47 @@ static void restoring_forces_are_found(void **state)
     }
 }
 
+/* Large swings have one force, small ones often more that remain: never a wrong one alone, nor the right one excluded.
+ */
+static void the_right_force_or_several(void **state)
+{
+    (void)state;
+    const char *wide = getenv("LONG"), *seed = getenv("SEED");
+    const int each = wide && *wide ? 60 : 2;
+    random_state = seed ? strtoull(seed, NULL, 10) : 52;
+    for (int large = 0; large < 2; large++) {
+        int right = 0, wrong = 0, several = 0, all = 0;
+        for (int i = 0; i < each * RESTORING_FORCES; i++) {
+            const enum restoring_force force = (enum restoring_force)(i % RESTORING_FORCES);
+            const double amplitude = large ? random_between(0.4, 1) : random_between(0.02, 0.2);
+            const double share = random_between(0.1, 0.3) * (random_uniform() < 0.5 ? 1 : -0.5);
+            struct synthetic s =
+                swing(force, share * OMEGA * OMEGA / (amplitude * amplitude), amplitude, random_between(0.001, 0.01));
+            struct fit fit;
+            struct error error = {0};
+            if (!fit_named("law", &s.series, &fit, &error))
+                fail_msg("%s, %g rad: %s", restoring_name(force), amplitude, error.text);
+            const unsigned truth = 1u << force, remain = fit.drag.forces_remaining;
+            right += remain == truth;
+            wrong += !(remain & truth);
+            several += remain != truth && remain & truth;
+            all++;
+            if (!(remain & truth))
+                print_message("  %s at %g rad: %s, BIC %.1f %.1f %.1f\n", restoring_name(force), amplitude,
+                              restoring_name(fit.drag.force), fit.drag.restoring[0].bic, fit.drag.restoring[1].bic,
+                              fit.drag.restoring[2].bic);
+            synthetic_free(&s);
+        }
+        print_message("%s swings: %d of %d right, %d not distinguishable, %d wrong\n", large ? "large" : "small", right,
+                      all, several, wrong);
+        assert_true(100 * wrong <= all && (!large || right >= 0.95 * all));
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(restoring_forces_are_found),
+                                       cmocka_unit_test(the_right_force_or_several),
                                        cmocka_unit_test(the_right_law_or_none)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
