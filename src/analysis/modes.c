@@ -9,7 +9,8 @@
 #define REJECTED 5.0      /* robust standard deviations */
 #define ROUNDING 1e-9     /* of an amplitude: what is nearer is no outlier of a simulation */
 #define REJECTED_MOST 0.2 /* of the samples */
-#define SURE 3.0          /* standard deviations of an amplitude */
+#define SURE 3.0          /* standard deviations of an amplitude, and */
+#define SURE_SLOW 5.0     /* where the slowest has fewer than PERIODS: a random walk looks like that */
 #define CLEAR 6.0         /* of the noise beside its line */
 #define DECIDES 6.0       /* BIC */
 #define RESOLVED 1.5      /* line widths 1/span between two frequencies */
@@ -341,9 +342,11 @@ static double noise_beside(const struct fitting *f, const struct normal_mode *mo
 
 static bool certain(const struct fitting *f, const struct modes_fit *modes, struct error *error)
 {
+    const double span = f->series->t[f->series->n - 1] - f->series->t[0];
+    const double sure = modes->mode[0].frequency.value * span < PERIODS ? SURE_SLOW : SURE;
     for (int k = 0; k < modes->modes; k++) {
         const struct measured a = modes->mode[k].amplitude;
-        if (!(a.value > SURE * a.uncertainty)) {
+        if (!(a.value > sure * a.uncertainty)) {
             error_set(error, ERROR_NUMERICAL,
                       "the mode of %.5g Hz is not determined: its amplitude is %.3g +- %.2g",
                       modes->mode[k].frequency.value, a.value, a.uncertainty);

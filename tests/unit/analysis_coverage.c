@@ -38,6 +38,14 @@ static void quantised(struct recorded *r, double amplitude)
         r->y[i] = nearbyint(r->y[i] * 10) / 10; /* 1 mm, in cm */
 }
 
+static void coarsely_quantised(struct recorded *r, double amplitude)
+{
+    (void)amplitude;
+    white(r, 0.5);
+    for (size_t i = 0; i < r->n; i++)
+        r->y[i] = nearbyint(r->y[i] / 0.3) * 0.3; /* 3 mm, in cm */
+}
+
 static void walking_baseline(struct recorded *r, double amplitude)
 {
     double at = 0;
@@ -143,6 +151,7 @@ struct disturbance {
 
 static const struct disturbance rows[] = {{"white noise", DECAYING, white, false},
                                   {"1 mm steps", DECAYING, quantised, false},
+                                  {"3 mm steps", DECAYING, coarsely_quantised, false},
                                   {"random-walk baseline", DECAYING, walking_baseline, false},
                                   {"quadratic baseline", DECAYING, bent_baseline, true},
                                   {"gaps", DECAYING, gaps, false},
