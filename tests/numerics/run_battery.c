@@ -3,50 +3,7 @@
  * Adaptive methods where they could be silently wrong: pendulums from many angles, soft springs, switches. Each answer
  * is a closed form, or says where it is from. LONG=1 takes all methods, tolerances and angles.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
-#include "unit/run_fixture.h"
-#include "unit/scene_typing.h"
-
-#include <float.h>
-#include <stdlib.h>
-
-static bool is_long(void)
-{
-    const char *set = getenv("LONG");
-    return set && *set;
-}
-
-/* A scene of lines "var x = 1;x'' = -x". */
-static struct scene typed_scene(struct typed_models *models, const char *lines)
-{
-    struct scene scene;
-    struct text rest = text_of(lines), line;
-    struct error error = {0};
-    scene_init(&scene, NULL);
-    while (text_split(&rest, ';', &line)) {
-        const struct typed_line typed = typing_line(text_trim(line));
-        const struct model *model = typed_add(models, scene.model, &typed, &error);
-        if (!model)
-            fail_msg("%.*s: %s (%s)", (int)line.len, line.at, error.text, error.hint);
-        scene_remodel(&scene, model);
-    }
-    return scene;
-}
-
-/* The run at t, however it stopped. */
-static struct run *reach(const struct scene *scene, const char *method, double tol, double first, double t)
-{
-    const struct run_settings settings = {.dt = first, .tol = tol, .record = {RECORD_EVERY, INT64_MAX, 0}};
-    struct run *run = start(scene, method, settings, t);
-    go_to(run, t);
-    return run;
-}
+#include "numerics/battery.h"
 
 static const char *const adaptive_methods[] = {"bogacki-shampine", "dopri5", "tsit5",   "dop853", "odex",
                                                "radau5",           "tr-bdf2", "rodas4", "rodas5p"};
@@ -58,28 +15,6 @@ static double tightest(const char *method)
 }
 
 /* ---- Newton's iteration: what it accepts ---- */
-
-/*
- * theta'' = -sin(theta) from rest: sin(theta/2) = k cd(t | k), k = sin(theta0/2). Jacobi's functions by the
- * arithmetic-geometric mean (Abramowitz, Stegun 1964, 16.4).
- */
-static double pendulum_angle(double theta0, double t)
-{
-    enum { LEVELS = 12 };
-    double a[LEVELS + 1], c[LEVELS + 1], k = sin(theta0 / 2), b = cos(theta0 / 2);
-    a[0] = 1;
-    c[0] = k;
-    for (int i = 0; i < LEVELS; i++) {
-        a[i + 1] = (a[i] + b) / 2;
-        c[i + 1] = (a[i] - b) / 2;
-        b = sqrt(a[i] * b);
-    }
-    double phi = ldexp(a[LEVELS] * t, LEVELS);
-    for (int i = LEVELS; i > 0; i--)
-        phi = (phi + asin(c[i] / a[i] * sin(phi))) / 2;
-    const double sn = sin(phi), cn = cos(phi), dn = sqrt(1 - k * k * sn * sn);
-    return 2 * asin(k * cn / dn);
-}
 
 /*
  * From 60 angles, 0.1 to 3.05 rad, to t = 50. Errors grow with the time and with how much the period depends on the

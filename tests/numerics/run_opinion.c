@@ -3,39 +3,7 @@
  * What a run says about its own error, against its error: closed forms, and dop853 or radau5 at 1e-13, over smooth,
  * kinked, stiff and decaying problems, every adaptive method and tolerances from 1e-3 to 1e-10. LONG=1 takes them all.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
-#include "unit/run_fixture.h"
-#include "unit/scene_typing.h"
-
-#include <stdlib.h>
-
-static bool is_long(void)
-{
-    const char *set = getenv("LONG");
-    return set && *set;
-}
-
-static struct scene typed_scene(struct typed_models *models, const char *lines)
-{
-    struct scene scene;
-    struct text rest = text_of(lines), line;
-    struct error error = {0};
-    scene_init(&scene, NULL);
-    while (text_split(&rest, ';', &line)) {
-        const struct typed_line typed = typing_line(text_trim(line));
-        const struct model *model = typed_add(models, scene.model, &typed, &error);
-        if (!model)
-            fail_msg("%.*s: %s (%s)", (int)line.len, line.at, error.text, error.hint);
-        scene_remodel(&scene, model);
-    }
-    return scene;
-}
+#include "numerics/battery.h"
 
 /* ---- problems ---- */
 
