@@ -25,7 +25,7 @@ static inline struct drawn draw(size_t n, double rate)
         abort();
     for (size_t i = 0; i < n; i++)
         d.t[i] = (double)i / rate;
-    d.span = d.t[n - 1];
+    d.span = (double)(n - 1) / rate;
     return d;
 }
 
