@@ -230,6 +230,7 @@ enum quantity {
     QUANTITY_FREQUENCY,
     QUANTITY_ENERGY,
     QUANTITY_POWER,
+    QUANTITY_VOLTAGE,
     QUANTITY_OTHER,
     QUANTITY_COUNT
 };
@@ -248,6 +249,7 @@ struct unit {
 extern const struct catalog unit_catalog;
 
 const char *quantity_name(enum quantity quantity);                 /* "mass" */
+const char *quantity_article(enum quantity quantity);             /* "a" mass, "an" angle */
 const char *quantity_unit(enum quantity quantity);                 /* SI unit "kg", "" for a pure number */
 void quantity_units(enum quantity quantity, struct buffer *names); /* "kg, g, mg" */
 const struct unit *

@@ -49,6 +49,8 @@ static const struct unit units[] = {
     {{"W", "W", "watt", "", NULL}, QUANTITY_POWER, 1.0, UNIT_HOME},
     {{"mW", "W", "milliwatt", "", NULL}, QUANTITY_POWER, 1e-3, UNIT_SHOWN},
     {{"uW", "W", "microwatt", "", NULL}, QUANTITY_POWER, 1e-6, UNIT_SHOWN},
+    {{"V", "V", "volt", "", NULL}, QUANTITY_VOLTAGE, 1.0, UNIT_HOME},
+    {{"mV", "V", "millivolt", "", NULL}, QUANTITY_VOLTAGE, 1e-3, UNIT_SHOWN},
 };
 
 const struct catalog unit_catalog = CATALOG("unit", units);
@@ -76,12 +78,18 @@ static const struct {
     [QUANTITY_FREQUENCY] = {"frequency", "Hz"},
     [QUANTITY_ENERGY] = {"energy", "J"},
     [QUANTITY_POWER] = {"power", "W"},
+    [QUANTITY_VOLTAGE] = {"voltage", "V"},
     [QUANTITY_OTHER] = {"other quantity", ""},
 };
 
 const char *quantity_name(enum quantity quantity)
 {
     return quantities[quantity].name;
+}
+
+const char *quantity_article(enum quantity quantity)
+{
+    return strchr("aeio", quantities[quantity].name[0]) ? "an" : "a";
 }
 
 const char *quantity_unit(enum quantity quantity)

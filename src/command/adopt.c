@@ -27,6 +27,7 @@ struct adoption {
     bool as_on_data; /* it starts where the fit does: it can be compared */
     struct inputs inputs; /* what entered besides the fit */
     bool pendulum;   /* the scene swings on a rod, not on a spring */
+    bool unscaled;   /* the fit is one of volts or newtons, and nothing says how far they are */
 };
 
 static bool take(struct adoption *a, const char *name, struct measured value, struct error *error)
@@ -253,6 +254,13 @@ static bool take_law(struct adoption *a, const struct fit *fit, struct error *er
     const double m = param_value(&a->scene, "m");
     const double drag = param_value(&a->scene, "rho") * param_value(&a->scene, "area") / m;
     const double along = a->pendulum ? m * param_value(&a->scene, "length") : m; /* of a force, by its f */
+    if (a->unscaled) {
+        if (law->law & (LAW_QUADRATIC | LAW_DRY))
+            leave_out(a, "quadratic drag and dry friction without a scale");
+        if (fit->drag.force == RESTORING_CUBIC)
+            leave_out(a, "a cubic spring without a scale");
+        return take(a, "gamma", law->rate[0], error);
+    }
     if ((fit->drag.force == RESTORING_CUBIC || param_value(&a->scene, "k3") != 0) && scene_param(&a->scene, "k3") >= 0 &&
         !take(a, "k3", converted(a, fit->drag.cubic, m, "m"), error))
         return false;
@@ -316,6 +324,44 @@ static bool can_have_spring(const struct scene *scene, const struct fit *fit, st
     return error_hint(error, "type: scene pendulum; adopt");
 }
 
+/* Of a voltage or a force: what one unit of it is of the scene's position. Unless told, its motion is as wide as that
+ * of the scene; 0: which stands still. */
+static bool find_scale(const struct adoption *a, const struct fit *fit, const struct given *given, double *scale,
+                       struct error *error)
+{
+    const enum quantity needs = a->pendulum ? QUANTITY_ANGLE : QUANTITY_LENGTH;
+    if (given->count > 0) {
+        *scale = given->item->value.value;
+        if (given->item->quantity == needs && *scale != 0)
+            return true;
+        return error_at(error, given->item->text, "scale needs %s %s other than 0", quantity_article(needs),
+                        quantity_name(needs));
+    }
+    const double half = isfinite(fit->gamma.value) ? 0.5 * fit->gamma.value : 0, omega = fit->omega.value;
+    const double m = param_value(&a->scene, "m"), g = param_value(&a->scene, "g");
+    const double middle = a->pendulum ? 0 : -m * g / fit_stiffness(fit, (struct measured){m, 0}).value;
+    const double y = param_value(&a->scene, a->pendulum ? "theta0" : "y0") - middle;
+    *scale = hypot(y, (param_value(&a->scene, a->pendulum ? "rate0" : "v0") + half * y) / omega) / fit->amplitude.value;
+    return true;
+}
+
+static void put_scaled(const struct adoption *a, const struct fit *fit, double scale, enum quantity quantity, bool told,
+                       struct buffer *text)
+{
+    const enum quantity position = a->pendulum ? QUANTITY_ANGLE : QUANTITY_LENGTH;
+    const char *unit = quantity_unit(quantity);
+    buffer_format(text, "\nwith 1 %s = ", unit);
+    buffer_quantity(text, scale, position, 4);
+    if (told)
+        return;
+    buffer_format(text, ": the amplitude of the fit is %s %s, no %s; that of the scene, ", quantity_article(quantity),
+                  quantity_name(quantity), quantity_name(position));
+    buffer_quantity(text, fit->amplitude.value * scale, position, 4);
+    buffer_format(text, ", is kept ('adopt scale=..' says what 1 %s is)", unit);
+    if (fit->drag.candidates > 0 && (fit->drag.best & (LAW_QUADRATIC | LAW_DRY)))
+        buffer_put(text, TEXT("\nquadratic drag and dry friction follow from that scale"));
+}
+
 bool adopt_fit(struct session *session, const struct arguments *given, struct reply *reply, struct error *error)
 {
     const struct fit *fit = &session->fit;
@@ -326,14 +372,29 @@ bool adopt_fit(struct session *session, const struct arguments *given, struct re
     if (session->fit_samples > 0)
         return adopt_curve(session, given, reply, error);
     const bool at_rest = is_given(given, "amplitude");
+    const struct given *told = given_for(given, "scale");
+    double scale = 0;
+    struct fit in_positions;
     struct adoption a = {.session = session, .scene = session->setup.scene, .data = fitted_recording(session)};
     struct named_value fitted = {.quantity = QUANTITY_LENGTH};
     names_value(session, TEXT("fit_amplitude"), &fitted);
-    a.pendulum = is_pendulum(&a.scene) && fitted.quantity == QUANTITY_ANGLE;
+    const bool scaled = quantity_is_scaled(fitted.quantity);
+    a.pendulum = is_pendulum(&a.scene) && (scaled || fitted.quantity == QUANTITY_ANGLE);
     if (!a.pendulum && !can_have_spring(&a.scene, fit, error))
         return false;
     const int m = scene_param(&a.scene, "m");
-    const int n = derivatives(fitted.quantity);
+    if (told->count > 0 && !scaled)
+        return error_at(error, told->where, "scale is for voltages and forces; %s %s was fitted",
+                        quantity_article(fitted.quantity), quantity_name(fitted.quantity));
+    if (scaled && !find_scale(&a, fit, told, &scale, error))
+        return false;
+    a.unscaled = scaled && scale == 0;
+    if (scale != 0) {
+        in_positions = *fit;
+        adopted_scale(&in_positions, scale);
+        fit = &in_positions;
+    }
+    const int n = scale != 0 ? 0 : derivatives(fitted.quantity);
     a.as_on_data = n >= 0 && !at_rest;
     double middle = 0;
     if (!take_force(&a, fit, &middle, error) || !take_law(&a, fit, error) ||
@@ -343,7 +404,7 @@ bool adopt_fit(struct session *session, const struct arguments *given, struct re
         leave_out(&a, "the drift of the offset");
     become(&a);
     adopted_motion(&session->adopted, fit, n > 0 ? n : 0, at_rest, n >= 0);
-    const double zero = session->fit_zero + fit->offset.value - (n == 0 ? middle : 0);
+    const double zero = session->fit_zero + session->fit.offset.value - (n == 0 && !scaled ? middle : 0);
     if (a.data >= 0)
         session->recording[a.data]->recording->zero = zero;
     session_changed(session);
@@ -354,14 +415,20 @@ bool adopt_fit(struct session *session, const struct arguments *given, struct re
         put_value(&text, "\nzero of the recording", (struct measured){zero, 0}, fitted.quantity, true);
         buffer_put(&text, TEXT(" (the offset of the fit)"));
     }
+    if (scale != 0)
+        put_scaled(&a, &session->fit, scale, fitted.quantity, told->count > 0, &text);
     if (fit->drag.candidates > 0 && fit->preferred == LAW_UNDECIDED)
         buffer_format(&text, "\nthe data do not distinguish the laws: the best one, %s, is taken",
                       drag_law_name(fit->drag.best));
     reply_adoption(&a, &text, reply);
     buffer_free(&text);
+    if (a.unscaled && a.left > 0)
+        reply_warning(reply, "the scene does not take %s%s%s", a.left_out[0], a.left > 1 ? ", " : "",
+                      a.left > 1 ? a.left_out[1] : "");
     if (n < 0)
-        reply_warning(reply, "y0, v0 and t0 stay: what was fitted (%s) is no position, velocity or acceleration",
-                      quantity_name(fitted.quantity));
+        reply_warning(reply, scaled ? "y0, v0 and t0 stay: the scene is at rest, and nobody says what 1 %s is ('adopt scale=..')"
+                                   : "y0, v0 and t0 stay: what was fitted (%s) is no position, velocity or acceleration",
+                      scaled ? quantity_unit(fitted.quantity) : quantity_name(fitted.quantity));
     if (a.pendulum && fit->drag.force != RESTORING_SINE && fit->amplitude.value > SMALL_SWING)
         reply_warning(reply, "the fit knows nothing of the slower wide swings of a pendulum: fit law, then adopt again");
     if (!a.pendulum && !a.scene.given[m])

@@ -89,6 +89,41 @@ static void values_of(const struct scene *scene, const struct fit *fit, int n, b
     out[VELOCITY] = out[TURNING] = start[1].value;
 }
 
+static void scale_measured(struct measured *m, double by)
+{
+    m->value *= by;
+    m->uncertainty *= fabs(by);
+}
+
+void adopted_scale(struct fit *fit, double scale)
+{
+    struct drag_fit *drag = &fit->drag;
+    const bool law = drag->candidates > 0;
+    double by[CURVE_PARAMETERS];
+    for (int i = 0; i < CURVE_PARAMETERS; i++)
+        by[i] = 1;
+    by[law ? EQUATION_START : SINE_AMPLITUDE] = scale;
+    if (law) {
+        by[EQUATION_SPEED] = scale;
+        by[EQUATION_RATE + 1] = 1 / scale; /* y'' = -b |y'| y' */
+        by[EQUATION_RATE + 2] = scale;     /* y'' = -f */
+        by[EQUATION_CUBIC] = 1 / (scale * scale);
+        scale_measured(&drag->start, scale);
+        scale_measured(&drag->speed, scale);
+        scale_measured(&drag->cubic, by[EQUATION_CUBIC]);
+        for (int k = 0; k < drag->candidates; k++)
+            for (int r = 0; r < DRAG_RATES; r++)
+                scale_measured(&drag->candidate[k].rate[r], by[EQUATION_RATE + r]);
+    }
+    scale_measured(&fit->amplitude, scale);
+    scale_measured(&fit->offset, scale);
+    scale_measured(&fit->drift, scale);
+    fit->rms *= fabs(scale);
+    for (int i = 0; i < fit->covariance.n; i++)
+        for (int j = 0; j < fit->covariance.n; j++)
+            fit->covariance.at[i][j] *= by[i] * by[j];
+}
+
 /* Derivative of all targets by one parameter of the fit. */
 static void slope_of(const struct scene *scene, const struct fit *fit, int i, int n, bool at_rest,
                      double slope[TARGETS])

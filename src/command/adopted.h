@@ -9,6 +9,9 @@
  * how often that was differentiated to give what was fitted. */
 void adopted_start(const struct fit *fit, int n, bool at_rest, struct measured start[2]);
 
+/* The fit of what is `scale` times as large: of a position [m, rad] from a voltage [V] or a force [N]. */
+void adopted_scale(struct fit *fit, double scale);
+
 /* Covariances of a scene's parameters from those of the fit of an oscillation; the mass counts as
  * exact, as it is one motion. starts: y0 and v0 are those of the fit. */
 void adopted_motion(struct adopted_fit *adopted, const struct fit *fit, int n, bool at_rest,

@@ -213,8 +213,8 @@ static bool set_zero(struct session *session, struct recording *recording, const
     const struct item *item = given_for(given, "zero")->item;
     const enum quantity quantity = recording->column[recording->value].quantity;
     if (item->unit && quantity != QUANTITY_OTHER && item->quantity != quantity)
-        return error_at(error, item->text, "zero needs a %s, as the recording holds, got '%.*s' (%s)",
-                        quantity_name(quantity), (int)item->text.len, item->text.at, quantity_name(item->quantity));
+        return error_at(error, item->text, "zero needs %s %s, as the recording holds, got '%.*s' (%s)",
+                        quantity_article(quantity), quantity_name(quantity), (int)item->text.len, item->text.at, quantity_name(item->quantity));
     recording->zero = item->value.value;
     session_changed(session);
     return true;

@@ -182,6 +182,9 @@ COMMAND(adopt, .row = {"adopt", "", "take what the last fit found into the scene
                 "the scene), friction.\n"
                 "The scene is then run over the recording, and its rms told beside the fit's. 'adopt amplitude' starts at y0 = A, v0 = 0, t0 = 0 instead, as on the sheet.\n"
                 "Of 'fit scene' everything that was free is taken. A pendulum takes its length for k, and theta0\n"
-                "and rate0.",
+                "and rate0. A voltage or a force has no length: k, gamma and the phase are taken, and the amplitude of\n"
+                "the scene stays; scale=2.3cm says what 1 V or 1 N is.",
         .examples = "load bare.txt; m = 200 g; fit; adopt; run\nadopt amplitude", .see = "fit run",
-        .flags = COMMAND_CHANGES, ARGUMENTS(WORD("amplitude", TYPE_NONE)))
+        .flags = COMMAND_CHANGES,
+        ARGUMENTS(WORD("amplitude", TYPE_NONE),
+                  KEY("scale", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_OTHER)))

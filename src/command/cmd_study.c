@@ -103,7 +103,7 @@ static void put_general(const struct comparison *rows, int count, struct buffer 
 static void distance_cell(struct text_table *table, const struct session *session, const struct run *run)
 {
     const struct data_distance data = run_data_distance(run, session_recording(session));
-    cell_quantity(table, data.rms, run_derivative(run, data.derivative).quantity, 3);
+    cell_quantity(table, data.rms, data.quantity, 3);
 }
 
 /* "rms(y-data)", of what the recording holds. */

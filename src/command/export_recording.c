@@ -3,6 +3,8 @@
 #include "data_motion.h"
 #include "table_keys.h"
 
+#include <math.h>
+
 enum recorded { RECORDED_T, RECORDED_Y, RECORDED_V, RECORDED_ENERGY, RECORDED_COUNT };
 
 /* t first, then what was asked for, or y, each once. */
@@ -30,6 +32,21 @@ static void add_motion_keys(struct keys *keys, const struct data_motion *motion,
     keys_add_text(keys, "v", motion->how_v);
     if (energy)
         keys_add_text(keys, "energy", motion->how_k);
+}
+
+/* Of a voltage or a force beside a run: where its numbers lie on it. */
+static void add_scale_key(struct keys *keys, const struct session *session, struct recording *recording)
+{
+    const struct run *run = session_run(session);
+    if (!run || !quantity_is_scaled(recording->column[recording->value].quantity))
+        return;
+    const struct data_distance data = run_data_distance(run, recording);
+    if (!data.scaled || !isfinite(data.gain))
+        return;
+    struct buffer text = {0};
+    put_scale(&data, run, &text);
+    buffer_format(&text, " of run %d", run->number);
+    keys_add(keys, "scale", &text);
 }
 
 /* NULL: no memory */
@@ -76,6 +93,7 @@ bool export_recorded(const struct session *session, const struct given *column, 
         cleaned.len--; /* the newline */
         keys_add(&keys, "samples", &cleaned);
     }
+    add_scale_key(&keys, session, recording);
     if (moves)
         add_motion_keys(&keys, &motion, wanted[RECORDED_ENERGY]);
     const struct table_column all[RECORDED_COUNT] = {

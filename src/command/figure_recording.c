@@ -79,12 +79,36 @@ static bool recorded_phase(struct drawing *d, struct series series, struct curve
     return true;
 }
 
+/* Of a voltage or a force: where it lies on the axis of the run that it is laid over. */
+static bool scale_values(const struct drawing *d, struct series *series)
+{
+    const struct session *session = d->session;
+    const struct data_distance data = run_data_distance(session->run[d->request->run[0]]->run,
+                                                        session->recording[d->request->recording]->recording);
+    double *y = arena_array(d->arena, series->n, sizeof *y);
+    if (!y)
+        return error_memory(d->error);
+    for (size_t i = 0; i < series->n; i++)
+        y[i] = data.at_zero + data.gain * series->y[i];
+    series->y = y;
+    if (!isfinite(data.gain))
+        series->n = 0; /* it does not follow the run */
+    return true;
+}
+
 bool drawing_recording(struct drawing *d, const struct recording *recording)
 {
     struct series series;
     struct curve *curve = &d->curve[d->curves];
     if (!recorded_values(d, recording, &series))
         return false;
+    if (d->request->runs > 0 && d->request->kind == PLOT_POSITION &&
+        quantity_is_scaled(recording->column[recording->value].quantity)) {
+        if (!scale_values(d, &series))
+            return false;
+        if (series.n == 0)
+            return true;
+    }
     *curve = (struct curve){.label = d->request->runs ? "data" : recording->name,
                             .x = series.t,
                             .y = series.y,
@@ -114,11 +138,15 @@ bool drawing_residual(struct drawing *d, const struct recording *recording)
     if (!left)
         return error_memory(d->error);
     const double shift = recording->zero - d->session->fit_zero; /* since the fit */
-    const int derivative = run ? recorded_derivative(recording, run) : 0;
+    struct data_distance data = {.gain = 1};
     if (fitted)
         session_fit_values(d->session, curve->x, curve->n, left);
+    else
+        data = run_data_distance(run, d->session->recording[d->request->recording]->recording);
     for (size_t i = 0; i < curve->n; i++)
-        left[i] = curve->y[i] - (fitted ? left[i] - shift : run_motion(run, curve->x[i], derivative));
+        left[i] = curve->y[i] -
+                  (fitted ? left[i] - shift
+                          : (run_motion(run, curve->x[i], data.derivative) - data.at_zero) / data.gain);
     curve->y = left;
     curve->label = fitted ? "data - fit" : "data - run";
     return true;

@@ -348,7 +348,16 @@ struct data_distance {
     double rms; /* NAN: they do not overlap */
     size_t bad; /* samples left out: missed echoes would hide how well the run fits */
     int derivative; /* of what the recording holds: 0 position, 1 velocity, 2 acceleration */
+    enum quantity quantity; /* of the rms: the recording's own */
+    /* What was recorded as Y lies at gain Y + at_zero of the run's first variable. Of a voltage or a force (scaled)
+     * both are fitted by least squares: NAN where it does not follow the run at all. */
+    bool scaled;
+    double gain, at_zero;
 };
+/* A sensor's quantity that moves with the position in a proportion that nobody knows: a voltage, a force. */
+bool quantity_is_scaled(enum quantity quantity);
+/* "1 V = 2.31 cm, 0 V at y = 1.2 cm" */
+void put_scale(const struct data_distance *data, const struct run *run, struct buffer *text);
 /* Numbers without a unit: taken as positions, in metres or radians, and said to be. */
 bool recorded_bare(const struct recording *recording);
 /* The same of a recording and the first coordinate of a run (NULL: by the quantity alone); -1: neither. */

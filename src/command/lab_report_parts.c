@@ -179,8 +179,8 @@ void put_runs(struct report *report, const int *run, int runs, bool distance)
         if (data >= 0) {
             struct recording *recording = report->session->recording[data]->recording;
             document_open(document, BLOCK_CELL);
-            say_measured(document, (struct measured){run_data_distance(one, recording).rms, 0},
-                         system_variable(&one->system, 0).quantity);
+            const struct data_distance apart = run_data_distance(one, recording);
+            say_measured(document, (struct measured){apart.rms, 0}, apart.quantity);
             document_say(document, ", ");
             document_name(document, text_of(recording->name));
             document_close(document, BLOCK_CELL);
@@ -207,7 +207,9 @@ int recording_beside(struct report *report, int run, enum plot_kind kind)
     for (int i = 0; i < session->recordings; i++) {
         report->view->current_run = run;
         report->view->current_recording = i;
-        const double rms = run_data_distance(session->run[run]->run, session->recording[i]->recording).rms;
+        const struct data_distance data =
+            run_data_distance(session->run[run]->run, session->recording[i]->recording);
+        const double rms = data.rms * fabs(data.gain); /* volts beside metres */
         if (rms < least && figure_recording(report->view, kind) == i) {
             least = rms;
             nearest = i;

@@ -58,8 +58,27 @@ static void say_apart(const struct session *session, const struct run *run, stru
                    "%s is not laid over the run, nor compared with it: %s has no unit that is known ('load FILE unit=%s')",
                    recording->name, value->name, needs);
     else
-        reply_line(reply, "%s is not laid over the run, nor compared with it: it holds a %s, %s is a %s",
-                   recording->name, quantity_name(value->quantity), first.name, quantity_name(first.quantity));
+        reply_line(reply, "%s is not laid over the run, nor compared with it: it holds %s %s, %s is %s %s",
+                   recording->name, quantity_article(value->quantity), quantity_name(value->quantity), first.name,
+                   quantity_article(first.quantity), quantity_name(first.quantity));
+}
+
+/* How a recording of a quantity that is no motion is laid over the run. */
+static void say_scale(const struct session *session, const struct run *run, const struct data_distance *data,
+                      struct reply *reply)
+{
+    if (!data->scaled || !isfinite(data->rms))
+        return;
+    const char *name = session_recording(session)->name, *first = system_variable(&run->system, 0).name;
+    struct buffer text = {0};
+    buffer_put(&text, isfinite(data->gain) ? TEXT("scaled: ") : TEXT(""));
+    if (isfinite(data->gain))
+        put_scale(data, run, &text);
+    else
+        buffer_format(&text, "not laid over the run: %s and %s do not move together", quantity_name(data->quantity),
+                      first);
+    reply_line(reply, "%s: %s", name, buffer_view(&text));
+    buffer_free(&text);
 }
 
 #define NOTABLE 1e-3 /* of E0: a smaller error asks for no reason */
@@ -103,12 +122,13 @@ void reply_run(const struct session *session, const struct run *run, struct repl
     if (isfinite(data.rms)) {
         const struct variable compared = run_derivative(run, data.derivative);
         buffer_format(&text, ", rms(%s-data) = ", compared.name);
-        buffer_quantity(&text, data.rms, compared.quantity, 2);
+        buffer_quantity(&text, data.rms, data.quantity, 2);
         if (data.bad > 0)
             buffer_format(&text, " (%zu bad sample%s left out)", data.bad, data.bad == 1 ? "" : "s");
     }
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
+    say_scale(session, run, &data, reply);
     say_apart(session, run, reply);
     if (reply->format == FORMAT_TEXT)
         return;
@@ -143,6 +163,11 @@ void reply_run(const struct session *session, const struct run *run, struct repl
     reply_real(reply, "error", errors.max);
     reply_opinion_values(run, reply);
     reply_real(reply, "rest_from", rest);
+    if (isfinite(data.rms)) {
+        reply_real(reply, "rms_from_data", data.rms);
+        reply_real(reply, "data_gain", data.gain);
+        reply_real(reply, "data_at_zero", data.at_zero);
+    }
     reply_string(reply, "status", stop_name(run->stop));
     reply_real(reply, "time", run->seconds);
     reply_end(reply);

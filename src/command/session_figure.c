@@ -238,7 +238,8 @@ static enum quantity y_quantity(const struct drawing *d)
 {
     const struct recording *recording = recording_of(d);
     const enum plot_kind kind = d->request->kind;
-    if (recording && d->request->runs == 0 && !drawing_needs_motion(d, recording))
+    const bool own = d->request->runs == 0 || (kind == PLOT_RESIDUAL && !recorded_bare(recording));
+    if (recording && own && !drawing_needs_motion(d, recording))
         return recording->column[recording->value].quantity;
     if (d->omega0 != 1)
         return d->model->variable[0].quantity;

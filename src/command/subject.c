@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What measure and fit act on: a run or a recording as a series; and the distance between the two. */
+/* What measure and fit act on: a run or a recording as a series. */
 #include "figure_curves.h"
 #include "columns.h"
 #include "data_motion.h"
@@ -167,101 +167,6 @@ bool subject_open(struct session *session, const struct given *run, const struct
         return open_run(latest, window, energy, least, arena, subject, error);
     error_set(error, ERROR_COMMAND, "there is neither a run nor a recording yet");
     return error_hint(error, "type: run, or: load FILE");
-}
-
-/* The span of a run, its earlier end first. */
-static void run_span(const struct run *run, double span[2])
-{
-    const double first = trace_time(run->trace, 0), last = trace_time(run->trace, trace_count(run->trace) - 1);
-    span[0] = fmin(first, last);
-    span[1] = fmax(first, last);
-}
-
-/* Samples of a series, which has no gaps, that a run spans. */
-static size_t spanned(const struct run *run, const struct series *data)
-{
-    double span[2];
-    size_t count = 0;
-    run_span(run, span);
-    for (size_t i = 0; i < data->n; i++)
-        count += data->t[i] >= span[0] && data->t[i] <= span[1];
-    return count;
-}
-
-/* Sum of squared distances from the run of the samples that it spans. */
-static double squared_distance(const struct run *run, const struct series *data, int derivative)
-{
-    double sum = 0, span[2];
-    run_span(run, span);
-    for (size_t i = 0; i < data->n; i++) {
-        if (!(data->t[i] >= span[0] && data->t[i] <= span[1]))
-            continue;
-        const double apart = run_motion(run, data->t[i], derivative) - data->y[i];
-        sum += isfinite(apart) ? apart * apart : 0;
-    }
-    return sum;
-}
-
-bool recorded_bare(const struct recording *recording)
-{
-    const struct column *value = &recording->column[recording->value];
-    return value->quantity == QUANTITY_OTHER && !value->unit[0];
-}
-
-int recorded_derivative(const struct recording *recording, const struct run *run)
-{
-    const enum quantity quantity = recording->column[recording->value].quantity;
-    if (!run)
-        return quantity == QUANTITY_VELOCITY || quantity == QUANTITY_ANGULAR_FREQUENCY        ? 1
-               : quantity == QUANTITY_ACCELERATION || quantity == QUANTITY_ANGULAR_ACCELERATION ? 2
-                                                                                                : 0;
-    const struct system *system = &run->system;
-    if (quantity == system_variable(system, 0).quantity || recorded_bare(recording))
-        return 0;
-    if (system->order != 2)
-        return -1;
-    if (quantity == system_variable(system, system->n / 2).quantity)
-        return 1;
-    return quantity == model_quantity(system->model, observable_named("a")) ? 2 : -1;
-}
-
-struct variable run_derivative(const struct run *run, int derivative)
-{
-    if (derivative < 2)
-        return system_variable(&run->system, derivative * run->system.n / 2);
-    return (struct variable){.name = "a", .quantity = model_quantity(run->system.model, observable_named("a"))};
-}
-
-static bool can_compare(const struct run *run, const struct recording *recording)
-{
-    const size_t rows = trace_count(run->trace);
-    return recording && run->system.n == 2 && run->system.order == 2 && rows > 1 &&
-           recorded_derivative(recording, run) >= 0 &&
-           trace_time(run->trace, rows - 1) > trace_time(run->trace, 0);
-}
-
-struct data_distance run_data_distance(const struct run *run, struct recording *recording)
-{
-    struct arena arena = {0};
-    struct series all, good;
-    struct error ignored;
-    struct data_distance result = {.rms = NAN};
-    if (!can_compare(run, recording))
-        return result;
-    const int derivative = recorded_derivative(recording, run);
-    if (find_faults(recording, &arena, &ignored)) {
-        struct recording clean = *recording; /* its arrays are shared */
-        clean.cleaned = true;
-        if (recording_series(recording, &arena, 2, &all, &ignored) &&
-            recording_series(&clean, &arena, 2, &good, &ignored)) {
-            const size_t used = spanned(run, &good);
-            if (used >= 2)
-                result = (struct data_distance){sqrt(squared_distance(run, &good, derivative) / (double)used),
-                                                spanned(run, &all) - used, derivative};
-        }
-    }
-    arena_reset(&arena);
-    return result;
 }
 
 /* ---- what it is measured against, and what is left of it ---- */

@@ -195,10 +195,12 @@ static bool pick(struct recording *recording, const struct profile *profile, boo
             is_index(recording, &profile[i], i) || name_has_word(column->name, ERROR_WORDS) ||
             constant(&profile[i]) != flat)
             continue;
+        const enum quantity quantity =
+            column->quantity == QUANTITY_VOLTAGE ? QUANTITY_OTHER : column->quantity;
         size_t rank = 0;
-        while (rank < COUNT_OF(order) && order[rank] != column->quantity)
+        while (rank < COUNT_OF(order) && order[rank] != quantity)
             rank++;
-        if ((column->quantity == QUANTITY_OTHER && !name_has_word(column->name, PLACE_WORDS)) ||
+        if ((quantity == QUANTITY_OTHER && !name_has_word(column->name, PLACE_WORDS)) ||
             name_has_word(column->name, SIZE_WORDS))
             rank = COUNT_OF(order) + 1;
         /* Of places the first, of the rest (axes of an accelerometer) the one that moves most. */

@@ -85,6 +85,9 @@ static const struct {
     {"°/s deg/s", "rad/s", 0.017453292519943295},
     {"rad/sec", "rad/s", 1},
     {"newton newtons", "N", 1},
+    {"volt volts", "V", 1},
+    {"millivolt millivolts", "mV", 1},
+    {"uV µV μV microvolt microvolts", "V", 1e-6},
 };
 
 static const struct unit *find_unit(struct text text, double *factor)

@@ -281,7 +281,9 @@ static bool choose_variable(struct scene_curve *c, const struct system *system, 
     }
     error_set(error, ERROR_COMMAND, "the series is one of %s, the scene moves in %s", quantity_name(quantity),
               quantity_name(first));
-    return error_hint(error, "choose another scene, or another column of the file");
+    return error_hint(error, quantity == QUANTITY_VOLTAGE || quantity == QUANTITY_FORCE
+                                 ? "fit, fit drag and fit law take it as it is; adopt then says in which scale"
+                                 : "choose another scene, or another column of the file");
 }
 
 static bool set_up(const struct scene_fit_request *request, struct scene_curve *c, struct arena *arena,

@@ -396,6 +396,42 @@ static void a_residual_is_what_is_left_of_the_recording(void **state)
     session_destroy(session);
 }
 
+/* Volts are laid over the run in its own unit, in panes too: 1 V = 2.5 cm, 0 V at 1 cm. */
+static void a_voltage_lies_on_the_run(void **state)
+{
+    (void)state;
+    char path[] = "/tmp/hooke-view-XXXXXX", line[80];
+    int fd = mkstemp(path);
+    assert_true(fd >= 0);
+    struct session *session = begin(false, swing);
+    tell(session, "run 9 s");
+    const struct run *run = current(session);
+    dprintf(fd, "t [s]\tU [V]\n");
+    for (size_t i = 0; i < trace_count(run->trace); i += 3)
+        dprintf(fd, "%.17g\t%.17g\n", trace_time(run->trace, i), (trace_state(run->trace, i)[0] - 0.01) / 0.025);
+    close(fd);
+    snprintf(line, sizeof line, "load '%s'", path);
+    tell(session, line);
+    unlink(path);
+    assert_shows(session, 80, 24, "o data");
+    struct arena arena = {0};
+    struct figure figure = figure_of(session, PLOT_POSITION, false, &arena);
+    assert_int_equal(figure.curves, 2);
+    assert_string_equal(figure.curve[1].label, "data");
+    assert_int_equal(figure.curve[1].n, 301);
+    for (size_t i = 0; i < figure.curve[1].n; i++)
+        assert_true(fabs(figure.curve[1].y[i] - trace_state(run->trace, 3 * i)[0]) < 1e-12);
+    figure = figure_of(session, PLOT_RESIDUAL, false, &arena);
+    assert_non_null(strchr(figure.y.unit, 'V')); /* V or mV */
+    assert_true(largest(figure.curve[0].y, figure.curve[0].n) < 1e-11);
+    /* A run at rest gives no scale: nothing is drawn of the recording. */
+    tell(session, "y0 = 0; v0 = 0; run 9 s");
+    figure = figure_of(session, PLOT_POSITION, false, &arena);
+    assert_true(figure.curves < 2 || figure.curve[1].n == 0);
+    arena_reset(&arena);
+    session_destroy(session);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -412,6 +448,7 @@ int main(void)
         cmocka_unit_test(few_rows_stand_for_many),
         cmocka_unit_test(rows_before_a_change_keep_their_energy),
         cmocka_unit_test(the_spectrum_has_its_peak_at_the_frequency),
+        cmocka_unit_test(a_voltage_lies_on_the_run),
         cmocka_unit_test(a_residual_is_what_is_left_of_the_recording),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
