@@ -81,7 +81,7 @@ static const struct {
      4, 0, 2, 1, '\t', '.', 0, 0.3, 0.0018, 0.0017, "1 row has words behind the last column"},
     /* PicoScope: units on a line of their own, a blank line, times before zero. */
     {"Time,Channel A\n(ms),(V)\n\n-20.0,0.5\n-10.0,0.6\n0.0,0.7\n", "", "picoscope", "Time", "Channel A", "V", 3, 0, 2,
-     3, ',', '.', -0.02, 0, 0.5, 0.7, "'V' of Channel A"},
+     3, ',', '.', -0.02, 0, 0.5, 0.7, NULL},
     /* Leybold's names; CR CR LF; decimal comma with tabs. */
     {"MIN=0\r\r\nSCALE=1\r\r\nt / s\tWeg / mm\r\r\n0\t-4,1667E-4\r\r\n0,1\t0,5\r\r\n0,2\t-0,0012\r\r\n", "", "table",
      "t", "Weg", "mm", 3, 0, 2, 3, '\t', ',', 0, 0.2, -4.1667e-7, -1.2e-6, NULL},
@@ -185,6 +185,8 @@ static void dialects_are_read(void **state)
             same_number(r->y[0], good[i].y0, good[i].text);
         same_number(r->y[r->rows - 1], good[i].y1, good[i].text);
         same_number(r->dt, (good[i].t1 - good[i].t0) / (double)(r->rows - 1), good[i].text);
+        if (strcmp(r->column[r->value].unit, "V") == 0 && r->column[r->value].quantity != QUANTITY_VOLTAGE)
+            fail_msg("V is no voltage in\n%s", good[i].text);
         if (good[i].warning && !fixture_warns(r, good[i].warning))
             fail_msg("no warning '%s' but %s in\n%s", good[i].warning,
                      r->warnings ? r->warning[r->warnings - 1] : "none", good[i].text);
