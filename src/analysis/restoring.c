@@ -13,6 +13,7 @@ enum { FIRST_PERIODS = 4, LEAST = 16 };
 
 #define NEARLY 100.0 /* variances that a step may promise to be taken unseen */
 #define FINALLY 1e-2
+#define FAR 100.0 /* variances beyond another force, with which a search that did not end is no answer */
 
 static const struct row rows[] = {
     [RESTORING_LINEAR] = {"linear", "", "a spring", "omega0^2 y", NULL},
@@ -95,6 +96,18 @@ static bool grow(const struct law_samples *x, size_t from, const struct law_fit 
     }
 }
 
+/* What was not found on its own, from another force's answer for the whole. */
+static bool follow(const struct law_samples *x, const struct law_fit *other, enum restoring_force force,
+                   double rounding, struct law_fit *fit)
+{
+    *fit = *other;
+    fit->motion.force = force;
+    fit->motion.value[EQUATION_CUBIC] = 0;
+    fit->omega = fit->motion.value[EQUATION_OMEGA];
+    fit->parameters = drag_places(LAW_LINEAR | LAW_QUADRATIC, force, fit->place);
+    return law_descend(x, FINALLY, rounding, fit);
+}
+
 /* ---- the choice, by the rule of the laws of damping ---- */
 
 /* Fits of each force, and what a BIC between them is worth. */
@@ -134,6 +147,12 @@ static bool cubic_remains(const struct forces *all, const struct drag_fit *drag,
     const double most =
         fabs(fit->motion.value[EQUATION_CUBIC]) + 2 * sqrt(all->variance) * law_formal(fit, fit->parameters - 1);
     return chance(all, simple) < HIDDEN || (simple == RESTORING_LINEAR && most * a * a > SHARE_MOST * omega * omega);
+}
+
+/* Whether the search, though it did not end, came nowhere near what another force leaves. */
+static bool far_off(const struct forces *all, int i, int other)
+{
+    return all->fit[i].rss - all->fit[other].rss > FAR * all->variance;
 }
 
 /* Of what nothing refutes the spring first, then the pendulum: each has a parameter less than Duffing's. */
@@ -190,12 +209,18 @@ bool restoring_choose(struct fitting *f, bool angle, struct drag_fit *drag, stru
         drag->restoring[i].converged =
             tried && grow(x, from, &first, (enum restoring_force)i, f->rounding, &all.fit[i]);
     }
+    for (int i = 0; i < RESTORING_FORCES; i++)
+        for (int j = 0; j < RESTORING_FORCES && every >> i & 1 && !drag->restoring[i].converged; j++)
+            drag->restoring[i].converged = drag->restoring[j].converged &&
+                                           follow(x, &all.fit[j], (enum restoring_force)i, f->rounding, &all.fit[i]);
     if (!weigh(f, &all, drag))
         return false;
     const int chosen = simplest(&all, drag);
     drag->forces = RESTORING_FORCES;
     drag->force = (enum restoring_force)chosen;
-    drag->forces_remaining = drag->restoring[chosen].converged ? 1u << chosen : every;
+    drag->forces_remaining = 1u << chosen;
+    for (int i = 0; i < RESTORING_FORCES; i++) /* of what was not found nothing is known */
+        drag->forces_remaining |= drag->restoring[i].converged || far_off(&all, i, chosen) ? 0 : every & 1u << i;
     for (int i = 0; i < RESTORING_FORCES; i++)
         if (i != chosen && drag->restoring[chosen].converged &&
             (i == RESTORING_CUBIC ? cubic_remains(&all, drag, chosen)
