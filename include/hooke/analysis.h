@@ -225,6 +225,13 @@ struct curve_fit {
 bool curve_fit(const struct fit_curve *curve, const struct series *series, const double *start,
                const struct curve_options *options, struct arena *arena, struct curve_fit *fit, struct error *error);
 
+/* A model that more than a fifth of the samples must leave is none, whether they are bad echoes or lie behind flat
+ * tops: no fit of any kind that leaves out so many has converged. */
+static inline bool fit_discards_much(size_t rejected, size_t samples)
+{
+    return (double)rejected > 0.2 * (double)samples;
+}
+
 /* ---- formulas ----
  *
  * A formula in t as it is typed: names that nobody knows are its parameters.

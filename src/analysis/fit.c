@@ -103,6 +103,29 @@ static void widen_by_halves(const struct measured half[2], struct measured *whol
     }
 }
 
+enum { LEFT_OUT_SIZE = 120 };
+
+/* ": 205 of 600 samples would be left out, 200 of them where the fit is beyond flat tops (clipped)" */
+static void say_left_out(const struct motion *m, char out[LEFT_OUT_SIZE])
+{
+    char flat[64] = "";
+    if (m->clipped > 0)
+        snprintf(flat, sizeof flat, ", %zu of them at flat tops (clipped)", m->clipped);
+    out[0] = 0;
+    if (m->rejected > 0)
+        snprintf(out, LEFT_OUT_SIZE, ": %zu of %zu samples would be left out%s", m->rejected, m->samples.n, flat);
+}
+
+static bool refuse_laws(const struct motion *m, struct fit *fit, struct error *error)
+{
+    char without[LEFT_OUT_SIZE];
+    fit->converged = false;
+    say_left_out(m, without);
+    error_set(error, ERROR_NUMERICAL, "it oscillates, every %.4g s on average, but no law of damping follows it%s",
+              m->overview.period, without);
+    return error_hint(error, "fit a shorter window; 'measure period' follows what changes");
+}
+
 /* What is integrated beside the sine: nothing, laws of damping, those and of the restoring force. */
 enum laws { LAWS_NONE, LAWS_OF_DAMPING, LAWS_ALL };
 
@@ -121,7 +144,8 @@ static bool fit_harmonic(const char *model, enum harmonic_free unknowns, enum la
         m.harmonic.gamma = 0;
         m.harmonic.a = m.harmonic.b = m.harmonic.d = 0;
         m.harmonic.origin = 0.5 * (series->t[0] + series->t[series->n - 1]);
-        m.harmonic.converged = harmonic_fit(&m.samples, unknowns, &m.harmonic, m.residual) && m.harmonic.converged;
+        m.harmonic.converged = harmonic_fit(&m.samples, unknowns, &m.harmonic, m.residual) && m.harmonic.converged &&
+                               !fit_discards_much(m.rejected, m.samples.n);
         m.autocorrelation = residual_autocorrelation(&m.samples, m.residual);
     }
     if (cancelled(cancel)) {
@@ -137,9 +161,8 @@ static bool fit_harmonic(const char *model, enum harmonic_free unknowns, enum la
     fit->autocorrelation = m.autocorrelation;
     report(&m.samples, m.residual, &m.harmonic, (int)unknowns, fit->t0, fit);
     if (m.tracked && !fit->converged && !drag) {
-        char without[64] = "";
-        if (fit->rejected > 0)
-            snprintf(without, sizeof without, ": %zu of %zu samples would be left out", fit->rejected, series->n);
+        char without[LEFT_OUT_SIZE];
+        say_left_out(&m, without);
         error_set(error, ERROR_NUMERICAL, "it oscillates, every %.4g s on average, but one %s sine does not follow it%s",
                   m.overview.period, unknowns == FREE_GAMMA ? "damped" : "plain", without);
         struct mode_pair pair;
@@ -174,6 +197,8 @@ static bool fit_harmonic(const char *model, enum harmonic_free unknowns, enum la
         if (drag && !drag_laws(&m, series->quantity, laws == LAWS_ALL, rates, arena, fit, error)) {
             return false;
         }
+        if (drag && fit_discards_much(m.rejected, m.samples.n))
+            return refuse_laws(&m, fit, error);
     }
     fit_diagnose(&m, sway, fit);
     return true;

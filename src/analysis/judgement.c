@@ -15,7 +15,6 @@
 #define EPSILON 2.220446049250313e-16
 #define STEP_MOST 1e-8
 #define GRADIENT_MOST 1e-6
-#define REJECTED_MOST 0.2 /* of the samples: what leaves out more describes none */
 #define CORRELATED 0.1 /* lag-1 autocorrelation from which the uncertainties are widened (NUMERICS: n_eff) */
 
 /* ---- the linear problem at the answer ---- */
@@ -279,7 +278,7 @@ static void say(const struct problem *p, struct curve_fit *fit)
     const char *undetermined = NULL;
     for (int j = 0; j < fit->parameters && !undetermined; j++)
         undetermined = fit->determined[j] || fit->bound[j] ? NULL : p->curve->name[j];
-    if ((double)fit->rejected > REJECTED_MOST * (double)p->n)
+    if (fit_discards_much(fit->rejected, p->n))
         snprintf(fit->said, sizeof fit->said, "did not converge: it leaves out %zu of %zu samples", fit->rejected, p->n);
     else if (fit->converged)
         snprintf(fit->said, sizeof fit->said, "converged in %d iterations: step and gradient vanish", fit->iterations);
@@ -296,7 +295,7 @@ static void say(const struct problem *p, struct curve_fit *fit)
 void conclude(const struct problem *p, struct curve_fit *fit)
 {
     diagnose(p, fit);
-    fit->converged = fit->converged && !((double)fit->rejected > REJECTED_MOST * (double)p->n);
+    fit->converged = fit->converged && !fit_discards_much(fit->rejected, p->n);
     double factor = fit->autocorrelation > CORRELATED ? autocorrelation_factor(fit->autocorrelation) : 1;
     double freedom = fmax(1, (double)fit->used / factor - fit->parameters),
            student = gsl_cdf_tdist_Pinv(0.975, freedom);

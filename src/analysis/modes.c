@@ -8,7 +8,6 @@
 
 #define REJECTED 5.0      /* robust standard deviations */
 #define ROUNDING 1e-9     /* of an amplitude: what is nearer is no outlier of a simulation */
-#define REJECTED_MOST 0.2 /* of the samples */
 #define SURE 3.0          /* standard deviations of an amplitude, and */
 #define SURE_SLOW 5.0     /* where the slowest has fewer than PERIODS: a random walk looks like that */
 #define CLEAR 6.0         /* of the noise beside its line */
@@ -77,7 +76,7 @@ static bool reject(struct fitting *f, size_t *rejected)
     const double limit = fmax(REJECTED * MAD_TO_SIGMA * quantile(f->scratch, count, 0.5), rounding);
     for (size_t i = 0; i < n; i++)
         far += !(fabs(f->residual[i]) <= limit);
-    const bool any = limit > 0 && far > 0 && (double)far < REJECTED_MOST * (double)n;
+    const bool any = limit > 0 && far > 0 && !fit_discards_much(far, n);
     bool changed = false;
     for (size_t i = 0; i < n && any; i++) {
         const bool use = fabs(f->residual[i]) <= limit;

@@ -16,7 +16,6 @@
 #define FEW_LEAVE 0.1    /* of their power, where what is left is larger than the noise by */
 #define FEW_NOISES 2.0   /* and hangs together */
 #define FEW_TOGETHER 0.5 /* (autocorrelation) */
-#define REJECTED_MOST 0.2 /* of the samples: a fit that leaves out more is none */
 #define DRIFTS 3.0  /* standard deviations of the offset's slope from which on it is fitted */
 #define CHANCE 20.0 /* -ln of the chance that noise looks like it, per frequency; much for wandering records, */
 #define WHITE_CHANCE 11.0 /* less where the residuals do not hang together */
@@ -150,15 +149,9 @@ static void judge(struct motion *m)
     }
 }
 
-/* A model that many samples must leave is none, whether they are bad echoes or lie behind flat tops. */
-static bool leaves_out_much(const struct motion *m)
-{
-    return (double)m->rejected > REJECTED_MOST * (double)m->samples.n;
-}
-
 static void judge_rejected(struct motion *m)
 {
-    if (leaves_out_much(m)) {
+    if (fit_discards_much(m->rejected, m->samples.n)) {
         refuse(&m->overview, "a damped sine would leave out %zu of its %zu samples", m->rejected, m->samples.n);
     }
 }
@@ -258,7 +251,7 @@ static bool fit_tracked(struct motion *m, double noise, struct arena *arena)
     if (!fit_whole(m, track.omega, arena)) {
         return false;
     }
-    m->harmonic.converged = m->harmonic.converged && !leaves_out_much(m);
+    m->harmonic.converged = m->harmonic.converged && !fit_discards_much(m->rejected, m->samples.n);
     m->tracked = true;
     o->oscillates = true;
     o->reason[0] = 0;

@@ -337,7 +337,7 @@ static void accept_simulation(const struct fitting *f, struct curve_fit *fit)
         for (int i = 0; i < j; i++)
             determined = determined && fabs(fit->correlation[j][i]) < 1 - NOTHING;
     }
-    if (fit->converged || !determined)
+    if (fit->converged || !determined || fit_discards_much(fit->rejected, fit->used + fit->rejected))
         return;
     fit->converged = true;
     snprintf(fit->said, sizeof fit->said, "converged in %d iterations: what is left is %.1e of the motion",
