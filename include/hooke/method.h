@@ -64,6 +64,7 @@ struct step {
     bool again; /* the last step was taken back: what was evaluated at t and y before it still holds */
     double tol; /* accepts an error with an RMS of tol max(scale_i, |y_i|): a measure for iterations. 0: a fixed step */
     const double *scale; /* [n] sizes along the run, see struct controller; NULL: those of the system */
+    double square; /* sum of (error_i / max(scale_i, |y_i|))^2, where the step has it; else as it was */
     struct cost cost; /* accumulates */
 };
 

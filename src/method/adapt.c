@@ -25,8 +25,7 @@
  */
 static const struct filter {
     double b1, b2, a;
-} elementary = {1, 0, 0}, /* first steps, rejected steps */
-    explicit = {8. / 10, -4. / 10, -5. / 10}, implicit = {11. / 10, -7. / 10, -10. / 10}; /* the latter: PC47 */
+} explicit = {8. / 10, -4. / 10, -5. / 10}, implicit = {11. / 10, -7. / 10, -10. / 10}; /* the latter: PC47 */
 
 #define SHARE (1. / 3)    /* of the tolerance, where the row says nothing */
 #define AIM_EXPLICIT 0.35 /* of the largest error that is accepted */
@@ -42,7 +41,7 @@ static const struct filter {
 #define LEAST_ULPS 4     /* of t: a smaller step is only rounding, though the clock counts it */
 #define MEMORY 0.4       /* share of the newest estimate in the smoothed stiffness, */
 #define PROBE 1e-4       /* of a step: how far ahead the direction of a switch is looked for */
-#define ESTIMATE_EACH 4  /* steps, because the estimate costs as much as a fifth of a step */
+#define ESTIMATE_EACH 16 /* steps, because the estimate costs as much as half a step of a small system */
 
 #define INLINE static inline __attribute__((always_inline))
 
@@ -67,6 +66,7 @@ INLINE void follow(int n, const struct step *step, struct controller *controller
     controller->sampling = true;
     controller->sampled = step->t;
     controller->elapsed += by;
+    const double rate = 1 / controller->elapsed;
     for (int i = 0; i < n; i++) {
         const double least = system->scale[i], size = fabs(step->y[i]);
         double mean = 1;
@@ -77,7 +77,7 @@ INLINE void follow(int n, const struct step *step, struct controller *controller
         if (size > least)
             controller->excess[i] += by * (sqrt(sqrt(size / least)) - 1);
         if (controller->excess[i] > 0)
-            mean += controller->excess[i] / controller->elapsed;
+            mean += controller->excess[i] * rate;
         mean *= mean;
         mean *= mean;
         controller->scale[i] = least * mean < DBL_MAX ? least * mean : least; /* not where it is NaN */
@@ -124,26 +124,24 @@ static double least_step(double t)
     return LEAST_ULPS * (nextafter(fabs(t), HUGE_VAL) - fabs(t));
 }
 
-INLINE double aim(const struct method *method)
+/* Errors in units of what is aimed at, by those in units of what is accepted; both squared */
+INLINE double by_aim(const struct method *method)
 {
-    return method->flags & METHOD_IMPLICIT ? AIM_IMPLICIT : AIM_EXPLICIT;
+    return method->flags & METHOD_IMPLICIT ? 1 / (AIM_IMPLICIT * AIM_IMPLICIT) : 1 / (AIM_EXPLICIT * AIM_EXPLICIT);
 }
 
-/* rho as above, from squares of errors in units of the aim; ratio: h_n/h_n-1 */
+/* log2 of rho as above, from squares of errors in units of the aim; ratio: h_n/h_n-1 */
 INLINE double change(const struct filter *filter, int k, double square, double previous, double ratio)
 {
-    double log = factor_log2(square) * (-0.5 * filter->b1 / k);
-    if (filter->b2 != 0)
-        log += factor_log2(previous) * (-0.5 * filter->b2 / k);
-    if (filter->a != 0)
-        log -= factor_log2(ratio) * filter->a;
-    return factor_exp2(log);
+    const double half = -0.5 / k;
+    const double history = factor_log2(previous) * (half * filter->b2) - factor_log2(ratio) * filter->a;
+    return factor_log2(square) * (half * filter->b1) + history; /* which alone is waited for */
 }
 
-/* The same of a first step and after a rejection. */
+/* rho of a first step and after a rejection. */
 static double change_elementary(int k, double square)
 {
-    return change(&elementary, k, square, 0, 1);
+    return factor_exp2(factor_log2(square) * (-0.5 / k));
 }
 
 /*
@@ -162,7 +160,7 @@ INLINE void plan_next(const struct method *method, const struct step *step, stru
         rho = change_elementary(k, square);
         rho = rho < GROW ? rho : GROW;
     } else if (square < KEEP_LEAST * KEEP_LEAST || square > KEEP_MOST * KEEP_MOST || ratio < FALLS) {
-        rho = 1 + factor_atan(change(filter, k, square, controller->previous, ratio) - 1);
+        rho = factor_limited(change(filter, k, square, controller->previous, ratio));
     }
     if (controller->rejected)
         rho = rho < 1 ? rho : 1;
@@ -222,7 +220,7 @@ INLINE enum step_status adapt_size(int n, const struct method *method, struct st
     const double tol = tolerance(controller), t = step->t, span = t_end - t;
     const double most = largest_estimate(method, tol);
     const bool turns = !switches && step->system->kinks && method_turns(method, step->system);
-    const double accepted = 1 / (n * most * most), part = aim(method), aims = 1 / (part * part);
+    const double accepted = 1 / (n * most * most), aims = by_aim(method);
     const double planned = controller->h; /* after a failure another try begins where this one did */
     const bool rejected = controller->rejected;
     struct switches_state state;
@@ -235,10 +233,13 @@ INLINE enum step_status adapt_size(int n, const struct method *method, struct st
 
     for (int attempt = 0, failures = 0;; attempt++) {
         bool last = fabs(controller->h) * STRETCH >= fabs(span);
-        step->h = last ? span : controller->h;
+        step->h = controller->h;
+        if (__builtin_expect(last, false)) /* a branch: the first stage does not wait for it */
+            step->h = span;
         step->error = asked ? asked : own_error;
         step->again = attempt > 0;
         step->tol = most;
+        step->square = -1;
         enum step_status status = step_take(method, step);
         bool turned = false;
         int ended = -1;
@@ -249,9 +250,9 @@ INLINE enum step_status adapt_size(int n, const struct method *method, struct st
         turned = turned || ended >= 0;
         last = last && !turned;
         /* of the error, in units of what is accepted: nothing waits for its root */
-        const double square =
-            status == STEP_OK ? scaled_square(n, step_scale(step), step->error, before, step->y) * accepted : NAN;
-        const double aimed = square * aims;
+        if (status == STEP_OK && !(step->square >= 0))
+            step->square = scaled_square(n, step_scale(step), step->error, before, step->y);
+        const double square = status == STEP_OK ? step->square * accepted : NAN, aimed = square * aims;
         step->error = asked;
         step->tol = 0;
 

@@ -32,7 +32,7 @@ enum step_status rk_step(const struct method *method, struct step *step)
     rk_stages(tableau, n, slope, step->system, step->t, step->h, step->y, k, z, low, known);
     step->cost.evals += stages - known;
     if (step->error && tableau->companion)
-        rk_estimate(tableau, n, step_scale(step), step->h, k, step->y, z, step->error);
+        step->square = rk_estimate(tableau, n, step_scale(step), step->h, k, step->y, z, step->error);
     enum step_status status = step_finish(step, z);
     if (low && status == STEP_OK)
         memcpy(step->low, low, (size_t)n * sizeof *low);

@@ -14,19 +14,24 @@ INLINE void rk_difference(int n, double h, const double *w, const double *u, int
     }
 }
 
-/* The difference from the companion; with a rough one too, that of DOP853 (II.10, eq. 10.17). */
-INLINE void rk_estimate(const struct tableau *tableau, int n, const double *scale, double h, const double *k,
-                        const double *y, const double *z, double *error)
+/*
+ * The difference from the companion; with a rough one too, that of DOP853 (II.10, eq. 10.17). Returns the sum of its
+ * squares by scaled_square(): the next step waits for that, not for the root.
+ */
+INLINE double rk_estimate(const struct tableau *tableau, int n, const double *scale, double h, const double *k,
+                          const double *y, const double *z, double *error)
 {
     rk_difference(n, h, tableau->b, tableau->companion, tableau->stages, k, error);
+    const double square = scaled_square(n, scale, error, y, z);
     if (!tableau->rough)
-        return;
+        return square;
     double rough[LIMIT_VARIABLES];
     rk_difference(n, h, tableau->b, tableau->rough, tableau->stages, k, rough);
-    double square = scaled_square(n, scale, error, y, z);
-    double share = square > 0 ? sqrt(square / (square + 0.01 * scaled_square(n, scale, rough, y, z))) : 0;
+    const double part = square / (square + 0.01 * scaled_square(n, scale, rough, y, z));
+    const double share = square > 0 ? part : 0, root = sqrt(share);
     for (int i = 0; i < n; i++)
-        error[i] *= share;
+        error[i] *= root;
+    return square * share;
 }
 
 #endif

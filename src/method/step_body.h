@@ -28,7 +28,7 @@ INLINE enum step_status one_step(const struct method *method, int n, slope_funct
         step->work[i] = k[i];
     step->work[(stages + tableau->extra + 1) * n] = false; /* the interpolant's stages are not there */
     if (step->error && tableau->companion)
-        rk_estimate(tableau, n, step_scale(step), step->h, k, y, z, step->error);
+        step->square = rk_estimate(tableau, n, step_scale(step), step->h, k, y, z, step->error);
     bool finite = true;
     for (int i = 0; i < n; i++)
         finite = finite && isfinite(z[i]);

@@ -52,12 +52,27 @@ static void test_atan(void **state)
     assert_near(factor_atan(1e300), asin(1), 1e-9, 1e300);
 }
 
+static void test_limited(void **state)
+{
+    (void)state;
+    double last = 0;
+    for (double x = -40; x < 40; x += 0.000713) {
+        const double factor = factor_limited(x);
+        assert_near(factor, 1 + atan(exp2(x) - 1), fabs(x) <= 0.5 ? 2e-7 : 1.2e-5, x);
+        assert_true(factor > last - (fabs(x) <= 0.51 ? 0 : 1e-9));
+        last = factor;
+    }
+    assert_true(factor_limited(0) == 1); /* a step that is just right stays as it is */
+    assert_true(factor_limited(1e9) < 2.571 && factor_limited(-1e9) > 0.214);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_log2),
         cmocka_unit_test(test_exp2),
         cmocka_unit_test(test_atan),
+        cmocka_unit_test(test_limited),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
