@@ -72,7 +72,7 @@ static void uncertainties_are_the_scatter(void **state)
     for (size_t i = in_long_form() ? 0 : 1; i < COUNT_OF(cases); i++) { /* the first is part of the second */
         const struct scene truth = scene_with(cases[i].preset, cases[i].settings);
         double ratio[MOST];
-        int count;
+        int count = 0;
         scatter_of(&truth, cases[i].span, cases[i].names, ratio, &count);
         for (int j = 0; j < count; j++) {
             print_message("%s: parameter %d of '%s': stated over scatter %.3f\n", cases[i].preset, j + 1,
