@@ -51,6 +51,8 @@ struct cost {
  *            same method left (first same as last, history). method_step() sets it; whoever changes y, the system or t
  *            (by more than rounding) between steps clears it.
  */
+struct switches_state;
+
 struct step {
     const struct system *system;
     enum drag drag; /* resolved by method_applies(): DRAG_DEFAULT only where the method has no variants */
@@ -66,6 +68,7 @@ struct step {
     const double *scale; /* [n] sizes along the run, see struct controller; NULL: those of the system */
     double square; /* sum of (error_i / max(scale_i, |y_i|))^2, where the step has it; else as it was */
     struct cost cost; /* accumulates */
+    struct switches_state *switches; /* of fixed steps: how they slide and pile up is counted there; NULL: nowhere */
 };
 
 enum method_flag {
@@ -92,6 +95,7 @@ struct implicit_tableau; /* implicit Runge-Kutta */
 struct rosenbrock;       /* linearly implicit Runge-Kutta */
 struct multistep;        /* Adams, backward differentiation */
 struct controller;
+struct switches_state;
 
 struct method {
     struct row row;      /* name, "", brief, citation, aliases */
@@ -142,6 +146,8 @@ void method_end(const struct method *method, struct step *step);
  * Where some force has a kink at v = 0 a step across loses its order (unless the system says to go across). Methods above order 2 that may change their step
  * end one at each turning point then: method_adapt() by itself, steps of fixed size in pieces by method_turning_step().
  */
+/* Steps of fixed size end at switches, in pieces by method_turning_step(). */
+bool method_meets_switches(const struct method *method, const struct system *system);
 bool method_turns(const struct method *method, const struct system *system);
 /* One step: STEP_OK, and t has advanced by h; else y and t are as they were, bit for bit. Never allocates. */
 enum step_status method_step(const struct method *method, struct step *step);

@@ -396,7 +396,7 @@ struct system {
     bool energy;       /* kinetic and potential; false: kinetic is all there is, of typed forces without a potential */
     int switches;      /* of typed equations, then that of dry friction: with branches that can be frozen */
     bool dry;          /* the last of them is that of dry friction, at v = 0 */
-    bool pieces;       /* steps of fixed size, too, end at switches: where there is dry friction, unless frozen */
+    bool pieces;       /* steps of fixed size, too, end at switches: unless they go across, or it is frozen */
     const struct sliding *sliding; /* of a frozen system; NULL: along none of them */
     bool kinks;        /* n = 2, and some force is not smooth at v = 0, where it is not frozen */
     bool across;       /* methods step across such kinks, as they are printed */

@@ -273,6 +273,7 @@ struct order {
     int points, fitted;
     double floor; /* errors below are not claimed */
     enum order_verdict verdict;
+    bool switches; /* the forces switch, beside dry friction */
     char words[300]; /* why the scene spoils it, "" where nothing is to say */
 };
 

@@ -47,8 +47,8 @@ static void put_order(const struct session *session, const struct order *order, 
     for (int i = 0; i < order->points; i++)
         turns = order->point[i].turns > turns ? order->point[i].turns : turns;
     if (turns > 0)
-        buffer_format(out, "steps end at turning points, in up to %lld extra ones a run; 'set turning off' goes across\n",
-                      (long long)turns);
+        buffer_format(out, "steps end at %s, in up to %lld extra ones a run; 'set turning off' goes across\n",
+                      order->switches ? "switches" : "turning points", (long long)turns);
     const char *verdict = catalog_row(&order_verdict_catalog, order->verdict)->name;
     if (order->fitted)
         buffer_format(out, "order %.3f +- %.3f (* %d points, R^2 = %.8g), claimed %d: %s\n", order->slope, order->guard,

@@ -74,7 +74,9 @@ static void put_turning(const struct comparison *rows, int count, struct buffer 
     for (int i = 0; i < count; i++) {
         const int64_t turns = rows[i].run->cost.turns;
         if (turns > 0)
-            buffer_format(out, "%s%s %lld", any ? ", " : "extra steps that end at turning points (set turning off): ",
+            buffer_format(out, "%s%s %lld", any ? ", " : rows[i].run->system.switches > rows[i].run->system.dry
+                                           ? "extra steps that end at switches (set turning off): "
+                                           : "extra steps that end at turning points (set turning off): ",
                           rows[i].run->method->row.name, (long long)turns);
         any |= turns > 0;
     }

@@ -111,8 +111,9 @@ void reply_run(const struct session *session, const struct run *run, struct repl
         put_peak(run, &ledger, &text);
     }
     if (run->cost.turns > 0)
-        buffer_format(&text, ", %lld extra step%s to end at turning points", (long long)run->cost.turns,
-                      run->cost.turns == 1 ? "" : "s");
+        buffer_format(&text, ", %lld extra step%s to end at %s", (long long)run->cost.turns,
+                      run->cost.turns == 1 ? "" : "s",
+                      run->system.switches > run->system.dry ? "switches" : "turning points");
     const double rest = run_rest(run);
     if (isfinite(rest)) {
         buffer_put(&text, TEXT(", held by dry friction from "));

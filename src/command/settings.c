@@ -45,7 +45,7 @@ static const struct row sums_rows[] = {
                           NULL},
 };
 static const struct row turning_rows[] = {
-    [TURNING_ON] = {"on", "", "steps end at turning points, in extra steps: methods above order 2 keep their order", "",
+    [TURNING_ON] = {"on", "", "steps end at turning points and switches, in extra steps: methods keep their order", "",
                     NULL},
     [TURNING_OFF] = {"off", "", "steps go across: methods run as they are printed", "", NULL},
 };
@@ -277,7 +277,7 @@ static const struct setting settings_rows[] = {
     {.row = BRIEF("sums", "", "whether fixed steps carry along what rounding takes from the state"),
      .offset = FIELD(sums),
      .choices = &sums_catalog},
-    {.row = BRIEF("turning", "", "whether steps end where the velocity turns, where a force such as |v| v has a kink"),
+    {.row = BRIEF("turning", "", "whether steps end where forces have a kink or a jump: where the velocity turns, and at if, abs, sign, ..."),
      .offset = FIELD(turning),
      .choices = &turning_catalog},
     {.row = BRIEF("opinion", "", "whether an adaptive run is solved again in another way, which says how large its error is"),

@@ -373,7 +373,7 @@ static enum step_status adapt_any(const struct method *method, struct step *step
     follow(step->system->n, step, controller);
     step->scale = controller->scale;
     enum step_status status;
-    if (method->adapt && !step->system->pieces) {
+    if (method->adapt && step->system->switches == 0) {
         status = method->adapt(method, step, controller, t_end);
     } else {
         if (controller->h == 0)

@@ -131,7 +131,7 @@ static bool applies(const struct method *method, const struct system *system, en
 
 bool method_applies(const struct method *method, const struct system *system, enum drag *drag, struct error *error)
 {
-    if (!system->pieces)
+    if (!method_meets_switches(method, system))
         return applies(method, system, drag, error);
     struct system frozen; /* which is what it steps */
     double branch[LIMIT_SWITCHES];

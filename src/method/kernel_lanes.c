@@ -228,7 +228,8 @@ static int lane_shape_of(const struct system *system)
 bool lanes_fit(const struct method *method, const struct system *system, enum drag drag, double h)
 {
     const bool splits = method->splitting && (!system->velocity || drag == DRAG_EXPLICIT || drag == DRAG_EXACT);
-    if (!(h > 0) || !(method->tableau || splits) || system->oscillator.quadratic < 0)
+    if (!(h > 0) || !(method->tableau || splits) || system->oscillator.quadratic < 0 ||
+        method_meets_switches(method, system))
         return false;
     if (system->model->typed)
         return typed_lanes_fit(method, system, drag);

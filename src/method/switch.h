@@ -22,6 +22,9 @@ enum step_status switch_step(const struct method *method, struct step *step, dou
 /* One step of step->h of a system with pieces (switch_fixed.c). */
 enum step_status switched_step(const struct method *method, struct step *step);
 
+/* As method_turning_march(), where typed equations switch. */
+int64_t switched_march(const struct method *method, const struct march *march, enum step_status *status);
+
 /* After that step was accepted. */
 void switch_next(struct step *step, struct switches_state *state, int ended);
 

@@ -1,19 +1,35 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Steps of fixed size in a scene with dry friction: in pieces that meet where the body turns, sticks and breaks away,
- * each on frozen branches as adaptive steps are (switch.c).
+ * Steps of fixed size in a scene with switches: in pieces that meet there, and where a body turns under dry friction,
+ * sticks and breaks away, each on frozen branches as adaptive steps are (switch.c).
  */
 #include "switch.h"
 
 #define PIECES 64   /* of a step at most */
 #define PROBE 1e-4  /* of what is left of the step: how far ahead a guard's direction is looked for */
 
-/* Where the velocity is not 0 its sign says all, and what the last step left in memory still holds. */
+/* A motion that slides along a typed switch says so by a piece of rounding. Where the velocity is not 0 its sign says all, and what the last step left in memory still holds. */
 static void know(struct step *step, struct switches_state *state)
 {
     *state = (struct switches_state){
-        .known = true, .fresh = -1, .released = -1, .t = step->t, .since = step->t, .begins = step->y[1] == 0};
+        .known = true, .fresh = -1, .released = -1, .t = step->t, .since = step->t, .begins = step->system->dry && step->y[1] == 0};
+    if (step->switches) {
+        const struct switches_state *was = step->switches;
+        state->slides = was->slides;
+        state->piles = was->piles;
+        state->across = was->across;
+        state->slid = was->slid;
+        state->first = was->first;
+    }
     system_branches(step->system, step->t, step->y, state->branch);
+    if (step->system->switches > step->system->dry) {
+        double argument[LIMIT_SWITCHES];
+        struct system frozen;
+        system_freeze(step->system, state->branch, &frozen);
+        system_guards(&frozen, step->t, step->y, argument);
+        for (int i = 0; i < frozen.switches; i++)
+            state->begins = state->begins || argument[i] == 0;
+    }
     step->warm = step->warm && !state->begins;
 }
 
@@ -69,6 +85,8 @@ enum step_status switched_step(const struct method *method, struct step *step)
     step->kernel = kernel;
     step->h = h;
     step->t = t + h;
+    if (status == STEP_OK && step->switches)
+        *step->switches = state;
     if (status == STEP_OK)
         return STEP_OK;
     memcpy(step->y, start, size);
@@ -76,4 +94,19 @@ enum step_status switched_step(const struct method *method, struct step *step)
         memcpy(step->low, start_low, size);
     step->t = t;
     return status;
+}
+
+int64_t switched_march(const struct method *method, const struct march *march, enum step_status *status)
+{
+    struct step *step = march->step;
+    const size_t n = (size_t)step->system->n;
+    *status = STEP_OK;
+    for (int64_t i = 0; i < march->count; i++) {
+        step->t = march->origin + (double)(march->first + i) * step->h;
+        *status = switched_step(method, step);
+        if (*status != STEP_OK)
+            return i;
+        memcpy(march->row + (size_t)i * n, step->y, n * sizeof *step->y);
+    }
+    return march->count;
 }

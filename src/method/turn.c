@@ -11,10 +11,17 @@
 #define TRIES 12           /* two or three are enough where the acceleration is not 0 */
 #define PIECES 8           /* of a fixed step at most */
 
+bool method_meets_switches(const struct method *method, const struct system *system)
+{
+    /* On a branch all that was typed is one force: no potential of a part, no drag of its own. */
+    return system->pieces && (system->switches == system->dry || (!(method->flags & METHOD_POTENTIAL) &&
+                                                                  !(method->splitting && system->velocity)));
+}
+
 bool method_turns(const struct method *method, const struct system *system)
 {
-    return system->kinks && !system->across && !system->pieces && method->order > 2 && !method->splitting && !method->growth &&
-           !(method->flags & (METHOD_MULTISTEP | METHOD_YARDSTICK));
+    return system->kinks && !system->across && !method_meets_switches(method, system) && method->order > 2 &&
+           !method->splitting && !method->growth && !(method->flags & (METHOD_MULTISTEP | METHOD_YARDSTICK));
 }
 
 static bool crosses(double before, double after)
@@ -78,7 +85,7 @@ enum step_status turn_step(const struct method *method, struct step *step, doubl
 
 enum step_status method_turning_step(const struct method *method, struct step *step)
 {
-    if (step->system->pieces)
+    if (method_meets_switches(method, step->system))
         return switched_step(method, step);
     if (!method_turns(method, step->system))
         return method_step(method, step);
@@ -166,7 +173,7 @@ static int64_t march_on_branch(const struct method *method, march_function *kern
 static bool march_at_rest(const struct march *march, const double *before, int64_t done)
 {
     const struct step *step = march->step;
-    if (!step->system->pieces || !step->system->autonomous || memcmp(before, step->y, N * sizeof *before) != 0)
+    if (!step->system->dry || !step->system->autonomous || memcmp(before, step->y, N * sizeof *before) != 0)
         return false;
     for (; done < march->count; done++)
         memcpy(march->row + done * N, step->y, N * sizeof *step->y);
@@ -186,9 +193,11 @@ int64_t method_turning_march(const struct method *method, march_function *kernel
 {
     struct step *step = march->step;
     const struct system *whole = step->system;
-    if (!method_turns(method, whole) && !whole->pieces)
+    if (method_meets_switches(method, whole) && whole->switches > whole->dry)
+        return switched_march(method, march, status);
+    if (!method_turns(method, whole) && !method_meets_switches(method, whole))
         return method_march(method, kernel, march, status);
-    const bool fast = kernel && method_work_size(method, N) <= WORK_MOST && whole->switches == whole->dry;
+    const bool fast = kernel && method_work_size(method, N) <= WORK_MOST;
     int64_t done = 0, try = 0;
     *status = STEP_OK;
     while (done < march->count) {

@@ -167,6 +167,12 @@ static void describe_method(const struct scene *scene, const struct system *syst
     else if (system->oscillator.friction != 0)
         buffer_format(text, "%-10sturning points: crossed (turning off), the order is lost there: dry friction jumps\n",
                       "");
+    else if (system->switches > 0 && (system->pieces || system->across) && !plan->adaptive)
+        buffer_format(text, "%-10s%s\n", "",
+                      method_meets_switches(method, system)
+                          ? "steps end at switches (if, abs, sign, ...) ('set turning off' goes across)"
+                      : system->across ? "switches (if, abs, sign, ...): crossed (turning off), the order is lost there"
+                                       : "switches (if, abs, sign, ...): crossed by this method, the order is lost there");
     else if (system->kinks && method->order > 2)
         buffer_format(text, "%-10s%s because quadratic drag is only C^1 there\n", "",
                       turns            ? "turning points: located by extra steps ('set turning off' goes across),"

@@ -5,7 +5,7 @@
 struct inside inside_of(struct run *run, bool cold, double t, double h)
 {
     struct inside inside = {run, *run->method, t, h};
-    if (cold && (run->system.pieces || method_turns(run->method, &run->system)))
+    if (cold && (method_meets_switches(run->method, &run->system) || method_turns(run->method, &run->system)))
         inside.method.dense = NULL;
     return inside;
 }
@@ -35,6 +35,7 @@ void inside_state(const struct inside *inside, double theta, double *y)
         step.y = y;
         step.work = p->side;
         step.error = step.low = NULL;
+        step.switches = NULL;
         step.warm = step.again = false;
         copy_state(y, p->before, run->system.n);
         const enum step_status status = method_turning_step(run->method, &step);

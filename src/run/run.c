@@ -109,6 +109,7 @@ static bool allocate(struct run *run)
     p->look = LOOK_FIRST;
     p->factor = energy_factor(&run->system);
     p->step = (struct step){.system = &run->system, .drag = run->settings.drag, .y = run->y, .work = p->work};
+    p->step.switches = run->plan.adaptive ? NULL : &run->controller.switches;
     if (run->settings.compensated && !run->plan.adaptive)
         p->step.low = p->low_before + n;
     if (!method_begin(run->method, &p->step))

@@ -212,14 +212,22 @@ void system_sum_up(struct system *system)
         system->oscillator.drag_whole = false;
 }
 
+/* |v| v is known to turn by itself. */
+static bool has_pieces(const struct system *system)
+{
+    return !system->across && system->switches > 0 &&
+           (system->dry || !system->model->typed || !typed_turns_only(system));
+}
+
 void system_turn_at_kinks(struct system *system)
 {
     const bool dry = !system->dry && system->terms > 0 && system->term[system->terms - 1].row->flags & TERM_DRY;
     system->across = false;
+    system->switches += dry;
+    system->pieces = has_pieces(system) || dry;
     if (!dry)
         return;
-    system->dry = system->pieces = true;
-    system->switches++;
+    system->dry = true;
     system_sum_up(system);
 }
 
@@ -233,7 +241,7 @@ static void bind_dry(struct system *system)
         for (int k = i; k < system->terms - 1; k++)
             system->term[k] = system->term[k + 1];
         system->term[system->terms - 1] = dry;
-        system->dry = system->pieces = !system->across;
+        system->dry = !system->across;
         system->switches += system->dry;
         system_sum_up(system);
         if (system->across)
@@ -281,6 +289,7 @@ bool scene_bind_motion(const struct scene *scene, struct system *system, struct 
     system_sum_up(system);
     system->switches = model->typed ? typed_switches(system) : 0;
     bind_dry(system);
+    system->pieces = has_pieces(system);
     if (model->typed && (!typed_base(model) || system->oscillator.whole))
         model->begin(param, system);
     for (int i = 0; i < system->terms; i++)

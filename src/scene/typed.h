@@ -96,6 +96,7 @@ struct typed_part {
     struct typed_term frozen;      /* all, with the branches of switches as given values; add NULL: no switches */
     struct program *argument;      /* of each switch */
     struct switches switches;
+    bool turns_only; /* as typed_turns_only() says */
     struct term_row found[TYPED_FOUND]; /* of GROUP_FORCE with a potential that was found, by the way to it */
     int given; /* values of a bound term behind the first: the mass, the parameters, what its programs keep */
     atomic_bool checked; /* force and potential agree */
@@ -128,6 +129,8 @@ void typed_branches_take(const struct system *system, const double *branch, int 
 /* Guards of the switches along which it slides, into those of all; the branch that switch i goes to, NAN: not one. */
 void sliding_guards(const struct sliding *s, double t, const double *y, double *guard);
 double sliding_leaves(const struct sliding *s, int i, double t, const double *y);
+/* Is the only switch that of a speed, across which the force is continuous? */
+bool typed_turns_only(const struct system *system);
 int typed_switches(const struct system *system); /* that are located: 0 for an oscillator, which has turning points */
 
 /* ---- switches of all kinds (switches.c) ---- */

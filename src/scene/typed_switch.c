@@ -114,6 +114,44 @@ static bool any_switches(const struct typed *typed)
     return any;
 }
 
+/* Branches of a frozen term have changed. */
+static void take_branches(const struct typed_part *part, const double *branch, int count, double *c)
+{
+    memcpy(c + 1 + first_branch(part->frozen.typed), branch, (size_t)count * sizeof *branch);
+    program_keep(part->frozen.add, c + 1);
+    program_keep(part->frozen.jacobian, c + 1);
+}
+
+#define TRIALS 3
+
+/* By numbers as good as any. */
+static bool turns_only(const struct typed_part *part)
+{
+    const struct typed *typed = part->frozen.typed;
+    double c[TERM_VALUES] = {0}, at[2], speed[1], force[2][2];
+    const struct typed_term *term = &part->frozen;
+    if (part->switches.count != 1 || part->switches.kind[0] != SWITCH_SIGN || typed->model.order != 2 ||
+        typed->model.n != 2)
+        return false;
+    memcpy(c, &term, sizeof term);
+    for (int k = 0; k < TRIALS; k++) {
+        const double t = 0.37 + k, q[2] = {0.83 - k, 0.61 + 0.29 * k}, still[2] = {q[0], 0};
+        for (int i = 0; i <= typed->reads; i++)
+            c[1 + i] = 0.71 + 0.13 * (i + k);
+        typed_evaluate(part->argument, c, t, q, speed);
+        typed_evaluate(part->argument, c, t, still, at);
+        if (fabs(speed[0]) != q[1] || at[0] != 0)
+            return false;
+        for (int side = 0; side < 2; side++) {
+            take_branches(part, (const double[]){side}, 1, c);
+            typed_evaluate(part->frozen.add, c, t, still, force[side]);
+        }
+        if (force[0][0] != force[1][0])
+            return false;
+    }
+    return true;
+}
+
 bool typed_freeze(const struct typed *typed, uint64_t zeros, struct typed_part *part, struct error *error)
 {
     const int first = typed->model.n + 2, names = 1 + typed->model.n + first_branch(typed) + LIMIT_TYPED_SWITCHES;
@@ -134,6 +172,7 @@ bool typed_freeze(const struct typed *typed, uint64_t zeros, struct typed_part *
     part->frozen.row = (struct term_row){.row = {"equations", "", "on frozen branches", "", NULL}, .add = add,
                                          .jacobian = jacobian};
     fine = fine && (!m.equations || make_programs(&m, part));
+    part->turns_only = fine && turns_only(part);
     equations_destroy(m.equations);
     free(bound);
     free(value);
@@ -147,14 +186,6 @@ static const struct typed_part *part_of(const struct system *system)
     return typed_term_of(system->typed.c)->part;
 }
 
-/* Branches of a frozen term have changed. */
-static void take_branches(const struct typed_part *part, const double *branch, int count, double *c)
-{
-    memcpy(c + 1 + first_branch(part->frozen.typed), branch, (size_t)count * sizeof *branch);
-    program_keep(part->frozen.add, c + 1);
-    program_keep(part->frozen.jacobian, c + 1);
-}
-
 /* Mass and parameters of a bound term; branches are 0. */
 static void frozen_values(const struct typed_part *part, const double *bound, double *c)
 {
@@ -162,6 +193,11 @@ static void frozen_values(const struct typed_part *part, const double *bound, do
     memset(c, 0, TERM_VALUES * sizeof *c);
     memcpy(c, &term, sizeof term);
     memcpy(c + 1, bound + 1, (size_t)(1 + term->typed->reads) * sizeof *c);
+}
+
+bool typed_turns_only(const struct system *system)
+{
+    return system->kinks && part_of(system)->turns_only;
 }
 
 int typed_switches(const struct system *system)
@@ -193,10 +229,9 @@ void typed_branches_take(const struct system *system, const double *branch, int 
     for (int i = 0; i < system->terms; i++) /* of the scene underneath */
         if (system->term[i].row->bind)
             frozen->term[frozen->terms++] = system->term[i];
-    if (!typed_base(system->model))
-        return;
     frozen->term[frozen->terms++] = frozen->typed;
-    frozen->typed.row = NULL;
+    if (typed_base(system->model))
+        frozen->typed.row = NULL;
 }
 
 enum switch_kind typed_switch_kind(const struct system *system, int i)

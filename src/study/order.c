@@ -226,6 +226,7 @@ static void explain(const struct system *system, bool rests, struct order *order
     const bool beside = order->verdict == ORDER_LOWER || order->verdict == ORDER_ERRATIC;
     const bool none = order->verdict == ORDER_NO_RANGE, over = none && !(order->by.method->flags & METHOD_IMPLICIT);
     double dt = NAN, best = HUGE_VAL, rate = fastest(system);
+    order->switches = system->switches > system->dry;
     for (int i = 0; i < order->points; i++) {
         dt = order->point[i].fitted || isnan(dt) ? order->point[i].dt : dt;
         best = fmin(best, order->point[i].error);
@@ -243,7 +244,14 @@ static void explain(const struct system *system, bool rests, struct order *order
     else if ((beside || none) && system->oscillator.friction != 0 && system->across)
         snprintf(out, size,
                  "dry friction jumps where the velocity is 0: each turning point that is crossed spoils the order");
-    else if (order->verdict == ORDER_AGREES && system->pieces)
+    else if ((beside || none) && system->switches > 0 && !method_meets_switches(order->by.method, system) &&
+             !method_turns(order->by.method, system))
+        snprintf(out, size, "the forces switch (if, abs, sign, ...), and each switch that is crossed spoils the order");
+    else if (order->verdict == ORDER_AGREES && system->switches > system->dry && system->pieces &&
+             method_meets_switches(order->by.method, system))
+        snprintf(out, size,
+                 "the forces switch (if, abs, sign, ...): the order holds because steps end at the switches");
+    else if (order->verdict == ORDER_AGREES && system->pieces && system->dry)
         snprintf(out, size,
                  "dry friction jumps where the velocity is 0: the order holds because steps end at the turning points");
     else if ((beside || none) && system->oscillator.quadratic != 0 && order->claimed > 2)

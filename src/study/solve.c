@@ -44,7 +44,7 @@ bool solver_init(struct solver *solver, const struct system *system, const struc
     double *work = malloc(2 * size * sizeof *work);
     if (!work)
         return false;
-    solver->turns = solver->tol == 0 && method_turns(method, system);
+    solver->turns = solver->tol == 0 && (method_turns(method, system) || method_meets_switches(method, system));
     solver->kernel = march_of(system, method, settings);
     solver->side = work + size;
     solver->step = (struct step){.system = system, .drag = settings->drag, .work = work};

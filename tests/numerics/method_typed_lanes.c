@@ -190,6 +190,9 @@ static void compare_all(struct lanes *lanes, const struct typed_case *one)
     type_case(one, &scene);
     for (int lane = 0; lane < LANES; lane++)
         bind_lane(one, &scene, lane, &systems[lane]);
+    scene.across = systems[0].pieces; /* steps that end at switches are no matter for lanes */
+    for (int lane = 0; lane < LANES && scene.across; lane++)
+        bind_lane(one, &scene, lane, &systems[lane]);
     int compared = 0;
     for (size_t m = 0; m < method_catalog.count; m++)
         for (enum drag drag = DRAG_DEFAULT; drag < DRAG_COUNT; drag++)
