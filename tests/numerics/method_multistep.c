@@ -301,6 +301,8 @@ static void test_starts_where_companions_do(void **state)
         struct error error;
         scene_init(&scene, preset);
         assert_true(scene_bind(&scene, &system, &error));
+        if (system.dry) /* its force jumps: runs step from branch to branch, never over the jump */
+            continue;
         for (double dt = 1e-5; dt < 20; dt *= dt < 4e-3 ? 10 : 2)
             compared += compare_starts(preset->row.name, &system, dt);
     }
