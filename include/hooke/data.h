@@ -205,7 +205,10 @@ struct motion_rows {
     size_t n;
 };
 
-/* The first sample from which on nothing moves, for two periods at least and two periods after the start; n: none. */
+/* The first sample from which on nothing is seen to move, for two periods at least and two after the start; n: none. */
+size_t motion_quiet(const struct motion_rows *rows, double period);
+
+/* The same where a damped sine through what was before would still be seen: dry friction, a hand, a stop. n: none. */
 size_t motion_rest(const struct motion_rows *rows, double period);
 
 #endif

@@ -175,7 +175,7 @@ static size_t judge_samples(struct fitting *f, const double *residual)
 static bool fit_motion_first(struct fitting *f)
 {
     const struct samples *x = &f->motion->samples;
-    const size_t rest = samples_rest(x, TWO_PI / f->start.value[EQUATION_OMEGA]);
+    const size_t rest = samples_quiet(x, TWO_PI / f->start.value[EQUATION_OMEGA]);
     if (rest >= x->n)
         return false;
     memset(f->use + rest, 0, x->n - rest);

@@ -180,7 +180,7 @@ static bool fit_harmonic(const char *model, enum harmonic_free unknowns, enum la
     double sway = NAN;
     if (unknowns == FREE_GAMMA) {
         /* what rests has no half to compare */
-        const size_t moves = samples_rest(&m.samples, TWO_PI / m.harmonic.omega);
+        const size_t moves = samples_quiet(&m.samples, TWO_PI / m.harmonic.omega);
         size_t middle = samples_index(&m.samples, 0.5 * (fit->window[0] + series->t[moves - 1]));
         fit_half(&m, 0, middle, 0, fit);
         fit_half(&m, middle, moves, 1, fit);

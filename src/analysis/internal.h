@@ -24,10 +24,10 @@ struct samples {
 bool samples_init(struct samples *samples, const struct series *series, struct arena *arena); /* false: no memory */
 struct samples samples_part(const struct samples *samples, size_t from, size_t to); /* [from, to), shares memory */
 size_t samples_index(const struct samples *samples, double t);                      /* first sample at or after t [s] */
-/* The first sample from which on nothing moves, for two periods at least and two periods after the start; n: none. */
-static inline size_t samples_rest(const struct samples *x, double period)
+/* The first sample from which on nothing is seen to move, be it that the decay was strong; n: none. */
+static inline size_t samples_quiet(const struct samples *x, double period)
 {
-    return motion_rest(&(struct motion_rows){x->t, x->y, x->use, 1, x->n}, period);
+    return motion_quiet(&(struct motion_rows){x->t, x->y, x->use, 1, x->n}, period);
 }
 /* An interval without samples that is 8 times as long as half of them are, in times that are no even grid. */
 bool samples_have_gap(const struct samples *samples, struct arena *arena, bool *memory);

@@ -17,6 +17,7 @@
 #define SHOULDER_LEAST 3   /* samples in a row; fewer are spikes */
 #define STUCK_LEAST 5      /* samples */
 #define STUCK_MOVES 8.0    /* noise or steps that the motion goes meanwhile */
+#define SEEN 6.0           /* typical scales: an amplitude that is no noise */
 #define LEVELS_FEW 100     /* in the swing: steps of a percent of it */
 
 static void note_size(struct finding *finding, double size)
@@ -119,12 +120,13 @@ static const struct local *from_end(const struct cleaning *c, bool end, size_t k
     return &c->local[end ? c->locals - 1 - k : k];
 }
 
-/* By how much the amplitude falls in a period, as a rule. */
+/* By how much the amplitude falls in a period, as a rule, where it is seen. */
 static double usual_fall(struct cleaning *c)
 {
+    const double least = SEEN * c->typical;
     size_t n = 0;
     for (size_t k = 0; k + 1 < c->locals; k++)
-        if (c->local[k].fitted && c->local[k + 1].fitted && c->local[k].amplitude > 0)
+        if (c->local[k].fitted && c->local[k + 1].fitted && c->local[k].amplitude > least)
             c->sorted[n++] = c->local[k + 1].amplitude / c->local[k].amplitude;
     return n > 0 ? fmin(selected_quantile(c->sorted, n, 0.5), 1) : 1;
 }
@@ -140,9 +142,9 @@ static size_t far_off(const struct cleaning *c, const struct local *local)
 
 /*
  * Stretches at one end that are no free oscillation: the amplitude there is much less than further inside (where it is
- * at least as large as the decay allows), or no sine fits; at the end also where nothing moves any more.
+ * at least as large as the decay allows), or no sine fits; where it comes to rest also what does not move any more.
  */
-static size_t bad_stretches(struct cleaning *c, bool end, double fall)
+static size_t bad_stretches(struct cleaning *c, bool end, bool rests, double fall)
 {
     size_t bad = 0;
     double largest = 0;
@@ -158,10 +160,10 @@ static size_t bad_stretches(struct cleaning *c, bool end, double fall)
         }
         if (!s->fitted)
             continue;
-        const bool still = s->amplitude < 0.6 * inside && inside > 6 * c->typical;
+        const bool still = s->amplitude < 0.6 * inside && inside > SEEN * c->typical;
         const bool rough = s->scale > fmax(0.3 * s->amplitude, 5 * c->typical) ||
                            4 * far_off(c, s) > s->to - s->from;
-        const bool gone = end && s->amplitude < fmax(0.5 * fmax(s->scale, c->quantum), 0.002 * largest);
+        const bool gone = rests && s->amplitude < fmax(0.5 * fmax(s->scale, c->quantum), 0.002 * largest);
         if (!still && !rough && !gone)
             break;
     }
@@ -171,11 +173,12 @@ static size_t bad_stretches(struct cleaning *c, bool end, double fall)
 static void find_ends(struct cleaning *c)
 {
     const double fall = usual_fall(c);
-    const size_t before = bad_stretches(c, false, fall), after = bad_stretches(c, true, fall);
+    const struct motion_rows rows = {c->t, c->y, c->excluded, 0, c->n};
+    const size_t rest = motion_rest(&rows, c->period);
+    const size_t before = bad_stretches(c, false, false, fall), after = bad_stretches(c, true, rest < c->n, fall);
     if (before + after >= c->locals)
         return;
-    const struct motion_rows rows = {c->t, c->y, c->excluded, 0, c->n};
-    const size_t from = before > 0 ? c->local[before].from : 0, rest = motion_rest(&rows, c->period);
+    const size_t from = before > 0 ? c->local[before].from : 0;
     const size_t to = rest < c->n && rest > from ? rest
                       : after > 0                ? c->local[c->locals - 1 - after].to
                                                  : c->n;
@@ -190,14 +193,18 @@ static void find_ends(struct cleaning *c)
 
 /* ---- bad echoes ---- */
 
-/* Samples far off their local fit, with those beside them on the same side; inside the window. */
+/*
+ * Samples far off their local fit, with those beside them on the same side; inside the window. A strong decay is itself
+ * off the line that the amplitude is fitted with: by half the square of what it loses in a period, relatively.
+ */
 static void mark_far_off(struct cleaning *c, unsigned char mark)
 {
     unsigned char *mask = c->findings->mask;
+    const double loss = -log(usual_fall(c)), bend = 0.5 * loss * loss;
     for (size_t k = 0; k < c->locals; k++) {
         const struct local *s = &c->local[k];
         const double scale = fmax(s->scale, c->typical);
-        const double least = fmax(FAR_OFF * scale, fmax(FAR_OFF_LEAST * s->amplitude, 1.5 * c->quantum));
+        const double least = fmax(FAR_OFF * scale, fmax(fmax(FAR_OFF_LEAST, bend) * s->amplitude, 1.5 * c->quantum));
         const double beside = FAR_OFF_BESIDE / FAR_OFF * least;
         for (size_t i = s->from; i < s->to && s->fitted; i++) {
             const double r = c->residual[i];
