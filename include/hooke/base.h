@@ -249,6 +249,8 @@ struct unit {
 extern const struct catalog unit_catalog;
 
 const char *quantity_name(enum quantity quantity);                 /* "mass" */
+/* How often a position or an angle is differentiated to give it: 0, 1, 2; -1: it is none of a motion. */
+int quantity_order(enum quantity quantity);
 const char *quantity_article(enum quantity quantity);             /* "a" mass, "an" angle */
 const char *quantity_unit(enum quantity quantity);                 /* SI unit "kg", "" for a pure number */
 void quantity_units(enum quantity quantity, struct buffer *names); /* "kg, g, mg" */

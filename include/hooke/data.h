@@ -197,6 +197,9 @@ bool table_write(const struct table *table, enum table_format format, const char
 void buffer_json_text(struct buffer *out, struct text text); /* quoted and escaped, valid UTF-8 */
 void buffer_json_real(struct buffer *out, double value);     /* null where not finite */
 
+/* A unit in any spelling that headers of files have ("in", "um", "m/s²"), in the arena; NULL: none. False: no memory. */
+bool unit_spelled(struct text text, struct arena *arena, const struct unit **unit);
+
 /* Samples of a motion; those count whose mask [n] is `wanted`. */
 struct motion_rows {
     const double *t, *y;

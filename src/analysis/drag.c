@@ -248,7 +248,7 @@ static bool prepare(struct motion *m, enum quantity quantity, struct arena *aren
     const size_t n = m->samples.n;
     *f = (struct fitting){.motion = m, .t0 = m->samples.t0};
     f->start.t0 = f->t0;
-    f->start.order = quantity == QUANTITY_VELOCITY ? 1 : quantity == QUANTITY_ACCELERATION ? 2 : 0;
+    f->start.order = quantity_order(quantity) > 0 ? quantity_order(quantity) : 0;
     f->use = arena_alloc(arena, n);
     f->edge = arena_array(arena, 2, sizeof *f->edge);
     if (!f->use || !f->edge)
@@ -266,7 +266,8 @@ static bool prepare(struct motion *m, enum quantity quantity, struct arena *aren
 /* Which force pulls back: the laws of damping are then those under it. */
 static bool choose_force(struct fitting *f, enum quantity quantity, struct drag_fit *drag)
 {
-    const bool angle = quantity == QUANTITY_ANGLE || quantity == QUANTITY_OTHER;
+    const bool angle = quantity == QUANTITY_ANGLE || quantity == QUANTITY_ANGULAR_FREQUENCY ||
+                       quantity == QUANTITY_ANGULAR_ACCELERATION || quantity == QUANTITY_OTHER;
     struct law_fit best;
     if (!restoring_choose(f, angle, drag, &best))
         return false;

@@ -87,6 +87,23 @@ const char *quantity_name(enum quantity quantity)
     return quantities[quantity].name;
 }
 
+int quantity_order(enum quantity quantity)
+{
+    switch (quantity) {
+    case QUANTITY_LENGTH:
+    case QUANTITY_ANGLE:
+        return 0;
+    case QUANTITY_VELOCITY:
+    case QUANTITY_ANGULAR_FREQUENCY:
+        return 1;
+    case QUANTITY_ACCELERATION:
+    case QUANTITY_ANGULAR_ACCELERATION:
+        return 2;
+    default:
+        return -1;
+    }
+}
+
 const char *quantity_article(enum quantity quantity)
 {
     return strchr("aeio", quantities[quantity].name[0]) ? "an" : "a";

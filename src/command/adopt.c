@@ -159,22 +159,16 @@ static void put_taken(const struct adoption *a, struct buffer *text)
     }
 }
 
-/* How often the position was differentiated to give such a recording, -1: it is no motion. Numbers without a unit are
- * taken as positions. */
+/* Numbers without a unit are taken as positions. */
 static int derivatives(enum quantity quantity)
 {
-    switch (quantity) {
-    case QUANTITY_LENGTH:
-    case QUANTITY_ANGLE:
-    case QUANTITY_OTHER:
-        return 0;
-    case QUANTITY_VELOCITY:
-        return 1;
-    case QUANTITY_ACCELERATION:
-        return 2;
-    default:
-        return -1;
-    }
+    return quantity == QUANTITY_OTHER ? 0 : quantity_order(quantity);
+}
+
+static bool is_turning(enum quantity quantity)
+{
+    return quantity == QUANTITY_ANGLE || quantity == QUANTITY_ANGULAR_FREQUENCY ||
+           quantity == QUANTITY_ANGULAR_ACCELERATION;
 }
 
 /* Place of the recording that was fitted, -1: it was none, or is gone. */
@@ -379,7 +373,7 @@ bool adopt_fit(struct session *session, const struct arguments *given, struct re
     struct named_value fitted = {.quantity = QUANTITY_LENGTH};
     names_value(session, TEXT("fit_amplitude"), &fitted);
     const bool scaled = quantity_is_scaled(fitted.quantity);
-    a.pendulum = is_pendulum(&a.scene) && (scaled || fitted.quantity == QUANTITY_ANGLE);
+    a.pendulum = is_pendulum(&a.scene) && (scaled || is_turning(fitted.quantity));
     if (!a.pendulum && !can_have_spring(&a.scene, fit, error))
         return false;
     const int m = scene_param(&a.scene, "m");

@@ -71,9 +71,7 @@ int recorded_derivative(const struct recording *recording, const struct run *run
 {
     const enum quantity quantity = recording->column[recording->value].quantity;
     if (!run)
-        return quantity == QUANTITY_VELOCITY || quantity == QUANTITY_ANGULAR_FREQUENCY        ? 1
-               : quantity == QUANTITY_ACCELERATION || quantity == QUANTITY_ANGULAR_ACCELERATION ? 2
-                                                                                                : 0;
+        return quantity_order(quantity) > 0 ? quantity_order(quantity) : 0;
     const struct system *system = &run->system;
     if (quantity == system_variable(system, 0).quantity || recorded_bare(recording))
         return 0;

@@ -236,8 +236,9 @@ bool read_item(struct parser *parser, const struct argument *argument, const cha
     case TYPE_UNIT:
         if (!parse_word(parser, stops, item, error))
             return false;
-        item->unit = unit_find(item->text);
-        return item->unit || catalog_unknown(&unit_catalog, item->text, error);
+        return !unit_spelled(item->text, parser->arena, &item->unit) ? error_memory(error)
+               : item->unit                                          ? true
+                                                                     : catalog_unknown(&unit_catalog, item->text, error);
     case TYPE_NAME:
         item->text = peek_name(parser->rest);
         if (item->text.len == 0) {

@@ -103,6 +103,21 @@ static const struct unit *find_unit(struct text text, double *factor)
     return unit;
 }
 
+bool unit_spelled(struct text text, struct arena *arena, const struct unit **unit)
+{
+    double factor;
+    const struct unit *known = find_unit(text, &factor);
+    struct unit *own = known ? arena_alloc(arena, sizeof *own) : NULL;
+    *unit = own;
+    if (!own)
+        return known == NULL;
+    *own = *known;
+    own->row.name = arena_text(arena, text);
+    own->factor = factor;
+    own->use = UNIT_READ;
+    return own->row.name != NULL;
+}
+
 /* An inch only in brackets: V_in is what goes in. */
 static bool is_word_in(struct text text)
 {
