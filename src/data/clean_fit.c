@@ -15,6 +15,7 @@ enum { TERMS = 6, SAMPLES_LEAST = 2 * TERMS, ROUNDS_HUBER = 6, ROUNDS = 12 };
 #define TWO_PI 6.28318530717958647692
 #define MAD_TO_SIGMA 1.4826
 #define BISQUARE 4.685 /* robust standard deviations: 95 % efficiency */
+#define COVERED 1.25 /* of the two periods: across a gap a fit is none */
 #define NEAR_ENOUGH 0.002 /* of the swing: so far the amplitude may bend within two periods */
 
 static int ascending(const void *a, const void *b)
@@ -144,7 +145,8 @@ static void fit_local(struct cleaning *c, struct local *local, const struct stre
             s.y[s.n++] = c->y[i];
         }
     const double least = fmax(c->quantum / sqrt(12.0), NEAR_ENOUGH * c->swing);
-    local->fitted = s.n >= SAMPLES_LEAST && robust_fit(&s, least, parameter, &local->scale);
+    const bool enough = s.n >= SAMPLES_LEAST && (double)s.n * c->step > COVERED * c->period && local->to > local->from;
+    local->fitted = enough && robust_fit(&s, least, parameter, &local->scale);
     /* So few samples are followed too closely. */
     local->scale *= local->fitted ? (double)s.n / (double)(s.n - TERMS) : 1;
     local->amplitude = local->fitted ? hypot(parameter[2], parameter[3]) : NAN;
@@ -170,7 +172,7 @@ bool clean_fit(struct cleaning *c)
         const size_t rows = row_at(c, begin + 2.5 * c->period) - row_at(c, begin - 2.5 * c->period);
         c->local[k] = (struct local){.t = begin + 0.5 * each,
                                      .from = row_at(c, begin),
-                                     .to = k + 1 < c->locals ? row_at(c, begin + each) : c->n};
+                                     .to = k + 1 < c->locals ? row_at(c, first + each * (double)(k + 1)) : c->n};
         largest = rows > largest ? rows : largest;
     }
     struct stretch work = {.term = arena_array(c->scratch, largest, sizeof *work.term),

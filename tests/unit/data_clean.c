@@ -188,6 +188,21 @@ static void a_stuck_sensor_is_masked(void **state)
     recording_destroy(recording);
 }
 
+/* In steps of 1 cm equal values about a turning point are the motion; the rows lie where one stretch meets the next. */
+static void coarse_steps_are_not_stuck(void **state)
+{
+    (void)state;
+    for (size_t periods = 20; periods < 97; periods += 7) {
+        struct made m = {.n = 73 * periods + 1, .rate = 100, .amplitude = 6, .noise = 0.05, .seed = periods};
+        make(&m);
+        struct recording *recording = recorded(&m, 1);
+        const struct findings *f = inspected(recording);
+        assert_int_equal(f->of[FINDING_STUCK].count, 0);
+        assert_int_equal(f->masked, 0);
+        recording_destroy(recording);
+    }
+}
+
 static void steps_gaps_and_empty_cells_are_said(void **state)
 {
     (void)state;
@@ -272,6 +287,7 @@ int main(void)
         cmocka_unit_test(bad_echoes_are_masked_and_nothing_else),
         cmocka_unit_test(flat_tops_are_found_and_kept),
         cmocka_unit_test(a_stuck_sensor_is_masked),
+        cmocka_unit_test(coarse_steps_are_not_stuck),
         cmocka_unit_test(steps_gaps_and_empty_cells_are_said),
         cmocka_unit_test(rest_and_release_give_a_window),
         cmocka_unit_test(sway_is_said_and_left),
