@@ -404,6 +404,15 @@ static void peaks_are_all_found_and_nothing_else(void **state)
     assert_int_equal(series_peaks(&series, &arena, peak, 3), 2);
     assert_true(close_to(peak[0].frequency.value, 0.16, 1e-3) && close_to(peak[0].amplitude.value, 2, 0.02));
     assert_true(close_to(peak[1].frequency.value, 1.23, 1e-3) && close_to(peak[1].amplitude.value, 0.3, 0.02));
+    for (double apart = 2.5; apart < 8; apart += 0.7) { /* bins: beats */
+        const double second = 1.23 + apart / 40;
+        for (size_t i = 0; i < 2000; i++)
+            y[i] = 5 * cos(TWO_PI * 1.23 * t[i] + 1) + 3 * cos(TWO_PI * second * t[i]) + 0.03 * random_normal();
+        assert_int_equal(series_peaks(&series, &arena, peak, 3), 2);
+        assert_true(close_to(peak[0].frequency.value, 1.23, 1e-4) && close_to(peak[0].amplitude.value, 5, 0.002));
+        assert_true(close_to(peak[1].frequency.value, second, 1e-4) && close_to(peak[1].amplitude.value, 3, 0.003));
+        assert_true(fabs(peak[1].frequency.value - second) < 4 * peak[1].frequency.uncertainty + 1e-5);
+    }
     int lines = 0;
     for (int draw = 0; draw < 100; draw++) {
         for (size_t i = 0; i < 2000; i++)
