@@ -119,10 +119,11 @@ static bool whole_period(const struct motion *m, struct period *period)
     if (m->tracked || !h->converged || !isfinite(sigma)) {
         return false;
     }
+    const double last = x->t[samples_quiet(x, TWO_PI / h->omega) - 1]; /* what rests has no periods */
     *period = (struct period){.period = {TWO_PI / h->omega, TWO_PI / (h->omega * h->omega) * sigma},
                               .first = x->t[0],
-                              .last = x->t[x->n - 1],
-                              .periods = floor(m->overview.periods),
+                              .last = last,
+                              .periods = floor(fmin(m->overview.periods, (last - x->t[0]) * h->omega / TWO_PI + 0.01)),
                               .level = m->overview.mean,
                               .how = "one damped sine"};
     return true;

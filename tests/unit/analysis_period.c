@@ -455,6 +455,26 @@ static void windows_share_memory(void **state)
     assert_int_equal(series_window(series, -1, 9).n, 5);
 }
 
+/* Six swings, then a hand: a rest has no periods. */
+static void what_rests_has_no_periods(void **state)
+{
+    (void)state;
+    static double t[3000], y[3000];
+    struct series series = {t, y, 3000, QUANTITY_LENGTH};
+    struct arena arena = {0};
+    struct period period;
+    struct error error;
+    random_state = 6;
+    for (size_t i = 0; i < 3000; i++) {
+        t[i] = 0.02 * (double)i;
+        y[i] = (t[i] < 7.8 ? 0.05 * exp(-0.02 * t[i]) * cos(TWO_PI / 1.3 * t[i]) : 0) + 3e-4 * random_normal();
+    }
+    assert_true(series_period(&series, &arena, &period, &error));
+    assert_in_range((int)period.periods, 5, 7);
+    assert_true(period.last < 9);
+    arena_reset(&arena);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -473,6 +493,7 @@ int main(void)
         cmocka_unit_test(peaks_have_honest_uncertainties),
         cmocka_unit_test(peaks_are_all_found_and_nothing_else),
         cmocka_unit_test(refusals_have_reasons),
+        cmocka_unit_test(what_rests_has_no_periods),
         cmocka_unit_test(windows_share_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
