@@ -4,9 +4,17 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
-#define JUDGED_MOST 200000 /* samples: of more only 'data clean' judges the window */
+/*
+ * To judge the window costs 2 us a sample, thirty times what measuring a period does. Of a long recording each k-th
+ * sample is judged, if that leaves ENOUGH a period; where that is too many, only 'data clean' judges.
+ */
+#define ALL_JUDGED 16384
+#define JUDGED_MOST 32768
+#define ENOUGH 8
+#define BLOCKS 64
 
 bool find_faults(struct recording *recording, struct arena *arena, struct error *error)
 {
@@ -45,6 +53,87 @@ static const struct findings *run_findings(const struct series *series, struct r
     return find_faults(as, arena, &ignored) ? as->findings : NULL;
 }
 
+static int by_size(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* The median over blocks of the standard deviation within. */
+static double local_scatter(const struct series *series)
+{
+    double scatter[BLOCKS];
+    for (size_t b = 0; b < BLOCKS; b++) {
+        const size_t from = b * series->n / BLOCKS, to = (b + 1) * series->n / BLOCKS;
+        double mean = 0, sum = 0;
+        for (size_t i = from; i < to; i++)
+            mean += series->y[i] / (double)(to - from);
+        for (size_t i = from; i < to; i++)
+            sum += (series->y[i] - mean) * (series->y[i] - mean);
+        scatter[b] = sqrt(sum / (double)(to - from));
+    }
+    qsort(scatter, BLOCKS, sizeof *scatter, by_size);
+    return scatter[BLOCKS / 2];
+}
+
+/* Swings to and fro of more than the local scatter: at least half of all half periods, for half of the blocks have it. */
+static size_t count_swings(const struct series *series)
+{
+    const double least = local_scatter(series);
+    double extreme = series->y[0];
+    size_t swings = 0;
+    for (size_t i = 0; i < series->n; i++) {
+        const double y = series->y[i];
+        const bool down = swings % 2;
+        if (down ? y <= extreme : y >= extreme) {
+            extreme = y;
+        } else if (fabs(y - extreme) > least) {
+            extreme = y;
+            swings++;
+        }
+    }
+    return swings;
+}
+
+/* What is judged of a long series; false: more than JUDGED_MOST samples would be needed. */
+static bool thin(struct series *series, struct arena *arena)
+{
+    if (series->n <= ALL_JUDGED)
+        return true;
+    const size_t wanted = ENOUGH * count_swings(series); /* half of the half periods: periods */
+    const size_t each = series->n / (wanted > ALL_JUDGED ? wanted : ALL_JUDGED);
+    if (each <= 1)
+        return series->n <= JUDGED_MOST;
+    const size_t n = series->n / each;
+    double *t = arena_array(arena, n, sizeof *t), *y = arena_array(arena, n, sizeof *y);
+    if (n > JUDGED_MOST || !t || !y)
+        return false;
+    for (size_t i = 0; i < n; i++) {
+        t[i] = series->t[i * each];
+        y[i] = series->y[i * each];
+    }
+    series->t = t;
+    series->y = y;
+    series->n = n;
+    return true;
+}
+
+/* Of a recording that 'data clean' has not judged. */
+static const struct findings *thinned_findings(const struct subject *subject, struct recording *as,
+                                               struct column *column, struct arena *arena)
+{
+    struct series series = subject->series;
+    struct error ignored;
+    *as = (struct recording){0};
+    if (subject->recording) {
+        struct recording whole = *subject->recording; /* its arrays are shared: nothing of it is changed */
+        recording_restore(&whole);
+        if (!recording_series(&whole, arena, 8, &series, &ignored))
+            return NULL;
+    }
+    return thin(&series, arena) ? run_findings(&series, as, column, arena) : NULL;
+}
+
 static void put_advice(const struct findings *f, const struct series *series, bool start, bool end,
                        struct window_advice *advice)
 {
@@ -69,20 +158,20 @@ void advise_window(const struct subject *subject, enum window_law law, struct ar
     struct column column;
     struct error ignored;
     advice->text[0] = 0;
-    const bool known = subject->recording && subject->recording->findings;
-    if (s->n < 8 || subject->energy || subject->column || (s->n > JUDGED_MOST && !known))
+    if (s->n < 8 || subject->energy || subject->column)
         return;
-    const bool looked = subject->recording && find_faults(subject->recording, arena, &ignored);
-    const struct findings *f = looked               ? subject->recording->findings
-                               : !subject->recording ? run_findings(s, &as, &column, arena)
-                                                     : NULL;
-    const double step = (s->t[s->n - 1] - s->t[0]) / (double)(s->n - 1);
+    const bool whole = subject->recording && (subject->recording->findings || subject->recording->rows <= ALL_JUDGED);
+    const bool looked = whole && find_faults(subject->recording, arena, &ignored);
+    const struct findings *f = looked ? subject->recording->findings : thinned_findings(subject, &as, &column, arena);
+    const struct recording *judged = looked ? subject->recording : &as;
+    const double step = f ? (judged->t[judged->rows - 1] - judged->t[0]) / (double)(judged->rows - 1) : 0;
     const bool inside = f && f->window[1] > s->t[0] && f->window[0] < s->t[s->n - 1];
-    const bool start = inside && s->t[0] < f->window[0] - 1.5 * step;
-    const bool end = inside && s->t[s->n - 1] > f->window[1] + 1.5 * step;
+    const bool start = inside && s->t[0] < f->window[0] - 1.5 * step && f->window[0] > judged->t[0];
+    const bool end = inside && s->t[s->n - 1] > f->window[1] + 1.5 * step &&
+                     f->window[1] < judged->t[judged->rows - 1];
     if (start || (end && !(law == WINDOW_LAW_STICKS && isfinite(f->rests))))
         put_advice(f, s, start, end, advice);
-    if (!subject->recording)
+    if (!looked)
         arena_reset(&as.arena);
 }
 
