@@ -151,6 +151,10 @@ static void put_slope(const struct precision_curve *curve, struct buffer *out)
                                              : "fewer than 3 errors between 5 % and rounding");
         return;
     }
+    if (isnan(curve->slope)) {
+        buffer_format(out, "no slope: its %d errors are all the same, whatever the steps\n", curve->fitted);
+        return;
+    }
     if (curve->adaptive)
         buffer_format(out, "error ~ tol^%.2f", curve->slope);
     else
