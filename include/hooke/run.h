@@ -285,8 +285,9 @@ void run_second_opinion(struct run *run, bool whole, const struct cancel *cancel
  * and not only because it passes through 0: none of its digits is certain, it is less than that [SI]. 0: others. How
  * many. */
 int run_below_tolerance(const struct run *run, double *below);
-/* A short time at which the equations do something that no step has seen, where all steps are recorded. */
-bool run_missed_burst(const struct run *run, struct burst *missed);
+/* A short time at which the equations do something that no step has seen, where all steps are recorded; since it was
+ * last asked. */
+bool run_missed_burst(struct run *run, struct burst *missed);
 
 /* ---- observables ----
  *

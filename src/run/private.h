@@ -217,6 +217,7 @@ struct run_private {
     size_t looked, across;  /* rows that run_diagnose() has seen; the next that it would look into, */
     size_t unchecked;       /* and whose step it would check, */
     size_t checks;          /* after so many */
+    size_t searched;        /* the last row that run_missed_burst() has seen */
     march_function *kernel; /* NULL: none for this method and system */
     struct propagator *propagator; /* NULL: not (yet) there, or not of use */
     double *scratch;        /* [CHUNK_ROWS][n] states that do not go into the trace as they are; NULL: not yet needed */

@@ -226,6 +226,7 @@ bool run_back(struct run *run, int64_t rows)
      * recorded. */
     double h = row > 0 ? trace_time(trace, row) - trace_time(trace, row - 1) : run->settings.dt;
     trace_truncate(trace, row);
+    p->searched = row < p->searched ? row : p->searched;
     run->steps = trace->now_step;
     run->t = trace->now_t;
     memcpy(run->y, trace->now, (size_t)run->system.n * sizeof *run->y);

@@ -34,6 +34,9 @@ back_lines() { sprung drag 'rk4 dt=1ms' 3000; lines "$1" back; }
 continue_lines() { sprung duffing 'rk4 dt=1ms' 0; lines "$1" 'continue 3 ms'; }
 continue_lines_linear() { sprung damped 'verlet dt=1ms' 0; lines "$1" 'continue 3 ms'; }
 continue_lines_driven() { sprung driven 'rk4 dt=1ms' 0; lines "$1" 'continue 3 ms'; }
+pulse() { echo "var x = 0; var v = 0; x' = v; v' = exp(-((t - 500)/1e-4)^2) - x; method rk4 dt=1ms; run 1 ms"; }
+step_lines_pulse() { pulse; lines "$1" step; }
+continue_lines_pulse() { pulse; lines "$1" 'continue 3 ms'; }
 change_lines() { sprung drag 'rk4 dt=1ms' 10; numbered "$1" 'change k'; }
 set_lines() { numbered "$1" 'set m'; }
 runs() { lines "$1" 'run 20 ms'; }
@@ -53,6 +56,7 @@ sweep_points() { echo "scene driven; method rk4 dt=10ms; duration = 1 s"; [ "$1"
 rows='steps_linear:20000 steps:5000 steps_driven:5000 steps_thinned:20000 steps_even:5000 steps_typed:5000 steps_adaptive:30
     step_lines:100 step_lines_linear:100 step_lines_driven:100 back_lines:10
     continue_lines:50 continue_lines_linear:50 continue_lines_driven:50
+    step_lines_pulse:20 continue_lines_pulse:20
     change_lines:50 runs:20 set_lines:100
     export_rows:500 export_json:500 measure_rows:2000 load_rows:1000 fit_rows:500 fit_scene_rows:500 fit_drag_rows:500
     clean_rows:1000 measure_recording:1000 plot_rows:3000 sweep_points:50'
