@@ -14,6 +14,7 @@
 
 #define EPSILON 2.220446049250313e-16
 #define STEP_MOST 1e-8
+#define STEP_COSTLY 1e-6 /* of the uncertainty: derivatives of integrated curves have errors, too */
 #define GRADIENT_MOST 1e-6
 #define CORRELATED 0.1 /* lag-1 autocorrelation from which the uncertainties are widened (NUMERICS: n_eff) */
 
@@ -211,7 +212,9 @@ bool judge(struct problem *p, const double *x, bool probe, struct curve_fit *fit
         for (int i = 0; i < count; i++)
             fit->covariance[j][i] *= left;
         fit->formal[j] = sigma * deviation;
-        double most = fmax(STEP_MOST * fmax(fabs(x[j]), fit->formal[j]), rounding * deviation);
+        double part = p->costly ? STEP_COSTLY : STEP_MOST;
+        double own = fmax(STEP_MOST * fabs(x[j]), part * fit->formal[j]);
+        double most = fmax(own, rounding * deviation);
         fit->small_step = fit->small_step && fabs(p->step[j]) <= most;
         p->length = fmax(p->length, fabs(p->step[j]) / fmax(fabs(x[j]), fit->formal[j]));
         bool exact = length <= 1e-12 * p->size; /* nothing but rounding is left */

@@ -72,8 +72,9 @@ static const struct known known[] = {
      {{"dop853", 1e-14, 1e-13}, {"odex", 1e-14, 1e-13}, {"gauss6", 0.02, 2e-14}, {"cvode-adams", 1e-13, 2e-10}}},
     {"quadratic_drag_oscillator", "lin0.05", "spring", {QUADRATIC(0.1, 0.05)},
      {{"dop853", 1e-14, 2e-13}, {"odex", 1e-14, 2e-13}, {"gauss6", 0.02, 5e-14}, {"cvode-adams", 1e-13, 2e-10}}},
+    /* Rounding, added up by the phase: odex 1.3e-13 to 1.4e-12 at 21 tolerances from 0.5e-14 to 2e-14, by no rule. */
     {"duffing_free", "", "duffing", {NOTHING},
-     {{"dop853", 1e-14, 1e-11}, {"odex", 1e-14, 1e-12}, {"gauss6", 0.01, 1e-12}, {"kahan-li8", 0.02, 2e-12},
+     {{"dop853", 1e-14, 1e-11}, {"odex", 1e-14, 2e-12}, {"gauss6", 0.01, 1e-12}, {"kahan-li8", 0.02, 2e-12},
       {"rodas5p", 1e-13, 5e-10}, {"cvode-adams", 1e-13, 2e-10}}},
     /* Neighbours separate by thirty till then: test_chaos. */
     {"duffing_chaotic", "", "duffing-driven", {NOTHING},
