@@ -447,14 +447,15 @@ void system_jacobian(const struct system *system, double t, const double *y,
 /*
  * Short times at which a typed equation does something that samples would miss, as bounds of it prove, along the
  * straight way from one state to another: between t[0] and t[1] [s], shorter than 1/32 of it each. Appended to those
- * there are, and those that meet become one; the new count, at most `most`.
+ * there are, and those that meet become one; the new count, at most `most`. sure: of smooth forces none, as a warning
+ * has to be true; else some where a force has no bend, which costs steps and no more.
  */
 struct burst {
     double from, to; /* [s] */
 };
 
 int system_bursts(const struct system *system, const double t[2], const double *from, const double *to,
-                  struct burst *burst, int count, int most);
+                  bool sure, struct burst *burst, int count, int most);
 
 double system_kinetic(const struct system *system, const double *y);         /* [J] */
 double system_potential(const struct system *system, const double *y);       /* [J] */

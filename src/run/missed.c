@@ -36,8 +36,8 @@ bool run_missed_burst(struct run *run, struct burst *missed)
         const size_t from = first + k * steps / ways, to = first + (k + 1) * steps / ways;
         const double t[2] = {trace_time(trace, from), trace_time(trace, to)};
         if (t[0] != t[1])
-            count =
-                system_bursts(&run->system, t, trace_state(trace, from), trace_state(trace, to), burst, count, BURSTS);
+            count = system_bursts(&run->system, t, trace_state(trace, from), trace_state(trace, to), true, burst, count,
+                                  BURSTS);
     }
     for (int i = 0; i < count; i++)
         if ((first == 0 || burst[i].from != trace_time(trace, first)) && !is_seen(trace, first, &burst[i])) {

@@ -92,6 +92,35 @@ static struct stretch_look look(struct way *way, int row, double a, double b)
     return bent < width ? (struct stretch_look){bent, off} : (struct stretch_look){width, high - low};
 }
 
+/*
+ * Do the samples differ from what lies around? Where a smooth force turns from one bend to the other its samples see
+ * little of what bounds allow, too (1/8 of it with the best of bounds): there the polynomial through points on
+ * either side (Lagrange) says what is between, and samples that agree with it are no burst.
+ */
+static bool stands_out(struct way *way, int row, double a, double b, double seen)
+{
+    enum { POINTS = 6 };
+    static const double around_it[3][POINTS] = {
+        {-1, -0.5, 0, 1, 1.5, 2}, {0, 1, 1.5, 2, 2.5, 3}, {-2, -1.5, -1, -0.5, 0, 1}};
+    const double *at = around_it[a < b - a ? 1 : b + (b - a) > 1 ? 2 : 0]; /* there may be a switch at an end */
+    double value[POINTS], off = 0;
+    for (int k = 0; k < POINTS; k++)
+        value[k] = row_value(way, row, a + at[k] * (b - a));
+    for (int i = 1; i < SAMPLES; i++) {
+        const double share = (double)i / SAMPLES;
+        double around = 0;
+        for (int k = 0; k < POINTS; k++) {
+            double weight = 1;
+            for (int j = 0; j < POINTS; j++)
+                weight *= j == k ? 1 : (share - at[j]) / (at[k] - at[j]);
+            around += weight * value[k];
+        }
+        const double difference = fabs(row_value(way, row, a + share * (b - a)) - around);
+        off = isnan(difference) ? INFINITY : fmax(off, difference);
+    }
+    return off * SEEN > seen;
+}
+
 /* Appends [a, b] as times, to the burst before where they meet. */
 static int keep(const struct way *way, double a, double b, struct burst *burst, int count, int most)
 {
@@ -108,7 +137,7 @@ static int keep(const struct way *way, double a, double b, struct burst *burst, 
     return count;
 }
 
-static int search_row(struct way *way, int row, double size, struct burst *burst, int count, int most)
+static int search_row(struct way *way, int row, double size, bool sure, struct burst *burst, int count, int most)
 {
     struct {
         double a, b;
@@ -125,7 +154,7 @@ static int search_row(struct way *way, int row, double size, struct burst *burst
         if (!(at.hidden * (b - a) * fabs(way->t[1] - way->t[0]) > TINY * size))
             continue;
         if (at.hidden <= SEEN * at.seen) {
-            if (depth >= DEPTH_LEAST)
+            if (depth >= DEPTH_LEAST && (!sure || stands_out(way, row, a, b, at.seen)))
                 count = keep(way, a, b, burst, count, most);
             continue;
         }
@@ -141,7 +170,7 @@ static int search_row(struct way *way, int row, double size, struct burst *burst
     return count;
 }
 
-int system_bursts(const struct system *system, const double t[2], const double *from, const double *to,
+int system_bursts(const struct system *system, const double t[2], const double *from, const double *to, bool sure,
                   struct burst *burst, int count, int most)
 {
     const struct typed *typed = system->model->typed;
@@ -150,6 +179,6 @@ int system_bursts(const struct system *system, const double t[2], const double *
     struct way way = {.typed = typed, .c = system->typed.c, .t = {t[0], t[1]}, .from = from, .to = to};
     const int rows = typed_rows(typed);
     for (int i = 0; i < rows; i++)
-        count = search_row(&way, i, system->scale[system->n - rows + i], burst, count, most);
+        count = search_row(&way, i, system->scale[system->n - rows + i], sure, burst, count, most);
     return count;
 }

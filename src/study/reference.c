@@ -272,7 +272,7 @@ static void look_for_bursts(struct search *search, const double *grid)
     for (int k = 1; k < STUDY_TIMES && !cancelled(search->cancel); k++) {
         const double t[2] = {system->t0 + span * (k - 1) / (STUDY_TIMES - 1),
                              system->t0 + span * k / (STUDY_TIMES - 1)};
-        search->bursts = system_bursts(system, t, grid + (k - 1) * system->n, grid + k * system->n, search->burst,
+        search->bursts = system_bursts(system, t, grid + (k - 1) * system->n, grid + k * system->n, false, search->burst,
                                        search->bursts, BURSTS);
     }
 }
