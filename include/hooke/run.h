@@ -166,6 +166,7 @@ struct run {
     struct unsound_step unsound; /* the worst one seen by run_diagnose() */
     bool warned_growth, warned_sliding, warned_piling, warned_unsound, warned_doubt, warned_error;
     bool warned_burst;
+    struct burst missed; /* the first that run_missed_burst() found; from == to: none */
     struct controller controller;
     struct opinion opinion; /* by run_second_opinion() */
 

@@ -18,6 +18,8 @@ const struct catalog opinion_catalog = CATALOG("kind of second opinion", opinion
 void seek_opinion(const struct session *session, struct run *run)
 {
     const int kind = session->setup.settings.opinion;
+    if (run->missed.from == run->missed.to)
+        run_missed_burst(run, &run->missed);
     if (kind != OPINIONS_OFF)
         run_second_opinion(run, kind == OPINIONS_FULL, session->front.cancel);
 }
@@ -45,6 +47,14 @@ void plan_opinion(const struct session *session, const struct system *system, co
 static bool has_opinion(const struct run *run)
 {
     return isfinite(run->opinion.error) && !isnan(run->opinion.t);
+}
+
+/* What no step has seen the second solution has not seen either, unless they differ by much. */
+static bool is_blind(const struct run *run)
+{
+    const struct burst *missed = &run->missed;
+    const bool passed = missed->from != missed->to && (missed->from < run->t) == (run->system.t0 < run->t);
+    return has_opinion(run) && run->opinion.by && passed && !(run->opinion.error > OPINION_WRONG * run->controller.tol);
 }
 
 /* "dop853 at tol = 1e-7 up to t = 3 s" */
@@ -98,7 +108,7 @@ bool reply_opinion(const struct session *session, struct run *run, struct reply 
     const struct opinion *opinion = &run->opinion;
     struct buffer by = {0};
     bool ok = true;
-    if (!has_opinion(run))
+    if (!has_opinion(run) || is_blind(run))
         return true;
     const double times = opinion->error / run->controller.tol;
     put_witness(run, &by);
@@ -127,7 +137,7 @@ bool reply_opinion(const struct session *session, struct run *run, struct reply 
 
 void reply_opinion_values(const struct run *run, struct reply *reply)
 {
-    const bool known = has_opinion(run);
+    const bool known = has_opinion(run) && !is_blind(run);
     reply_real(reply, "error_estimate", known ? run->opinion.error : NAN);
     reply_real(reply, "error_on_the_way", known ? run->opinion.most : NAN);
     reply_real(reply, "estimated_to", known ? run->opinion.t : NAN);

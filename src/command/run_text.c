@@ -218,15 +218,15 @@ void reply_unsound(struct run *run, struct reply *reply)
 
 void reply_missed_burst(struct run *run, struct reply *reply)
 {
-    struct burst burst;
-    if (run->warned_burst || !run_missed_burst(run, &burst))
+    const struct burst *burst = &run->missed;
+    const double length = fabs(burst->to - burst->from);
+    if (run->warned_burst || length == 0)
         return;
-    const double length = fabs(burst.to - burst.from);
     reply_warning(
         reply,
         "no step has seen what happens near t = %.4g s in less than %.1g s: this run is one without it; fixed "
         "steps ('tol = off') of dt = %.1g s see it",
-        burst.from + (burst.to - burst.from) / 2, length, length / 100);
+        burst->from + (burst->to - burst->from) / 2, length, length / 100);
     run->warned_burst = true;
 }
 
