@@ -69,6 +69,8 @@ void buffer_vformat(struct buffer *buffer, const char *format, va_list args) PRI
 void buffer_clear(struct buffer *buffer);
 void buffer_free(struct buffer *buffer);
 struct text buffer_text(const struct buffer *buffer);
+/* A NUL-terminated view; "out of memory" if the buffer has failed, never NULL. */
+const char *buffer_view(const struct buffer *buffer);
 
 /* ---- shared libraries, looked up when they are needed ---- */
 
@@ -144,6 +146,7 @@ struct catalog {
     }
 
 const struct row *catalog_row(const struct catalog *catalog, size_t i);
+int catalog_place(const struct catalog *catalog, const struct row *row); /* index of a row of it */
 const struct row *catalog_find(const struct catalog *catalog, struct text name); /* exact name or alias; NULL: none */
 /* Exact, else the only row whose name starts with `name` (at least `least` letters). NULL: none or ambiguous. */
 const struct row *catalog_prefix(const struct catalog *catalog, struct text name, size_t least);
@@ -202,6 +205,21 @@ void buffer_phase(struct buffer *buffer, double radians);
 struct measured {
     double value, uncertainty;
 };
+
+/* ---- statements (statement.c) ---- */
+
+/* Cuts the next statement off a line; comments are dropped. False: nothing is left. error: a quote that does not end.
+ */
+bool next_statement(struct text *line, struct text *statement, struct error *error);
+bool is_name_start(char c);
+bool is_name_char(char c);
+void text_skip_blanks(struct text *text);
+/* The word at the start, up to a blank, quote, semicolon or one of `stops`. */
+struct text peek_word(struct text text, const char *stops);
+/* The name at the start: letter, then letters, digits, _ and -; empty if there is none. */
+struct text peek_name(struct text text);
+/* Bytes of the string that starts at text.at[0], both quotes included; 0: it does not end. */
+size_t text_quoted(struct text text);
 
 /* ---- units ----
  *

@@ -243,12 +243,24 @@ enum pane {
     PANE_COUNT
 };
 
-/* A pane is a kind of plot. `offered`: whether it makes sense for this session (no error pane where nothing exact is
- * known). */
+/* What a pane is drawn of. */
+enum pane_of {
+    PANE_OF_SERIES,    /* a run or a recording */
+    PANE_OF_MECHANICS, /* velocities */
+    PANE_OF_PHASE,
+    PANE_OF_ORBIT,    /* a second coordinate */
+    PANE_OF_EXACT,    /* an exact solution */
+    PANE_OF_RESIDUAL, /* a recording and what was fitted to it, or a run beside it */
+};
+
+/* A pane is a kind of plot. */
 struct pane_row {
     struct row row; /* name, unit of the vertical axis, brief */
-    bool (*offered)(const struct session *session);
+    enum pane_of of;
 };
+
+/* Whether it makes sense for this session: no error pane where nothing exact is known. */
+bool pane_offered(const struct session *session, enum pane pane);
 
 extern const struct catalog pane_catalog; /* at the enum's place */
 

@@ -98,3 +98,8 @@ struct text buffer_text(const struct buffer *buffer)
 {
     return buffer->data ? (struct text){buffer->data, buffer->len} : (struct text){"", 0};
 }
+
+const char *buffer_view(const struct buffer *buffer)
+{
+    return buffer->failed ? "(out of memory)" : buffer->data ? buffer->data : "";
+}

@@ -154,3 +154,8 @@ void suggestion_hint(const struct suggestion *suggestion, struct error *error)
     else if (suggestion->count == 3)
         error_hint(error, "did you mean '%s', '%s' or '%s'?", name[0], name[1], name[2]);
 }
+
+int catalog_place(const struct catalog *catalog, const struct row *row)
+{
+    return (int)((size_t)((const char *)row - (const char *)catalog->rows) / catalog->stride);
+}

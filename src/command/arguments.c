@@ -61,7 +61,7 @@ static bool read_into(struct progress *progress, int place, const char *start, s
     const bool many = (argument->flags & ARG_MANY) != 0;
     const bool needs = argument->type != TYPE_NONE;
     for (bool more = true; more;) {
-        skip_blanks(&parser->rest);
+        text_skip_blanks(&parser->rest);
         if (needs && parser->rest.len == 0) {
             error_at(error, (struct text){parser->rest.at, 0}, "%s needs a value after '%s'",
                      progress->command->row.name, argument->name);
@@ -133,7 +133,7 @@ static bool unknown_argument(const struct command *command, enum argument_form f
 static size_t key_length(struct text text, struct text name)
 {
     struct text rest = {text.at + name.len, text.len - name.len};
-    skip_blanks(&rest);
+    text_skip_blanks(&rest);
     if (name.len == 0 || rest.len == 0 || rest.at[0] != '=' || (rest.len > 1 && rest.at[1] == '='))
         return 0;
     return (size_t)(rest.at + 1 - text.at);
@@ -224,7 +224,7 @@ bool parse_arguments(struct parser *parser, const struct command *command, struc
     struct progress progress = {parser, command, arguments, -1, NULL};
     for (;;) {
         struct text before = parser->rest;
-        skip_blanks(&parser->rest);
+        text_skip_blanks(&parser->rest);
         if (parser->rest.len == 0)
             break;
         /* Something glued to a number, as in 0,5 or 5cmm. */

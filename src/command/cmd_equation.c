@@ -9,14 +9,14 @@
 static struct text after(struct text text, size_t by)
 {
     struct text rest = {text.at + by, text.len - by};
-    skip_blanks(&rest);
+    text_skip_blanks(&rest);
     return rest;
 }
 
 /* What stands behind the "=" that has to come first. */
 static bool skip_equals(struct text *rest, const char *usage, struct error *error)
 {
-    skip_blanks(rest);
+    text_skip_blanks(rest);
     if (rest->len == 0 || rest->at[0] != '=') {
         error_at(error, (struct text){rest->at, rest->len > 0}, "'=' is missing");
         return error_hint(error, "usage: %s", usage);

@@ -8,7 +8,7 @@
 static struct text after(struct text text, size_t by)
 {
     struct text rest = {text.at + by, text.len - by};
-    skip_blanks(&rest);
+    text_skip_blanks(&rest);
     return rest;
 }
 

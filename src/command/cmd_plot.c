@@ -180,8 +180,7 @@ static void reply_where(const struct session *session, const struct figure_reque
 {
     const char *name = request->columns ? "" : catalog_row(&plot_catalog, (size_t)request->kind)->name;
     const struct row *row = catalog_find(&pane_catalog, text_of(name));
-    const struct pane_row *pane = (const struct pane_row *)(const void *)row;
-    if (pane && pane->offered(session))
+    if (row && pane_offered(session, (enum pane)catalog_place(&pane_catalog, row)))
         reply_line(reply, "'layout log' shows it whole, 'focus %s full' keeps it in a pane", name);
     else
         reply_line(reply, "'layout log' shows it whole");

@@ -147,7 +147,7 @@ struct parser value_parser(struct session *session, const struct arguments *give
     struct text value = given_for(given, "VALUE")->item->text;
     if (value.len > 0 && value.at[0] == '\'') /* of a velocity's name */
         value = (struct text){value.at + 1, value.len - 1};
-    skip_blanks(&value);
+    text_skip_blanks(&value);
     if (value.len > 0 && value.at[0] == '=')
         value = (struct text){value.at + 1, value.len - 1};
     return (struct parser){session, given->scope, given->arena, value};

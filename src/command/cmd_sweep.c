@@ -14,7 +14,7 @@
 /* The next argument: up to a blank with NAME= or --option behind it. */
 static struct text next_argument(struct text *rest)
 {
-    skip_blanks(rest);
+    text_skip_blanks(rest);
     size_t end = 1;
     for (; end < rest->len; end++) {
         struct text after = {rest->at + end, rest->len - end};
@@ -24,7 +24,7 @@ static struct text next_argument(struct text *rest)
             break;
         const struct text name = peek_name(after);
         struct text behind = {after.at + name.len, after.len - name.len};
-        skip_blanks(&behind);
+        text_skip_blanks(&behind);
         if (name.len > 0 && text_starts(behind, TEXT("=")))
             break;
     }
@@ -38,11 +38,11 @@ static struct text next_argument(struct text *rest)
 static bool read_end(struct parser *parser, const struct sweep_axis *axis, double *value, struct error *error)
 {
     struct item item = {0};
-    skip_blanks(&parser->rest);
+    text_skip_blanks(&parser->rest);
     if (!parse_value(parser, axis->name, axis->quantity, &item, error))
         return false;
     *value = item.value.value;
-    skip_blanks(&parser->rest);
+    text_skip_blanks(&parser->rest);
     return true;
 }
 
@@ -51,7 +51,7 @@ static bool take_colon(struct parser *parser)
     const bool there = text_starts(parser->rest, TEXT(":"));
     if (there)
         parser->rest = (struct text){parser->rest.at + 1, parser->rest.len - 1};
-    skip_blanks(&parser->rest);
+    text_skip_blanks(&parser->rest);
     return there;
 }
 
@@ -149,7 +149,7 @@ static bool read_option(struct parser *parser, struct sweep_request *request, bo
     const struct text name = peek_name((struct text){all.at + 2, all.len - 2});
     int64_t threads = 0;
     parser->rest = (struct text){name.at + name.len, all.len - 2 - name.len};
-    skip_blanks(&parser->rest);
+    text_skip_blanks(&parser->rest);
     if (text_is(name, "force")) {
         *force = true;
         return refuse_rest(parser, NULL, error);
@@ -173,10 +173,10 @@ static bool read_sweep(struct session *session, const struct arguments *given, s
                        bool *force, struct error *error)
 {
     struct text rest = given_for(given, "NAME=RANGE")->item->text;
-    while (skip_blanks(&rest), rest.len > 0) {
+    while (text_skip_blanks(&rest), rest.len > 0) {
         const struct text argument = next_argument(&rest), name = peek_name(argument);
         struct parser parser = {session, given->scope, given->arena, {argument.at + name.len, argument.len - name.len}};
-        skip_blanks(&parser.rest);
+        text_skip_blanks(&parser.rest);
         if (text_starts(argument, TEXT("--"))) {
             parser.rest = argument;
             if (!read_option(&parser, request, force, error))

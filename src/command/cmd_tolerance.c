@@ -5,25 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void put_atol(const struct scene *scene, int i, struct buffer *text)
-{
-    const struct variable *variable = &scene->model->variable[i];
-    buffer_format(text, "atol %s = ", variable->name);
-    if (scene->atol[i] > 0)
-        buffer_exact(text, (struct measured){scene->atol[i], 0}, variable->quantity);
-    else
-        buffer_put(text, TEXT("off"));
-}
-
-void atol_script(const struct scene *scene, const char *end, struct buffer *text)
-{
-    for (int i = 0; i < scene->model->n; i++)
-        if (scene->atol[i] > 0) {
-            put_atol(scene, i, text);
-            buffer_put(text, text_of(end));
-        }
-}
-
 static void list_atol(const struct session *session, struct reply *reply)
 {
     struct buffer text = {0};
@@ -65,7 +46,7 @@ static bool set_atol(struct session *session, int i, struct parser *parser, stru
     scene_set_atol(scene, i, item.value.value);
     session_changed(session);
     struct buffer text = {0};
-    put_atol(scene, i, &text);
+    atol_describe(scene, i, &text);
     if (!(session->setup.method->flags & METHOD_ADAPTIVE))
         buffer_format(&text, " (for methods that adapt; %s has fixed steps)", session->setup.method->row.name);
     reply_text(reply, buffer_text(&text));

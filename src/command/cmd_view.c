@@ -67,12 +67,12 @@ HANDLER(focus)
     struct view *view = &session->view;
     const enum pane wanted = pane->count ? (enum pane)pane->item->index : view->focus;
     const struct pane_row *row = (const struct pane_row *)(const void *)catalog_row(&pane_catalog, (size_t)wanted);
-    if (pane->count && !row->offered(session)) {
+    if (pane->count && !pane_offered(session, wanted)) {
         struct buffer offered = {0};
         error_at(error, pane->item->text, "there is nothing to show in the pane %s: %s", row->row.name, row->row.brief);
         for (size_t i = 0; i < pane_catalog.count; i++) {
             const struct pane_row *other = (const struct pane_row *)(const void *)catalog_row(&pane_catalog, i);
-            if (other->offered(session))
+            if (pane_offered(session, (enum pane)i))
                 buffer_format(&offered, "%s%s", offered.len ? ", " : "", other->row.name);
         }
         error_hint(error, offered.len ? "now there are: %s" : "type: run, or: load FILE%s", buffer_view(&offered));

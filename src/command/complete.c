@@ -143,7 +143,7 @@ static void complete_arguments(struct completion *c, const struct command *comma
 /* The command of a statement that defines a scene or an event, and what stands behind its name; NULL: another one. */
 static const struct command *formula_command(struct text statement, struct text *rest)
 {
-    skip_blanks(&statement);
+    text_skip_blanks(&statement);
     const struct text name = peek_name(statement);
     const struct command *command = command_at(catalog_find(&command_catalog, name));
     *rest = (struct text){statement.at + name.len, statement.len - name.len};
@@ -157,13 +157,13 @@ static const struct command *formula_command(struct text statement, struct text 
 /* Where the commands of an unfinished event begin; NULL: it is another string. */
 static const char *event_string(struct text statement)
 {
-    skip_blanks(&statement);
+    text_skip_blanks(&statement);
     if (!text_is(peek_name(statement), "event"))
         return NULL;
     for (size_t i = 0; i + 3 < statement.len; i++)
         if (strncmp(statement.at + i, " do ", 4) == 0) {
             struct text rest = {statement.at + i + 4, statement.len - i - 4};
-            skip_blanks(&rest);
+            text_skip_blanks(&rest);
             return rest.len > 0 && strchr("'\"", rest.at[0]) ? rest.at + 1 : NULL;
         }
     return NULL;
@@ -196,10 +196,10 @@ bool command_complete(struct session *session, struct text line, size_t cursor, 
     struct completion c = {session, {statement.at + word, statement.len - word}, offer_to, context, false};
     struct text before = {statement.at, word}, behind;
     const struct command *formula = formula_command(before, &behind);
-    skip_blanks(&before);
+    text_skip_blanks(&before);
     const struct text name = peek_name(before);
     struct text after = {before.at + name.len, before.len - name.len};
-    skip_blanks(&after);
+    text_skip_blanks(&after);
     const struct command *command = command_at(catalog_find(&command_catalog, name));
     if (before.len == 0) {
         complete_catalog(&c, &command_catalog);

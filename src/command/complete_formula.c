@@ -134,14 +134,14 @@ static void complete_event(struct completion *c, struct text rest)
         complete_offer(c, "off", "drop it");
         return;
     }
-    skip_blanks(&rest);
+    text_skip_blanks(&rest);
     struct text word = peek_word(rest, ""), value = {word.at + word.len, rest.len - word.len};
-    skip_blanks(&value);
+    text_skip_blanks(&value);
     if (!text_is(peek_word(value, ""), "when"))
         return;
     value = (struct text){value.at + 4, value.len - 4};
     struct text last = {0}, left = value;
-    while (skip_blanks(&left), left.len > 0) {
+    while (text_skip_blanks(&left), left.len > 0) {
         last = peek_word(left, "");
         const size_t used = last.len ? last.len : 1;
         left = (struct text){left.at + used, left.len - used};

@@ -186,7 +186,7 @@ void complete_set(struct completion *c, struct text name, struct text before)
         quantity = setting->quantity;
     }
     struct text value = {name.at + name.len, (size_t)(before.at + before.len - name.at) - name.len};
-    skip_blanks(&value);
+    text_skip_blanks(&value);
     if (value.len > 0 && value.at[0] == '=')
         value = (struct text){value.at + 1, value.len - 1};
     complete_value(c, value, quantity, complete_operands);

@@ -156,12 +156,6 @@ bool drawing_kept_band(struct drawing *d)
 #define KEPT_LEAST 500
 #define KEPT_MOST 20000
 
-void session_drop_band(struct session *session)
-{
-    free(session->band.half);
-    session->band = (struct fit_band){.half = NULL};
-}
-
 double kept_band_at(const struct fit_band *band, int variable, double t)
 {
     const double place = (t - band->from) / band->step;

@@ -19,33 +19,6 @@ void session_drop_curve(struct session *session)
     session->fit_modes = 0;
 }
 
-static double curve_value(const struct session *session, double t)
-{
-    const double *time = session->fit_curve[0], *value = session->fit_curve[1];
-    size_t low = 0, high = session->fit_samples;
-    while (low < high) {
-        const size_t middle = low + (high - low) / 2;
-        if (time[middle] < t)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    if (low < session->fit_samples && time[low] == t)
-        return value[low];
-    if (low == 0 || low == session->fit_samples)
-        return NAN;
-    const double share = (t - time[low - 1]) / (time[low] - time[low - 1]);
-    return value[low - 1] + share * (value[low] - value[low - 1]);
-}
-
-void session_fit_values(const struct session *session, const double *t, size_t n, double *value)
-{
-    if (session->fit_samples == 0)
-        fit_values(&session->fit, t, n, value);
-    for (size_t i = 0; i < n && session->fit_samples > 0; i++)
-        value[i] = curve_value(session, t[i]);
-}
-
 bool session_keep_curve(const struct asked_fit *asked, const double *residual, const struct fit *fit,
                         struct error *error)
 {

@@ -157,16 +157,6 @@ struct parser {
     struct text rest; /* what is left of the statement */
 };
 
-/* Cuts the next statement off a line; comments are dropped. False: nothing is left. error: a quote that does not end.
- */
-bool next_statement(struct text *line, struct text *statement, struct error *error);
-bool is_name_start(char c);
-bool is_name_char(char c);
-void skip_blanks(struct text *text);
-/* The word at the start, up to a blank, quote, semicolon or one of `stops`. */
-struct text peek_word(struct text text, const char *stops);
-/* The name at the start: letter, then letters, digits, _ and -; empty if there is none. */
-struct text peek_name(struct text text);
 /* A word or a string; *is_string says which. */
 bool parse_word(struct parser *parser, const char *stops, struct item *item, struct error *error);
 /* What stands before the first option: `1 --force` is no subtraction. */
@@ -191,8 +181,6 @@ bool parse_arguments(struct parser *parser, const struct command *command, struc
                      struct error *error);
 /* find, or the only row that starts so at the prompt. */
 const struct row *choose(const struct session *session, const struct catalog *catalog, struct text name);
-int catalog_place(const struct catalog *catalog, const struct row *row);
-
 /* ---- what a scene has, by name (parameters.c) ---- */
 
 const struct param_row *param_at(const struct scene *scene, int place);
@@ -206,7 +194,8 @@ void scene_lines(const struct scene *scene, const char *before, struct buffer *t
 /* The same, each before `end`, in an order in which they can be typed: a line may use one that was typed after it,
  * where it has taken the place of another. */
 void scene_script(const struct scene *scene, const char *end, struct buffer *text);
-/* The absolute tolerances that were given, the same way (cmd_tolerance.c). */
+/* "atol y = 0.1 mm", of one variable; the absolute tolerances that were given, as scene_script(). */
+void atol_describe(const struct scene *scene, int variable, struct buffer *text);
 void atol_script(const struct scene *scene, const char *end, struct buffer *text);
 int model_variable(const struct model *model, struct text name); /* place, -1: none; y' is vy of a typed model */
 int model_observation(const struct model *model, struct text name); /* place of what a typed model observes, -1: none */
@@ -261,9 +250,6 @@ void buffer_measured(struct buffer *buffer, struct measured value, enum quantity
 void buffer_exact(struct buffer *buffer, struct measured value, enum quantity quantity);
 /* A word of a command line, quoted where it has to be. */
 void buffer_word(struct buffer *buffer, struct text word);
-/* A NUL-terminated view; "out of memory" if the buffer has failed, never NULL. */
-const char *buffer_view(const struct buffer *buffer);
-
 /* ---- the session (session.c, runs.c, undo.c) ---- */
 
 void session_changed(struct session *session);

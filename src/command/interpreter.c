@@ -14,7 +14,7 @@ static bool is_assignment(struct text statement)
 {
     struct text name = peek_name(statement);
     struct text rest = {statement.at + name.len, statement.len - name.len};
-    skip_blanks(&rest);
+    text_skip_blanks(&rest);
     return name.len > 0 && rest.len > 0 && rest.at[0] == '=' && (rest.len == 1 || rest.at[1] != '=');
 }
 
@@ -27,7 +27,7 @@ static bool is_equation(struct text statement)
     while (rest.len > 0 && rest.at[0] == '\'')
         rest = (struct text){rest.at + 1, rest.len - 1};
     const bool marks = rest.len < marked;
-    skip_blanks(&rest);
+    text_skip_blanks(&rest);
     return name.len > 0 && marks && rest.len > 0 && rest.at[0] == '=';
 }
 

@@ -4,11 +4,6 @@
 
 #include <string.h>
 
-int catalog_place(const struct catalog *catalog, const struct row *row)
-{
-    return (int)((size_t)((const char *)row - (const char *)catalog->rows) / catalog->stride);
-}
-
 const struct row *choose(const struct session *session, const struct catalog *catalog, struct text name)
 {
     const size_t least = catalog == &method_catalog ? 3 : 1;
@@ -50,14 +45,6 @@ static bool read_choice(struct parser *parser, const struct argument *argument, 
                         struct error *error)
 {
     return parse_word(parser, stops, item, error) && choose_row(parser, argument, item, error);
-}
-
-const struct preset *own_scene(const struct setup *setup, struct text name)
-{
-    for (int i = 0; i < setup->owns; i++)
-        if (text_is(name, setup->own[i]->row.name))
-            return setup->own[i];
-    return NULL;
 }
 
 static bool read_scene(struct parser *parser, const char *stops, struct item *item, struct error *error)
@@ -152,7 +139,7 @@ static bool read_condition(struct parser *parser, struct item *item, struct erro
     if (!condition)
         return error_memory(error);
     size_t used;
-    skip_blanks(&parser->rest);
+    text_skip_blanks(&parser->rest);
     if (!condition_compile(before_option(parser->rest), parser->scope, parser->arena, condition, &used, error))
         return false;
     item->text = (struct text){parser->rest.at, used};
@@ -173,7 +160,7 @@ static bool read_start(struct parser *parser, struct item *item, struct error *e
     memcpy(what, name.at, name.len);
     what[name.len] = 0;
     parser->rest = (struct text){name.at + name.len, parser->rest.len - name.len};
-    skip_blanks(&parser->rest);
+    text_skip_blanks(&parser->rest);
     if (parser->rest.len == 0 || parser->rest.at[0] != '=')
         return error_at(error, name, "'%s' needs a value: %s=VALUE", what, what);
     parser->rest = (struct text){parser->rest.at + 1, parser->rest.len - 1};

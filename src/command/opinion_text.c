@@ -6,15 +6,6 @@
 
 #define SPIKES 10 /* times the error, where the largest on the way deserves a word */
 
-static const struct row opinion_rows[] = {
-    [OPINIONS_AUTO] = {"auto", "", "a second solution, as far as some milliseconds and a tenth of the run's work go",
-                       "", NULL},
-    [OPINIONS_FULL] = {"full", "", "to the end, whatever it takes", "", NULL},
-    [OPINIONS_WARN] = {"warn", "", "as auto; a run without a right digit is a warning, not an error (chaos)", "", NULL},
-    [OPINIONS_OFF] = {"off", "", "none", "", NULL},
-};
-const struct catalog opinion_catalog = CATALOG("kind of second opinion", opinion_rows);
-
 void seek_opinion(const struct session *session, struct run *run)
 {
     const int kind = session->setup.settings.opinion;

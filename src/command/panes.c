@@ -34,50 +34,16 @@ static const struct row snaps[] = {
 };
 const struct catalog snap_catalog = CATALOG("way to snap", snaps);
 
-static bool has_series(const struct session *session)
-{
-    return session_run(session) || session_recording(session);
-}
-
-static bool has_mechanics(const struct session *session)
-{
-    const struct run *run = session_run(session);
-    return run ? run->system.order == 2 : figure_recording(session, PLOT_VELOCITY) >= 0;
-}
-
-static bool has_phase(const struct session *session)
-{
-    const struct run *run = session_run(session);
-    return run ? plot_fits(PLOT_PHASE, run->system.model) : has_mechanics(session);
-}
-
-static bool has_orbit(const struct session *session)
-{
-    const struct run *run = session_run(session);
-    return run && plot_fits(PLOT_ORBIT, run->system.model);
-}
-
-static bool has_exact(const struct session *session)
-{
-    const struct run *run = session_run(session);
-    return run && run->plan.exact_known;
-}
-
-static bool has_residual(const struct session *session)
-{
-    return figure_recording(session, PLOT_RESIDUAL) >= 0;
-}
-
 static const struct pane_row panes[] = {
-    [PANE_POSITION] = {{"position", "m", "y against t, with the recording", "", NULL}, has_series},
-    [PANE_ENERGY] = {{"energy", "J", "energy against t", "", NULL}, has_mechanics},
+    [PANE_POSITION] = {{"position", "m", "y against t, with the recording", "", NULL}, PANE_OF_SERIES},
+    [PANE_ENERGY] = {{"energy", "J", "energy against t", "", NULL}, PANE_OF_MECHANICS},
     [PANE_PHASE] = {{"phase", "m", "v against y; of first order the second value against the first", "", NULL},
-                    has_phase},
-    [PANE_VELOCITY] = {{"velocity", "m/s", "v against t", "", NULL}, has_mechanics},
-    [PANE_ERROR] = {{"error", "m", "distance from the exact solution against t", "", NULL}, has_exact},
+                    PANE_OF_PHASE},
+    [PANE_VELOCITY] = {{"velocity", "m/s", "v against t", "", NULL}, PANE_OF_MECHANICS},
+    [PANE_ERROR] = {{"error", "m", "distance from the exact solution against t", "", NULL}, PANE_OF_EXACT},
     [PANE_RESIDUAL] = {{"residual", "m", "the recording minus its fit, or minus the run, against t", "", NULL},
-                       has_residual},
-    [PANE_SPECTRUM] = {{"spectrum", "m", "amplitude against frequency", "", NULL}, has_series},
-    [PANE_ORBIT] = {{"orbit", "m", "the second coordinate against the first", "", NULL}, has_orbit},
+                       PANE_OF_RESIDUAL},
+    [PANE_SPECTRUM] = {{"spectrum", "m", "amplitude against frequency", "", NULL}, PANE_OF_SERIES},
+    [PANE_ORBIT] = {{"orbit", "m", "the second coordinate against the first", "", NULL}, PANE_OF_ORBIT},
 };
 const struct catalog pane_catalog = CATALOG("pane", panes);

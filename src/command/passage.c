@@ -4,6 +4,7 @@
 #include "journal.h"
 
 #include <math.h>
+#include <string.h>
 
 #define PASSES_MOST 10000 /* events whose commands let a run go on, in one command */
 #define PILE 1e-6         /* of the longest time between two: moments that pile up are closer */
@@ -84,4 +85,16 @@ bool events_pass(struct session *session, const struct run_target *target, struc
     }
     *ok = *ok && journal_go_on(held, true, error);
     return *ok;
+}
+
+/* An equation there is not the law, but a jump of what moves. */
+bool event_executes(const struct command *command)
+{
+    return (command->flags & COMMAND_ANYTIME) || strcmp(command->row.name, "equation") == 0;
+}
+
+bool refuse_in_event(const struct command *command, struct text where, struct error *error)
+{
+    error_at(error, where, "an event cannot execute %s", command->row.name);
+    return error_hint(error, "it sets, prints and notes; 'continue' as the last word lets the run go on");
 }

@@ -9,11 +9,6 @@
 #define WIDE 110 /* [cell] from here on end, phase and amplitude errors are shown, too */
 #define LEVELS 13
 
-char precision_letter(int curve)
-{
-    return (char)(curve < 26 ? 'a' + curve : curve < 52 ? 'A' + curve - 26 : '?');
-}
-
 /* ---- a method ---- */
 
 /* Columns that say something of this curve. */

@@ -286,11 +286,6 @@ void session_size(const struct session *session, int *width, int *height)
 
 /* ---- text for people ---- */
 
-const char *buffer_view(const struct buffer *buffer)
-{
-    return buffer->failed ? "(out of memory)" : buffer->data ? buffer->data : "";
-}
-
 /* Times from 0.1 s on stay in seconds: T = 0.7226 s is what the sheet asks for. */
 static const struct unit *unit_for(enum quantity quantity, double value)
 {
@@ -373,4 +368,37 @@ void session_state_line(const struct session *session, struct buffer *text)
         buffer_format(text, " | run %d t=", run->number);
         buffer_measured(text, (struct measured){run->t, 0}, QUANTITY_TIME, 4);
     }
+}
+
+void session_drop_band(struct session *session)
+{
+    free(session->band.half);
+    session->band = (struct fit_band){.half = NULL};
+}
+
+static double curve_value(const struct session *session, double t)
+{
+    const double *time = session->fit_curve[0], *value = session->fit_curve[1];
+    size_t low = 0, high = session->fit_samples;
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+        if (time[middle] < t)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    if (low < session->fit_samples && time[low] == t)
+        return value[low];
+    if (low == 0 || low == session->fit_samples)
+        return NAN;
+    const double share = (t - time[low - 1]) / (time[low] - time[low - 1]);
+    return value[low - 1] + share * (value[low] - value[low - 1]);
+}
+
+void session_fit_values(const struct session *session, const double *t, size_t n, double *value)
+{
+    if (session->fit_samples == 0)
+        fit_values(&session->fit, t, n, value);
+    for (size_t i = 0; i < n && session->fit_samples > 0; i++)
+        value[i] = curve_value(session, t[i]);
 }

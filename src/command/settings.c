@@ -58,6 +58,15 @@ static const struct row band_rows[] = {
 };
 static const struct catalog band_catalog = CATALOG("way to show bands", band_rows);
 
+static const struct row opinion_rows[] = {
+    [OPINIONS_AUTO] = {"auto", "", "a second solution, as far as some milliseconds and a tenth of the run's work go",
+                       "", NULL},
+    [OPINIONS_FULL] = {"full", "", "to the end, whatever it takes", "", NULL},
+    [OPINIONS_WARN] = {"warn", "", "as auto; a run without a right digit is a warning, not an error (chaos)", "", NULL},
+    [OPINIONS_OFF] = {"off", "", "none", "", NULL},
+};
+const struct catalog opinion_catalog = CATALOG("kind of second opinion", opinion_rows);
+
 static const struct row record_rows[] = {
     [RECORD_AUTO] = {"auto", "", "every step; very long runs are decimated, no peak is lost", "", NULL},
     [RECORD_ALL] = {"all", "", "every step, if the memory is there", "", NULL},
@@ -332,43 +341,6 @@ void settings_of_scene(struct settings *settings, const struct preset *preset)
         const double value = setting->natural(preset);
         memcpy((char *)settings + setting->offset, &value, sizeof value);
     }
-}
-
-bool setting_read(const struct setting *setting, struct parser *parser, struct settings *settings, struct error *error)
-{
-    const struct text value = text_trim(parser->rest);
-    if (value.len == 0)
-        return error_at(error, value, "%s needs a value", setting->row.name);
-    if (setting->parse) {
-        parser->rest = (struct text){value.at + value.len, 0};
-        return setting->parse(settings, value, error);
-    }
-    if (setting->choices) {
-        const struct row *row = choose(parser->session, setting->choices, value);
-        if (!row) {
-            struct buffer all = {0};
-            for (size_t i = 0; i < setting->choices->count; i++)
-                buffer_format(&all, "%s%s", i ? ", " : "", catalog_row(setting->choices, i)->name);
-            catalog_unknown(setting->choices, value, error);
-            error_hint(error, "%s is one of: %s", setting->row.name, buffer_view(&all));
-            buffer_free(&all);
-            return false;
-        }
-        const int place = catalog_place(setting->choices, row);
-        memcpy((char *)settings + setting->offset, &place, sizeof place);
-        parser->rest = (struct text){value.at + value.len, 0};
-        return true;
-    }
-    struct item item = {0};
-    if (!parse_value(parser, setting->row.name, setting->quantity, &item, error) || !refuse_rest(parser, &item, error))
-        return false;
-    if (!(item.value.value > setting->least && item.value.value <= setting->most))
-        return error_at(error, item.text, "%s must be more than 0, got '%.*s'", setting->row.name, (int)item.text.len,
-                        item.text.at);
-    if (item.value.uncertainty > 0)
-        return error_at(error, item.text, "%s is exact: it takes no uncertainty", setting->row.name);
-    memcpy((char *)settings + setting->offset, &item.value.value, sizeof item.value.value);
-    return true;
 }
 
 static void put_setting(const struct setting *setting, const struct settings *settings, bool exact, struct buffer *text)

@@ -46,7 +46,7 @@ struct part {
 static bool parse_part(struct parser *parser, struct part *part, struct error *error)
 {
     size_t used;
-    skip_blanks(&parser->rest);
+    text_skip_blanks(&parser->rest);
     const struct text start = parser->rest;
     part->expr = expr_compile(before_option(start), parser->scope, parser->arena, &used, error);
     if (!part->expr)
@@ -56,7 +56,7 @@ static bool parse_part(struct parser *parser, struct part *part, struct error *e
     part->number = expr_value(part->expr, parser->scope);
     advance(&parser->rest, used);
     struct text after = parser->rest;
-    skip_blanks(&after);
+    text_skip_blanks(&after);
     part->unit = unit_match(after);
     if (part->unit) {
         parser->rest = after;
@@ -103,7 +103,7 @@ static enum quantity quantity_of_name(const struct parser *parser, struct text t
 
 bool parse_value(struct parser *parser, const char *what, enum quantity wanted, struct item *item, struct error *error)
 {
-    skip_blanks(&parser->rest);
+    text_skip_blanks(&parser->rest);
     const char *start = parser->rest.at;
     struct part number, spread = {0};
     if (parser->rest.len == 0) {
@@ -113,7 +113,7 @@ bool parse_value(struct parser *parser, const char *what, enum quantity wanted, 
     if (!parse_part(parser, &number, error))
         return false;
     struct text after = parser->rest;
-    skip_blanks(&after);
+    text_skip_blanks(&after);
     const bool uncertain = starts_uncertainty(after);
     if (uncertain) {
         parser->rest = after;
@@ -148,7 +148,7 @@ bool parse_range(struct parser *parser, const char *what, enum quantity wanted, 
 {
     struct item end;
     const struct unit *lacks = NULL;
-    skip_blanks(&parser->rest);
+    text_skip_blanks(&parser->rest);
     const char *start = parser->rest.at;
     item->range[0] = item->range[1] = NAN;
     if (parser->rest.len > 0 && parser->rest.at[0] != ':') {
@@ -159,7 +159,7 @@ bool parse_range(struct parser *parser, const char *what, enum quantity wanted, 
         item->quantity = end.quantity;
     }
     struct text after = parser->rest;
-    skip_blanks(&after);
+    text_skip_blanks(&after);
     if (after.len == 0 || after.at[0] != ':') {
         error_at(error, between(start, parser->rest.at), "%s needs a range from:to", what);
         return error_hint(error, "for example %s=2:8, or 2: for everything after 2", what);
@@ -168,7 +168,7 @@ bool parse_range(struct parser *parser, const char *what, enum quantity wanted, 
     advance(&parser->rest, 1);
     /* After a blank only a number belongs to the range, so that `3: of run 1` can be written. */
     struct text next = parser->rest;
-    skip_blanks(&next);
+    text_skip_blanks(&next);
     const bool open = next.len == 0 || (next.at != parser->rest.at && !is_digit(next.at[0]) && next.at[0] != '.');
     if (!open) {
         if (!parse_value(parser, what, wanted, &end, error))
@@ -190,7 +190,7 @@ bool parse_range(struct parser *parser, const char *what, enum quantity wanted, 
 
 bool parse_integer(struct parser *parser, const char *what, bool negative, struct item *item, struct error *error)
 {
-    skip_blanks(&parser->rest);
+    text_skip_blanks(&parser->rest);
     size_t used = 0;
     double value = 0;
     const enum real_status status = real_scan(parser->rest, '.', &value, &used);
@@ -238,7 +238,7 @@ bool refuse_rest(const struct parser *parser, const struct item *number, struct 
         return true;
     if (number && rest.len >= 2 && rest.at[0] == ',' && is_digit(rest.at[1]) && is_digit(rest.at[-1]))
         return decimal_comma(rest, error);
-    skip_blanks(&rest);
+    text_skip_blanks(&rest);
     if (rest.len == 0)
         return true;
     struct text word = peek_word(rest, "");
@@ -259,7 +259,7 @@ static enum quantity side_quantity(struct parser *parser, struct text side)
     struct parser part = {parser->session, parser->scope, parser->arena, side};
     struct part value;
     struct error ignored;
-    skip_blanks(&side);
+    text_skip_blanks(&side);
     if (!parse_part(&part, &value, &ignored))
         return QUANTITY_OTHER;
     return value.unit ? value.unit->quantity : quantity_of_name(parser, between(side.at, part.rest.at));

@@ -57,19 +57,13 @@ bool pane_is_plane(enum pane pane)
     return pane == PANE_PHASE || pane == PANE_ORBIT;
 }
 
-static bool offered(const struct session *session, enum pane pane)
-{
-    const struct pane_row *row = (const struct pane_row *)(const void *)catalog_row(&pane_catalog, (size_t)pane);
-    return !row->offered || row->offered(session);
-}
-
 /* The panes that make sense here. An orbit, where there is one, says more than the phase plot of one coordinate. */
 static int choose_panes(const struct session *session, const enum pane *wanted, int count, enum pane *out)
 {
-    const bool orbit = offered(session, PANE_ORBIT) && session->view.focus != PANE_PHASE;
+    const bool orbit = pane_offered(session, PANE_ORBIT) && session->view.focus != PANE_PHASE;
     int n = 0;
     for (int i = 0; i < count; i++)
-        if (offered(session, wanted[i]))
+        if (pane_offered(session, wanted[i]))
             out[n++] = wanted[i] == PANE_PHASE && orbit ? PANE_ORBIT : wanted[i];
     return n;
 }
@@ -129,7 +123,7 @@ int screen_places(const struct session *session, struct rectangle area, int heig
     if (!lefts && !rights)
         left[lefts++] = PANE_POSITION;
     /* The focused one stands in the first place if the layout does not have it. */
-    if (offered(session, view->focus) && !holds(left, lefts, view->focus) && !holds(right, rights, view->focus))
+    if (pane_offered(session, view->focus) && !holds(left, lefts, view->focus) && !holds(right, rights, view->focus))
         *(lefts ? left : right) = view->focus;
     if (!lefts || !rights) {
         int n = stack_column(area, a, lefts ? left : right, lefts ? lefts : rights, place);

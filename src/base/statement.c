@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Statements, names, words and strings: the part of the grammar that knows no commands. */
-#include "internal.h"
+#include <hooke/base.h>
 
 #include <string.h>
 
@@ -19,7 +19,7 @@ static bool is_blank(char c)
     return c == ' ' || c == '\t' || c == '\r' || c == '\n';
 }
 
-void skip_blanks(struct text *text)
+void text_skip_blanks(struct text *text)
 {
     while (text->len > 0 && is_blank(text->at[0])) {
         text->at++;
@@ -28,7 +28,7 @@ void skip_blanks(struct text *text)
 }
 
 /* Bytes of the string that starts at text.at[0], both quotes included; 0: it does not end. */
-static size_t string_length(struct text text)
+size_t text_quoted(struct text text)
 {
     const char quote = text.at[0];
     for (size_t i = 1; i < text.len; i++) {
@@ -54,7 +54,7 @@ bool next_statement(struct text *line, struct text *statement, struct error *err
     while (i < all.len && all.at[i] != ';') {
         if (opens_string(all, i)) {
             const struct text rest = {all.at + i, all.len - i};
-            const size_t used = string_length(rest);
+            const size_t used = text_quoted(rest);
             if (used == 0) {
                 error_at(error, (struct text){rest.at, 1}, "the string that begins here has no end");
                 error_hint(error, "close it with %c", rest.at[0]);
@@ -71,7 +71,7 @@ bool next_statement(struct text *line, struct text *statement, struct error *err
     const bool comment = i < all.len && all.at[i] == '#';
     const size_t cut = comment ? all.len : i < all.len ? i + 1 : i;
     *line = (struct text){all.at + cut, all.len - cut};
-    skip_blanks(statement);
+    text_skip_blanks(statement);
     while (statement->len > 0 && is_blank(statement->at[statement->len - 1]))
         statement->len--;
     return true;
@@ -94,49 +94,4 @@ struct text peek_name(struct text text)
                (is_name_char(text.at[i]) || (text.at[i] == '-' && i + 1 < text.len && is_name_start(text.at[i + 1]))))
             i++;
     return (struct text){text.at, i};
-}
-
-static bool unescape(struct parser *parser, struct text inside, struct text *out, struct error *error)
-{
-    char *copy = arena_alloc(parser->arena, inside.len + 1);
-    if (!copy)
-        return error_memory(error);
-    size_t n = 0;
-    for (size_t i = 0; i < inside.len; i++) {
-        char c = inside.at[i];
-        if (c == '\\') {
-            static const char from[] = "nt\"\\", to[] = "\n\t\"\\";
-            const char *known = strchr(from, inside.at[++i]);
-            if (!known) {
-                error_at(error, (struct text){inside.at + i - 1, 2}, "unknown escape in a string");
-                return error_hint(error, "known are \\n \\t \\\" \\\\; '...' takes everything as it is");
-            }
-            c = to[known - from];
-        }
-        copy[n++] = c;
-    }
-    *out = (struct text){copy, n};
-    return true;
-}
-
-bool parse_word(struct parser *parser, const char *stops, struct item *item, struct error *error)
-{
-    struct text *rest = &parser->rest;
-    if (rest->len > 0 && (rest->at[0] == '"' || rest->at[0] == '\'')) {
-        const size_t used = string_length(*rest);
-        if (used == 0)
-            return error_at(error, (struct text){rest->at, 1}, "the string that begins here has no end");
-        const struct text inside = {rest->at + 1, used - 2};
-        item->is_string = true;
-        item->text = inside;
-        /* Only a copy where something changes: errors point into the line. */
-        if (rest->at[0] == '"' && inside.len > 0 && memchr(inside.at, '\\', inside.len) &&
-            !unescape(parser, inside, &item->text, error))
-            return false;
-        *rest = (struct text){rest->at + used, rest->len - used};
-        return true;
-    }
-    item->text = peek_word(*rest, stops);
-    *rest = (struct text){rest->at + item->text.len, rest->len - item->text.len};
-    return true;
 }
