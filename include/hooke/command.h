@@ -444,6 +444,7 @@ struct session {
     struct precision *precision; /* the last study, for `plot precision` and `export FILE table`; NULL: none */
     int precision_runs;          /* next_run at that time: a later run makes the table of the runs the latest one */
 
+    struct references references; /* of the scenes that were studied last */
     struct sweep *sweep; /* the last one, for `export FILE table`; NULL: none */
     struct sweep_measure sweep_measure[SWEEP_MEASURES];
     struct scene sweep_scene;

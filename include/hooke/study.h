@@ -65,15 +65,45 @@ struct reference {
     double accuracy;            /* distance between both, or the conditioning floor of the closed form */
     struct singularity singular; /* where there is no reference because the solution ends */
     double meaning;             /* [s] after t0: from here on they differ by more than 1e-3; span: nowhere */
+    bool kept;                  /* by an earlier study of the same scene */
 };
 
 /* Bounded in cost (about 4e7 evaluations a solution at most) and cancellable. False: cancelled, or no two methods
- * agree to reach the end. */
+ * agree to reach the end. Of a failure `singular` holds. */
 bool study_reference(const struct system *system, double span, const struct cancel *cancel,
                      struct reference *reference, struct error *error);
 void reference_free(struct reference *reference);
 /* "dop853 and gauss6, which agree …" */
 void reference_describe(const struct reference *reference, struct buffer *text);
+
+/*
+ * References of the scenes that were studied last, so that the next study of one of them does not compute it again;
+ * also that there is none. Owned by the caller, zeroed at first, references_free(). They hold as long as the typed
+ * models that they are of.
+ */
+#define REFERENCES 4
+
+struct references {
+    struct kept_reference {
+        struct scene scene;
+        double span; /* [s] */
+        struct reference reference;
+        struct error why; /* there is none: y NULL */
+        uint64_t used;    /* when, counted in uses; 0: nothing is kept here */
+    } kept[REFERENCES];
+    uint64_t uses;
+};
+
+/*
+ * As study_reference() of the scene bound to `system`, which keeps it there: any other value of a parameter, start,
+ * tolerance of a variable, typed line or span is another scene. A copy, the caller's own. references NULL: nothing is
+ * kept.
+ */
+bool references_get(struct references *references, const struct scene *scene, const struct system *system, double span,
+                    const struct cancel *cancel, struct reference *reference, struct error *error);
+/* What is kept of it; NULL: nothing, or that there is none. */
+const struct reference *references_find(const struct references *references, const struct scene *scene, double span);
+void references_free(struct references *references);
 
 struct study_errors {
     double end, max;         /* at the end, on the grid */
@@ -99,6 +129,7 @@ struct precision_request {
     enum timing timing;
     double seconds; /* [s] about what all of it may take besides the reference, 0: chosen */
     bool recording; /* time a run that records, too */
+    struct references *references; /* kept between studies, NULL: not */
     const struct cancel *cancel;
 };
 
@@ -205,6 +236,7 @@ struct compare_request {
     bool compensated; /* sums of fixed steps */
     struct recording_rule record;
     enum timing timing;
+    struct references *references; /* kept between studies, NULL: not */
     const struct cancel *cancel;
 };
 
@@ -213,6 +245,7 @@ struct comparison {           /* one method at one setting */
     struct run_errors errors; /* against the exact solution; without one end, max and floor against the reference */
     double duration;          /* [s] asked for */
     const struct method *reference[2]; /* what that reference was made with, NULL: not needed, or there is none */
+    bool reference_kept;               /* by an earlier study */
     struct ledger ledger;
     double order;         /* log(error ratio)/log(dt ratio) to the row before of the same method, NAN for the first */
     double energy_factor; /* E/E0 at the end */
@@ -244,6 +277,7 @@ struct order_request {
     struct contender by;
     double dt[2];    /* [s] ends of the sweep, NAN: choose */
     double duration; /* [s] */
+    struct references *references; /* kept between studies, NULL: not */
     const struct cancel *cancel;
 };
 
@@ -272,6 +306,7 @@ struct order {
     struct order_point point[ORDER_POINTS];
     int points, fitted;
     double floor; /* errors below are not claimed */
+    bool reference_kept; /* what they are measured against was there before */
     enum order_verdict verdict;
     bool switches; /* the forces switch, beside dry friction */
     char words[300]; /* why the scene spoils it, "" where nothing is to say */

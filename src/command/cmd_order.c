@@ -31,7 +31,7 @@ static void put_order(const struct session *session, const struct order *order, 
     buffer_put(
         out, TEXT(" of the scene in fixed steps with compensated sums; error of the whole state at the end, good to "));
     buffer_short(out, order->floor, 2);
-    buffer_char(out, '\n');
+    buffer_put(out, order->reference_kept ? TEXT(", by a solution found before\n") : TEXT("\n"));
     for (size_t i = 0; i < COUNT_OF(heading); i++)
         cell_text(&table, heading[i]);
     for (int i = 0; i < order->points; i++) {
@@ -73,6 +73,7 @@ static void reply_order(const struct order *order, struct reply *reply)
     reply_int(reply, "points", order->fitted);
     reply_string(reply, "verdict", catalog_row(&order_verdict_catalog, order->verdict)->name);
     reply_real(reply, "floor", order->floor);
+    reply_bool(reply, "reference_kept", order->reference_kept);
     reply_string(reply, "note", order->words[0] ? order->words : NULL);
     reply_array(reply, "sweep");
     for (int i = 0; i < order->points; i++) {
@@ -99,6 +100,7 @@ HANDLER(order)
                                     .by = {(const struct method *)(const void *)method->item->row, DRAG_DEFAULT},
                                     .dt = {NAN, NAN},
                                     .duration = session->setup.settings.duration,
+                                    .references = &session->references,
                                     .cancel = session->front.cancel};
     if (drag->count)
         request.by.drag = (enum drag)(drag->item->index + 1);

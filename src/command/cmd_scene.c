@@ -422,6 +422,12 @@ HANDLER(plan)
     struct buffer text = {0};
     plan_describe(&setup->scene, &system, setup->method, &settings, &plan, &text);
     plan_opinion(session, &system, &plan, &text);
+    const struct reference *known = references_find(&session->references, &setup->scene, setup->settings.duration);
+    if (known && !known->exact) {
+        buffer_put(&text, TEXT("reference "));
+        reference_describe(known, &text);
+        buffer_put(&text, TEXT(": found before, for precision, compare and order\n"));
+    }
     events_plan(setup->events, &text);
     band_plan(session, &system, &text);
     reply_text(reply, buffer_text(&text));

@@ -185,7 +185,7 @@ static void reply_table(const struct session *session, const struct comparison *
         buffer_format(&text, "errors against %s and %s, which agree to ", rows[0].reference[0]->row.name,
                       rows[0].reference[1]->row.name);
         buffer_short(&text, rows[0].errors.floor, 2);
-        buffer_char(&text, '\n');
+        buffer_put(&text, rows[0].reference_kept ? TEXT(", as found before\n") : TEXT("\n"));
     }
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
@@ -212,6 +212,7 @@ static void reply_comparison(const struct comparison *row, struct reply *reply)
     reply_real(reply, "ns_per_step", timing_step_ns(&row->time, row->run->steps));
     reply_string(reply, "path", path_name(row->path));
     reply_string(reply, "status", stop_name(run->stop));
+    reply_bool(reply, "reference_kept", row->reference_kept);
     reply_string(reply, "verdict", row->verdict[0] ? row->verdict : NULL);
     reply_int(reply, "run", run->number);
     reply_end(reply);
@@ -321,6 +322,7 @@ HANDLER(compare)
                                             .compensated = session_run_settings(session).compensated,
                                             .record = settings->record,
                                             .timing = (enum timing)settings->timing,
+                                            .references = &session->references,
                                             .cancel = session->front.cancel};
     double steps, seconds;
     if (!study_compare_plan(&request, &steps, &seconds, error) ||

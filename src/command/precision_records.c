@@ -41,6 +41,7 @@ static void reply_point(const struct precision *precision, const struct precisio
     reply_bool(reply, "below_reference", point->below);
     reply_bool(reply, "asymptotic", point->asymptotic);
     reply_real(reply, "reference_accuracy", precision->reference.accuracy);
+    reply_bool(reply, "reference_kept", precision->reference.kept);
     reply_real(reply, "slope", curve->slope);
     reply_real(reply, "slope_expected", curve->expected);
     reply_bool(reply, "slope_differs", curve->differs);

@@ -56,6 +56,7 @@ void session_destroy(struct session *session)
     if (session->precision)
         precision_free(session->precision);
     free(session->precision);
+    references_free(&session->references);
     if (session->sweep)
         sweep_free(session->sweep);
     free(session->sweep);

@@ -259,6 +259,7 @@ static bool compare_one(const struct compare_request *request, const struct cont
     run_errors(row->run, &row->errors);
     if (reference->y) {
         memcpy(row->reference, reference->by, sizeof row->reference);
+        row->reference_kept = reference->kept;
         row->errors.floor = reference->accuracy;
         if (row->run->stop == STOP_END)
             measure(row, reference, request->cancel);
@@ -384,7 +385,8 @@ bool study_compare(const struct compare_request *request, struct comparison *row
     }
     /* Without a reference there are no errors; that is no reason not to compare. */
     if (!system_has_exact(&system) &&
-        !study_reference(&system, request->duration, request->cancel, &reference, &none) &&
+        !references_get(request->references, request->scene, &system, request->duration, request->cancel, &reference,
+                        &none) &&
         none.code != ERROR_NUMERICAL) {
         *error = none;
         return false;

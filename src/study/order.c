@@ -299,11 +299,13 @@ bool study_order(const struct order_request *request, struct order *order, struc
         return error_set(error, ERROR_COMMAND, "the duration must be > 0 (got %.6g s)", request->duration);
     if (!scene_bind(request->scene, &system, error) ||
         !method_applies(request->by.method, &system, &order->by.drag, error) ||
-        !study_reference(&system, request->duration, request->cancel, &reference, error))
+        !references_get(request->references, request->scene, &system, request->duration, request->cancel, &reference,
+                        error))
         return false;
     const bool first = order->by.drag == DRAG_EXPLICIT && system.velocity;
     order->claimed = first && request->by.method->order > 1 ? 1 : request->by.method->order;
     order->floor = reference.accuracy;
+    order->reference_kept = reference.kept;
     struct sweep_target target = {.system = &system,
                                   .span = request->duration,
                                   .end = reference.y + (STUDY_TIMES - 1) * system.n,

@@ -408,7 +408,8 @@ bool study_precision(const struct precision_request *request, struct precision *
 {
     *precision = (struct precision){0};
     if (!prepare(request, precision, error) ||
-        !study_reference(&precision->system, request->duration, request->cancel, &precision->reference, error))
+        !references_get(request->references, request->scene, &precision->system, request->duration, request->cancel,
+                        &precision->reference, error))
         return false;
     const int64_t begin = clock_ns();
     const double usual = precision_is_stiff(&precision->system, request->duration) ? SECONDS_STIFF : SECONDS;

@@ -1,0 +1,95 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* References that were computed before: a scene that is studied again has its own already. */
+#include <hooke/study.h>
+
+#include <stdlib.h>
+#include <string.h>
+
+/* What a solution depends on. A typed model is never changed: each line makes another one. */
+static bool same_scene(const struct scene *a, const struct scene *b)
+{
+    return a->model == b->model && memcmp(a->value, b->value, sizeof a->value) == 0 &&
+           memcmp(a->atol, b->atol, sizeof a->atol) == 0;
+}
+
+static struct kept_reference *find(struct references *references, const struct scene *scene,
+                                   double span)
+{
+    for (size_t i = 0; references && i < REFERENCES; i++) {
+        struct kept_reference *kept = &references->kept[i];
+        if (kept->used > 0 && kept->span == span && same_scene(&kept->scene, scene))
+            return kept;
+    }
+    return NULL;
+}
+
+const struct reference *references_find(const struct references *references,
+                                        const struct scene *scene, double span)
+{
+    for (size_t i = 0; i < REFERENCES; i++) {
+        const struct kept_reference *kept = &references->kept[i];
+        if (kept->used > 0 && kept->reference.y && kept->span == span &&
+            same_scene(&kept->scene, scene))
+            return &kept->reference;
+    }
+    return NULL;
+}
+
+static bool copy(const struct reference *from, struct reference *to)
+{
+    const size_t size = (size_t)STUDY_TIMES * (size_t)from->n;
+    *to = *from;
+    to->y = malloc(size * sizeof *to->y);
+    if (to->y)
+        memcpy(to->y, from->y, size * sizeof *to->y);
+    return to->y;
+}
+
+/* In the place of the one that was used the longest time ago; without memory it is not kept. */
+static void keep(struct references *references, const struct scene *scene, double span,
+                 const struct reference *reference, const struct error *why)
+{
+    struct kept_reference *oldest = &references->kept[0];
+    for (size_t i = 1; i < REFERENCES; i++)
+        if (references->kept[i].used < oldest->used)
+            oldest = &references->kept[i];
+    reference_free(&oldest->reference);
+    *oldest = (struct kept_reference){.scene = *scene, .span = span, .used = ++references->uses};
+    if (why) {
+        oldest->why = *why;
+        oldest->reference.singular = reference->singular;
+    } else if (!copy(reference, &oldest->reference)) {
+        oldest->used = 0;
+    }
+}
+
+bool references_get(struct references *references, const struct scene *scene,
+                    const struct system *system, double span, const struct cancel *cancel,
+                    struct reference *reference, struct error *error)
+{
+    struct kept_reference *kept = find(references, scene, span);
+    if (kept) {
+        kept->used = ++references->uses;
+        *reference = (struct reference){.singular = {.t = NAN}};
+        if (!kept->reference.y) {
+            reference->singular = kept->reference.singular;
+            *error = kept->why;
+            return false;
+        }
+        if (!copy(&kept->reference, reference))
+            return error_memory(error);
+        reference->kept = true;
+        return true;
+    }
+    const bool ok = study_reference(system, span, cancel, reference, error);
+    if (references && (ok || error->code == ERROR_NUMERICAL))
+        keep(references, scene, span, reference, ok ? NULL : error);
+    return ok;
+}
+
+void references_free(struct references *references)
+{
+    for (size_t i = 0; i < REFERENCES; i++)
+        reference_free(&references->kept[i].reference);
+    *references = (struct references){0};
+}
