@@ -133,14 +133,16 @@ struct unsound_step {
  */
 #define OPINION_WRONG 100  /* tolerances: errors beyond deserve a warning */
 #define OPINION_BUDGET 4e5 /* evaluations and Jacobians, over the number of variables: some milliseconds */
-#define OPINION_SHARE 0.1  /* of the run's own, where that is more */
+#define OPINION_SHARE 0.1  /* of the run's own, where that is more, */
+#define OPINION_DOUBT 0.45 /* where the first part says that the end may be wrong */
 
 struct opinion {
     double error; /* at the end, or in the mean over time if larger; where t is not the run's, what its growth makes of
                      it there. NAN: there is no opinion */
     double most;  /* the largest on the way: where values jump an error of time is one of them */
     double t;     /* [s] compared up to there */
-    double lost;  /* [s] from there on it is as large as the motion; NAN: nowhere */
+    double lost;  /* [s] from there on it is as large as the motion, or will be by its growth; NAN: nowhere */
+    double work;  /* evaluations and Jacobians of the second solution */
     double end[LIMIT_VARIABLES]; /* [n] SI, at t */
     const struct method *by; /* NULL: the closed form */
     double tol;              /* of it */
@@ -279,7 +281,7 @@ void run_explain(const struct run *run, struct buffer *text);
 /*
  * Fills run->opinion up to the present state of an adaptive run: nothing else of it changes. Compares recorded states,
  * at most 256 in a call. Not `whole`: stops where its work gets larger than OPINION_BUDGET and OPINION_SHARE of the
- * run's own, unless the error so far makes the rest doubtful. src/run/opinion.c has the way.
+ * run's own, or OPINION_DOUBT where the error so far makes the rest doubtful. src/run/opinion.c has the way.
  */
 void run_second_opinion(struct run *run, bool whole, const struct cancel *cancel);
 /* below [n]: how small a variable of an adaptive run is next to the error that it allows, or has by its second opinion,

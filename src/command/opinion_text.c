@@ -30,7 +30,7 @@ void plan_opinion(const struct session *session, const struct system *system, co
         buffer_put(text, TEXT("from a second solution to the end: about as much work again\n"));
     else
         buffer_format(text,
-                      "from a second solution, %.0f evaluations or a tenth of the run's, more only in doubt "
+                      "from a second solution, %.0f evaluations or a tenth of the run's, up to half of it in doubt "
                       "('set opinion off': none)\n",
                       OPINION_BUDGET / system->n);
 }
@@ -48,30 +48,47 @@ static bool is_blind(const struct run *run)
     return has_opinion(run) && run->opinion.by && passed && !(run->opinion.error > OPINION_WRONG * run->controller.tol);
 }
 
-/* "dop853 at tol = 1e-7 up to t = 3 s" */
-static void put_witness(const struct run *run, struct buffer *text)
+static void put_solution(const struct opinion *opinion, struct buffer *text)
 {
-    const struct opinion *opinion = &run->opinion;
     if (!opinion->by) {
         buffer_put(text, TEXT("the closed form"));
         return;
     }
     buffer_format(text, "%s at tol = ", opinion->by->row.name);
     buffer_short(text, opinion->tol, 2);
-    if (opinion->t == run->t)
+}
+
+/* "dop853 at tol = 1e-7 up to t = 3 s" */
+static void put_witness(const struct run *run, struct buffer *text)
+{
+    const struct opinion *opinion = &run->opinion;
+    put_solution(opinion, text);
+    if (!opinion->by || opinion->t == run->t)
         return;
     buffer_put(text, TEXT(" up to t = "));
     buffer_measured(text, (struct measured){opinion->t, 0}, QUANTITY_TIME, 4);
     buffer_put(text, TEXT(", by its growth from there on"));
 }
 
-static void say_lost(const struct session *session, const struct run *run, const char *by, struct reply *reply,
+/* Where it was seen, or will be by the growth of the error up to where the second solution came. */
+static void say_lost(const struct session *session, const struct run *run, struct reply *reply,
                      struct error *error, bool *ok)
 {
+    const struct opinion *opinion = &run->opinion;
+    const double t0 = run->system.t0;
+    const bool seen = !opinion->by || fabs(opinion->lost - t0) <= fabs(opinion->t - t0);
     struct buffer text = {0};
     buffer_put(&text, TEXT("no digit is certain from t = "));
     buffer_measured(&text, (struct measured){run->opinion.lost, 0}, QUANTITY_TIME, 4);
-    buffer_format(&text, " on: there %s is as far from run %d as the motion is large", by, run->number);
+    buffer_put(&text, seen ? TEXT(" on: there ") : TEXT(" on: by then "));
+    put_solution(opinion, &text);
+    if (!seen) {
+        buffer_put(&text, TEXT(", which was followed up to t = "));
+        buffer_measured(&text, (struct measured){opinion->t, 0}, QUANTITY_TIME, 4);
+        buffer_char(&text, ',');
+    }
+    buffer_format(&text, " is as far from run %d as the motion is large%s", run->number,
+                  seen ? "" : " if it goes on to depart as it does");
     if (session->setup.settings.opinion == OPINIONS_WARN) {
         reply_warning(reply, "%s", buffer_view(&text));
     } else {
@@ -118,7 +135,7 @@ bool reply_opinion(const struct session *session, struct run *run, struct reply 
     reply_line(reply, "%s", buffer_view(&text));
     buffer_free(&text);
     if (!isnan(opinion->lost))
-        say_lost(session, run, buffer_view(&by), reply, error, &ok);
+        say_lost(session, run, reply, error, &ok);
     else if (times > OPINION_WRONG && !run->warned_error)
         say_large(times, reply);
     run->warned_error |= times > OPINION_WRONG;

@@ -27,7 +27,8 @@
 #define EVALS_A_UNIT 2. /* of dop853 at the edge of stability, for |J| dt = 1: 12 evaluations over 6 */
 #define EVALS_FREE 1000 /* nobody minds */
 #define PARTS 512       /* no step is longer where forces depend on time: there may be pulses */
-#define IN_DOUBT 4      /* times the run's own, where the first part says that the end may be wrong */
+#define LOST_LATER 3    /* times the motion: an error that its growth makes as large as that */
+#define CERTAIN 0.2     /* of the time until a run was lost: after that much more it is certain, and followed no more */
 #define LOOK_EACH 64    /* steps between looks at the budget */
 #define PAST 64         /* errors that are remembered on the way */
 #define POWER_MOST 3    /* errors that grow faster than this power of time are taken to grow exponentially */
@@ -42,13 +43,13 @@ struct distances {
 };
 
 struct second {
-    const struct method *method;
+    const struct method *method; /* NULL: it is the closed form, and nothing below `at` is used */
+    struct distances distances;
+    int64_t at; /* step of the run that it was last compared with */
     struct system system;
     struct step step;
     struct controller controller;
-    struct distances distances;
     double y[LIMIT_VARIABLES];
-    int64_t at;         /* step of the run that it was last compared with */
     size_t epoch, kick; /* the next ones */
     double error;       /* as struct opinion's, so far */
     struct {
@@ -73,7 +74,8 @@ void opinion_forget(struct run *run)
     run->opinion = (struct opinion){.error = NAN, .most = NAN, .t = NAN, .lost = NAN};
     if (!second)
         return;
-    method_end(second->method, &second->step);
+    if (second->method)
+        method_end(second->method, &second->step);
     free(second->step.work);
     free(second);
     run->private_state->second = NULL;
@@ -116,18 +118,33 @@ static size_t spread_row(const struct run *run, size_t first, size_t k, size_t c
     return first + (size_t)((double)(k + 1) * (double)rows / (double)count) - 1;
 }
 
+/* The first row that it has not been compared with; the last one at the latest. */
+static size_t next_row(const struct run *run, const struct second *second)
+{
+    const size_t found = second->at > 0 ? trace_row_from(run->trace, second->at + 1) : 1;
+    const size_t rows = trace_count(run->trace);
+    return found < rows ? found : rows - 1;
+}
+
+/* The rows since the last time: what it says of those before stays. */
 static void against_closed_form(struct run *run)
 {
+    struct run_private *p = run->private_state;
     const struct trace *trace = run->trace;
-    const size_t rows = trace_count(trace) - 1, count = rows < ROWS ? rows : ROWS;
+    if (!p->second && !(p->second = calloc(1, sizeof *p->second)))
+        return;
+    struct second *second = p->second;
     double exact[LIMIT_VARIABLES], floor[LIMIT_VARIABLES];
-    struct distances distances = {.t = run->system.t0, .lost = NAN};
+    if (second->at == 0)
+        second->distances = (struct distances){.t = run->system.t0, .lost = NAN};
+    const size_t first = next_row(run, second), rows = trace_count(trace) - first, count = rows < ROWS ? rows : ROWS;
     for (size_t k = 0; k < count; k++) {
-        const size_t row = spread_row(run, 1, k, count);
+        const size_t row = spread_row(run, first, k, count);
         const struct epoch *epoch = run_epoch(run, trace_step(trace, row));
         system_exact(&epoch->system, epoch->t, epoch->start, trace_time(trace, row), exact, floor);
-        compare(run, &distances, trace_time(trace, row), trace_state(trace, row), exact);
+        compare(run, &second->distances, trace_time(trace, row), trace_state(trace, row), exact);
     }
+    second->at = trace_step(trace, trace_count(trace) - 1);
 }
 
 /* ---- the second solution ---- */
@@ -285,8 +302,14 @@ static void remember(struct second *second, double t, double error)
     second->past[second->count++].error = error;
 }
 
-/* On to the present state of the run, comparing on the way. */
-static bool second_follow(struct run *run, double most, const struct cancel *cancel)
+static bool is_lost(const struct run *run)
+{
+    const struct opinion *opinion = &run->opinion;
+    return fabs(opinion->t - opinion->lost) > CERTAIN * fabs(opinion->lost - run->system.t0);
+}
+
+/* On to the present state of the run, comparing on the way; `lost`: to where it is lost. */
+static bool second_follow(struct run *run, double most, bool lost, const struct cancel *cancel)
 {
     struct second *second = run->private_state->second;
     const struct trace *trace = run->trace;
@@ -304,20 +327,45 @@ static bool second_follow(struct run *run, double most, const struct cancel *can
         second->at = trace_step(trace, row);
         compare(run, &second->distances, t, trace_state(trace, row), second->y);
         remember(second, t, run->opinion.error);
+        if (lost && is_lost(run))
+            return false;
     }
     return true;
+}
+
+/* How errors grow in the second half of the way that the second solution came. */
+struct growth {
+    double ratio, power; /* of the error there; of time */
+};
+
+static struct growth growth_of(const struct run *run, const struct second *second)
+{
+    const double t0 = run->system.t0, way = fabs(run->opinion.t - t0);
+    double half = second->error;
+    for (int i = second->count - 1; i >= 0 && fabs(second->past[i].t - t0) >= way / 2; i--)
+        half = second->past[i].error;
+    const double ratio = half > 0 ? second->error / half : 1;
+    return (struct growth){ratio, log2(fmax(ratio, 1))};
 }
 
 /* The error at the end by its growth up to where the second solution came. */
 static double extrapolated(const struct run *run, const struct second *second)
 {
     const double t0 = run->system.t0, way = fabs(run->opinion.t - t0), whole = fabs(run->t - t0);
-    double half = second->error;
-    for (int i = second->count - 1; i >= 0 && fabs(second->past[i].t - t0) >= way / 2; i--)
-        half = second->past[i].error;
-    const double ratio = half > 0 ? second->error / half : 1, power = log2(fmax(ratio, 1));
-    return second->error *
-           (power > POWER_MOST ? exp(log(ratio) * (whole - way) / (way / 2)) : pow(whole / way, fmax(power, 1)));
+    const struct growth growth = growth_of(run, second);
+    return second->error * (growth.power > POWER_MOST ? exp(log(growth.ratio) * (whole - way) / (way / 2))
+                                                      : pow(whole / way, fmax(growth.power, 1)));
+}
+
+/* [s] Where it has grown to the size of the motion. */
+static double lost_at(const struct run *run, const struct second *second)
+{
+    const double t0 = run->system.t0, way = run->opinion.t - t0, times = 1 / second->error;
+    const struct growth growth = growth_of(run, second);
+    if (!(times > 1))
+        return run->opinion.t;
+    return t0 + way * (growth.power > POWER_MOST ? 1 + log(times) / log(growth.ratio) / 2
+                                                 : pow(times, 1 / fmax(growth.power, 1)));
 }
 
 /* As far as it may go, anew by the other method where it fails at first. False: not to the end. */
@@ -327,7 +375,7 @@ static bool second_try(struct run *run, double most, const struct cancel *cancel
     for (int try = p->second ? 1 : 0; try < 2; try++) {
         if (!p->second && !second_begin(run, try > 0))
             return false;
-        if (second_follow(run, most, cancel))
+        if (second_follow(run, most, false, cancel))
             return true;
         if (work_of(&p->second->step.cost) > most || cancelled(cancel))
             return false;
@@ -342,25 +390,34 @@ static void against_second(struct run *run, bool whole, const struct cancel *can
     const double own = work_of(&run->cost);
     const double most = whole ? HUGE_VAL : fmax(OPINION_BUDGET / run->system.n, OPINION_SHARE * own);
     const struct run_private *p = run->private_state;
-    if (p->second && p->second->count > 0)
-        run->opinion.error = p->second->error; /* not what was extrapolated */
+    if (p->second && p->second->count > 0) { /* not what was extrapolated */
+        run->opinion.error = p->second->error;
+        if (fabs(run->opinion.lost - run->system.t0) > fabs(run->opinion.t - run->system.t0))
+            run->opinion.lost = NAN;
+    }
     if (second_try(run, most, cancel) || isnan(run->opinion.t))
         return;
     const double wrong = OPINION_WRONG * run->controller.tol;
     const bool spent = work_of(&p->second->step.cost) > most;
-    if (spent && extrapolated(run, p->second) > wrong && second_follow(run, most + IN_DOUBT * own, cancel))
+    if (spent && extrapolated(run, p->second) > wrong &&
+        second_follow(run, fmax(most, OPINION_DOUBT * own), true, cancel))
         return;
     run->opinion.error = extrapolated(run, p->second);
+    if (isnan(run->opinion.lost) && run->opinion.error > LOST_LATER)
+        run->opinion.lost = lost_at(run, p->second);
 }
 
 void run_second_opinion(struct run *run, bool whole, const struct cancel *cancel)
 {
     if (!run->plan.adaptive || run->steps == 0 || stop_is_failure(run->stop) || run->opinion.t == run->t)
         return;
-    if (!run->plan.exact_known) {
-        against_second(run, whole, cancel);
+    const struct run_private *p = run->private_state;
+    if (p->second && run->plan.exact_known != !p->second->method) /* the scene was changed on the way */
+        opinion_forget(run);
+    if (run->plan.exact_known) {
+        against_closed_form(run);
         return;
     }
-    opinion_forget(run);
-    against_closed_form(run);
+    against_second(run, whole, cancel);
+    run->opinion.work = p->second ? work_of(&p->second->step.cost) : 0;
 }

@@ -36,6 +36,9 @@ continue_lines_linear() { sprung damped 'verlet dt=1ms' 0; lines "$1" 'continue 
 continue_lines_driven() { sprung driven 'rk4 dt=1ms' 0; lines "$1" 'continue 3 ms'; }
 pulse() { echo "var x = 0; var v = 0; x' = v; v' = exp(-((t - 500)/1e-4)^2) - x; method rk4 dt=1ms; run 1 ms"; }
 step_lines_pulse() { pulse; lines "$1" step; }
+step_lines_opinion() { echo 'scene spring; method dop853; run 30 s'; lines "$1" step; }
+continue_lines_opinion() { echo 'scene damped; method dop853; run 30 s'; lines "$1" 'continue 50 ms'; }
+continue_lines_second() { echo 'scene pendulum; method dop853; run 30 s'; lines "$1" 'continue 50 ms'; }
 continue_lines_pulse() { pulse; lines "$1" 'continue 3 ms'; }
 change_lines() { sprung drag 'rk4 dt=1ms' 10; numbered "$1" 'change k'; }
 set_lines() { numbered "$1" 'set m'; }
@@ -57,6 +60,7 @@ rows='steps_linear:20000 steps:5000 steps_driven:5000 steps_thinned:20000 steps_
     step_lines:100 step_lines_linear:100 step_lines_driven:100 back_lines:10
     continue_lines:50 continue_lines_linear:50 continue_lines_driven:50
     step_lines_pulse:20 continue_lines_pulse:20
+    step_lines_opinion:50 continue_lines_opinion:50 continue_lines_second:50
     change_lines:50 runs:20 set_lines:100
     export_rows:500 export_json:500 measure_rows:2000 load_rows:1000 fit_rows:500 fit_scene_rows:500 fit_drag_rows:500
     clean_rows:1000 measure_recording:1000 plot_rows:3000 sweep_points:50'

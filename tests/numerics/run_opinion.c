@@ -190,10 +190,66 @@ static void test_estimates_are_true(void **state)
     assert_true(near >= 0.9 * count);
 }
 
+/*
+ * Long runs: it takes no more than it may, and says in the end what it says when it goes to the end. The pendulum's
+ * period is wrong by 1e-7 of itself at tol 1e-6, so that no digit is left after some thousand seconds.
+ */
+static void test_what_it_can_afford(void **state)
+{
+    (void)state;
+    static const char *const presets[] = {"pendulum", "duffing", "elastic-pendulum", "duffing-driven"};
+    for (size_t i = 0; i < (is_long() ? COUNT_OF(presets) : 1); i++)
+        for (int full = 0; full < 2; full++) {
+            struct scene scene;
+            scene_init(&scene, (const struct preset *)(const void *)catalog_find(
+                                   &preset_catalog, text_of(presets[i])));
+            struct run *run = reach(&scene, "dop853", 1e-6, 1e-3, is_long() ? 100000 : 20000);
+            run_second_opinion(run, full, NULL);
+            const double own = (double)run->cost.evals, n = run->system.n;
+            const struct opinion *opinion = &run->opinion;
+            if (!(full || opinion->work <= fmax(OPINION_BUDGET / n, OPINION_DOUBT * own) + 2000))
+                fail_msg("%s: %g evaluations for %g", presets[i], opinion->work, own);
+            if (!(opinion->error > OPINION_WRONG * 1e-6 && (full ? opinion->t == run->t : 1)))
+                fail_msg("%s%s: error %g", presets[i], full ? ", to the end" : "", opinion->error);
+            if (isnan(opinion->lost) && i != 1)
+                fail_msg("%s%s: not lost", presets[i], full ? ", to the end" : "");
+            run_destroy(run);
+        }
+}
+
+/* The closed form is asked at new rows only, and says what it says when it is asked once. */
+static void test_closed_form_on_the_way(void **state)
+{
+    (void)state;
+    struct scene scene;
+    scene_init(&scene,
+               (const struct preset *)(const void *)catalog_find(&preset_catalog, TEXT("damped")));
+    struct run *whole = reach(&scene, "dopri5", 1e-5, 1e-3, 3), *parts;
+    struct error error;
+    const struct run_settings settings = {.dt = 1e-3, .tol = 1e-5};
+    run_second_opinion(whole, false, NULL);
+    parts = run_create(&scene, method_named("dopri5"), &settings, 3, &error);
+    assert_non_null(parts);
+    while (parts->t < 3) {
+        const struct run_target target = {.t = 3, .steps = 1};
+        while (run_advance(parts, &target, 0, NULL)) {
+        }
+        run_second_opinion(parts, false, NULL);
+        assert_true(parts->opinion.t == parts->t && parts->opinion.error > 0);
+    }
+    assert_int_equal(whole->steps, parts->steps);
+    assert_close(whole->opinion.error, parts->opinion.error, 1e-3 * whole->opinion.error);
+    assert_close(whole->opinion.most, parts->opinion.most, 1e-12 * whole->opinion.most);
+    run_destroy(whole);
+    run_destroy(parts);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_estimates_are_true),
+        cmocka_unit_test(test_what_it_can_afford),
+        cmocka_unit_test(test_closed_form_on_the_way),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
