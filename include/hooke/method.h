@@ -85,6 +85,7 @@ enum method_flag {
     METHOD_POTENTIAL = 1024,   /* every force but drag needs a potential */
     METHOD_MULTISTEP = 2048,   /* remembers steps before: starts by a one-step method, wants a constant step */
     METHOD_YARDSTICK = 4096,   /* somebody else's library, for comparison: adaptive only, last in the catalogue */
+    METHOD_UNROLLED = 8192,    /* has kernels of its own: people wait for it, or rank others by it */
 };
 
 /* Coefficients, private to the layer: each family of methods has one kind. */
@@ -199,7 +200,7 @@ struct march {
  * they took: fewer than `count` where the next one has no solution; otherwise nothing is checked on the way, so states
  * may come out infinite or NaN. They stay only while `make bench` shows their gain.
  */
-typedef int64_t march_function(const struct march *march);
+typedef int64_t march_function(const struct method *method, const struct march *march);
 
 march_function *method_kernel(const struct method *method, const struct system *system, enum drag drag); /* or NULL */
 /* The same for single steps with an error estimate, whatever the drag variant. */

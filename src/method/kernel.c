@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Kernels: the step bodies again, each row of explicit Runge-Kutta methods and splittings with each shape. The compiler
- * knows coefficients and forces, so loops unroll, zeros vanish and the state stays in registers.
+ * Kernels: steps of explicit Runge-Kutta methods again, where both the row and the shape are known to the compiler, so
+ * loops unroll, zeros vanish and the state stays in registers. Only for pairs that gain: in splittings the weights are
+ * not waited for (kernel_shape.c), in other pairs a call of the force is hidden (kernel_typed.c).
  */
 #define UNROLL _Pragma("GCC unroll 32")
 #include "kernel.h"
@@ -9,13 +10,20 @@
 /* A row is known by the line where it ends. */
 #define RK_ROW JOIN(rk_, __LINE__)
 #define RK_NAME(shape) JOIN(shape##_rk_, __LINE__)
-#define SPLIT_ROW JOIN(split_, __LINE__)
-#define SPLIT_NAME(shape) JOIN(shape##_split_, __LINE__)
+
+/* Rows that people wait for; and forces so short that a call would be felt. */
+INLINE bool unrolled(const struct method *method, int shape)
+{
+    return method->flags & METHOD_UNROLLED || shape == SHAPE_spring || shape == SHAPE_damped ||
+           shape == SHAPE_henon_heiles;
+}
 
 #define RK_KERNEL(shape)                                                                                               \
-    static int64_t RK_NAME(shape)(const struct march *march)                                                           \
+    static int64_t RK_NAME(shape)(const struct method *method, const struct march *march)                              \
     {                                                                                                                  \
         struct forces forces;                                                                                          \
+        if (!unrolled(&RK_ROW, SHAPE_##shape))                                                                         \
+            return typed_kernel(method, march->step->system, DRAG_DEFAULT)(method, march);                             \
         forces_take(&forces, march->step->system);                                                                     \
         return rk_march(&RK_ROW, SIZE_##shape, shape##_slope, &forces, march);                                         \
     }
@@ -25,30 +33,6 @@
 #include "rk.def"
 #undef RUNGE_KUTTA
 
-#define HAS_VELOCITY(i, name) | (name##_flags & TERM_VELOCITY)
-#define DRAG_VARIANT(shape, variant)                                                                                   \
-    if (drag == variant && (variant == DRAG_DEFAULT || SPLIT_ROW.drags & 1u << variant))                               \
-        return split_march(&SPLIT_ROW, SIZE_##shape, variant, shape##_force, shape##_drag, &forces, march);
-#define SPLIT_KERNEL(shape)                                                                                            \
-    static int64_t SPLIT_NAME(shape)(const struct march *march)                                                        \
-    {                                                                                                                  \
-        const bool velocity = (0 TERMS_OF_##shape(HAS_VELOCITY)) != 0;                                                 \
-        const enum drag drag = velocity ? march->step->drag : DRAG_DEFAULT;                                            \
-        struct forces forces;                                                                                          \
-        forces_take(&forces, march->step->system);                                                                     \
-        if (!velocity)                                                                                                 \
-            DRAG_VARIANT(shape, DRAG_DEFAULT)                                                                          \
-        DRAG_VARIANT(shape, DRAG_EXACT)                                                                                \
-        DRAG_VARIANT(shape, DRAG_IMPLICIT)                                                                             \
-        DRAG_VARIANT(shape, DRAG_EXPLICIT)                                                                             \
-        return 0;                                                                                                      \
-    }
-#define SPLITTING(...)                                                                                                 \
-    static const struct method SPLIT_ROW = {.step = split_step, __VA_ARGS__};                                          \
-    ALL_SHAPES(SPLIT_KERNEL)
-#include "split.def"
-#undef SPLITTING
-
 /* ---- the table ---- */
 
 struct kernels {
@@ -57,13 +41,10 @@ struct kernels {
 };
 
 #define RK_ENTRY(shape) RK_NAME(shape),
-#define SPLIT_ENTRY(shape) SPLIT_NAME(shape),
 
 static const struct kernels kernels[] = {
 #define RUNGE_KUTTA(...) {&RK_ROW, {ALL_SHAPES(RK_ENTRY)}},
 #include "rk.def"
-#define SPLITTING(...) {&SPLIT_ROW, {ALL_SHAPES(SPLIT_ENTRY)}},
-#include "split.def"
 };
 
 march_function *method_kernel(const struct method *method, const struct system *system, enum drag drag)
@@ -72,9 +53,11 @@ march_function *method_kernel(const struct method *method, const struct system *
         return typed_kernel(method, system, drag);
     const int shape = shape_of(system);
     if (shape < 0)
-        return system->order == 2 ? any_kernel(method) : NULL;
-    for (size_t i = 0; i < COUNT_OF(kernels); i++)
+        return system->order != 2 ? NULL : method->tableau ? typed_kernel(method, system, drag) : any_kernel(method);
+    for (size_t i = 0; method->tableau && unrolled(method, shape) && i < COUNT_OF(kernels); i++)
         if (method->step == kernels[i].method->step && strcmp(kernels[i].method->row.name, method->row.name) == 0)
             return kernels[i].march[shape];
-    return implicit_kernel(method, system);
+    return method->splitting ? shape_split(shape)
+           : method->tableau ? typed_kernel(method, system, drag)
+                             : implicit_kernel(method, system);
 }

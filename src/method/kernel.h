@@ -86,6 +86,8 @@ enum { SHAPES(SHAPE_SIZE) LINEAR_SHAPES(SHAPE_SIZE) SIZE_pendulum = 2, SIZE_driv
         name##_add(forces->c[i], t, y, a);
 #define TERM_NAME(i, name) #name,
 
+#define HAS_VELOCITY(i, name) | (name##_flags & TERM_VELOCITY)
+
 #define SHAPE_FUNCTIONS(shape)                                                                                         \
     INLINE void shape##_force(const void *known, double t, const double *y, double *a)                                 \
     {                                                                                                                  \

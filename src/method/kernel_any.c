@@ -1,16 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Kernels of typed scenes of any size, and of what was typed on top of built-in ones: the step bodies of explicit
- * Runge-Kutta methods and splittings, with sums over the state in vectors.
+ * Kernels of typed scenes of any size, and of what was typed on top of built-in ones: steps of any explicit Runge-Kutta
+ * method and of any splitting, with sums over the state in vectors.
  */
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC optimize("O3") /* vectors */
 #endif
-#define UNROLL _Pragma("GCC unroll 32")
 #include <hooke/base.h>
 enum { MOST = LIMIT_VARIABLES };
 #include "kernel_typed.h"
-#include "rows.h"
 #include "step_body.h"
 
 /* The compiler need not think of nothing at all. */
@@ -71,71 +69,65 @@ static void whole_drag(const void *of, double t, const double *y, double *a)
     system_drag(whole->system, t, y, a);
 }
 
-#define JOIN_(a, b) a##b
-#define JOIN(a, b) JOIN_(a, b)
-#define RK_ROW JOIN(rk_, __LINE__)
-#define RK_NAME JOIN(any_rk_, __LINE__)
-#define STEP_NAME JOIN(any_step_, __LINE__)
-#define SPLIT_ROW JOIN(split_, __LINE__)
-#define SPLIT_NAME JOIN(any_split_, __LINE__)
+/* ---- sums over the state ---- */
 
-#define RUNGE_KUTTA(...)                                                                                               \
-    static const struct method RK_ROW = {.step = rk_step, __VA_ARGS__};                                                \
-    static int64_t RK_NAME(const struct march *march)                                                                  \
-    {                                                                                                                  \
-        const struct system *system = march->step->system;                                                             \
-        struct whole whole;                                                                                            \
-        whole_take(&whole, system);                                                                                    \
-        return rk_march(&RK_ROW, size_of(system), whole_slope, &whole, march);                                         \
-    }                                                                                                                  \
-    static enum step_status STEP_NAME(const struct method *method, struct step *step)                                  \
-    {                                                                                                                  \
-        (void)method;                                                                                                  \
-        return one_step(&RK_ROW, size_of(step->system), any_slope, step->system, step);                                \
-    }
-#include "rk.def"
-#undef RUNGE_KUTTA
+/* Blocks of so many variables are summed up in registers; arrays of them are as long as whole blocks. */
+enum { BLOCK = 8 };
 
-#define SPLITTING(...)                                                                                                 \
-    static const struct method SPLIT_ROW = {.step = split_step, __VA_ARGS__};                                          \
-    static int64_t SPLIT_NAME(const struct march *march)                                                               \
-    {                                                                                                                  \
-        const struct system *system = march->step->system;                                                             \
-        const enum drag drag = system->velocity ? march->step->drag : DRAG_DEFAULT;                                    \
-        struct whole whole;                                                                                            \
-        whole_take(&whole, system);                                                                                    \
-        return split_march(&SPLIT_ROW, system->n, drag, whole_force, whole_drag, &whole, march);                       \
-    }
-#include "split.def"
-#undef SPLITTING
+#if defined(__x86_64__) && !defined(__clang__)
+#define CLONES __attribute__((target_clones("default", "avx2")))
+#else
+#define CLONES
+#endif
 
-static const struct kernels {
-    const struct method *method;
-    march_function *march;
-    step_function *step;
-} kernels[] = {
-#define RUNGE_KUTTA(...) {&RK_ROW, RK_NAME, STEP_NAME},
-#include "rk.def"
-#define SPLITTING(...) {&SPLIT_ROW, SPLIT_NAME, NULL},
-#include "split.def"
-};
-
-static const struct kernels *kernels_of(const struct method *method)
+static int stride_of(int n)
 {
-    for (size_t i = 0; i < COUNT_OF(kernels); i++)
-        if (method->step == kernels[i].method->step && strcmp(kernels[i].method->row.name, method->row.name) == 0)
-            return &kernels[i];
-    return NULL;
+    return (n + BLOCK - 1) / BLOCK * BLOCK;
+}
+
+typedef double block __attribute__((vector_size(BLOCK * 8), aligned(8), may_alias));
+
+/* A combine_function. */
+CLONES static void combine_blocks(int n, int stride, const struct shares *shares, const double *k, const double *y,
+                                  double *z)
+{
+    for (int i = 0; i < n; i += BLOCK) {
+        block sum = {-0.0, -0.0, -0.0, -0.0, -0.0, -0.0, -0.0, -0.0};
+        for (int j = 0; j < shares->count; j++)
+            sum += shares->share[j] * *(const block *)(const void *)(k + shares->stage[j] * stride + i);
+        *(block *)(void *)(z + i) = *(const block *)(const void *)(y + i) + sum;
+    }
+}
+
+static int64_t any_rk(const struct method *method, const struct march *march)
+{
+    const struct system *system = march->step->system;
+    struct whole whole;
+    whole_take(&whole, system);
+    return picked_march(method, size_of(system), stride_of(system->n), combine_blocks, whole_slope, &whole, march);
+}
+
+static enum step_status any_step(const struct method *method, struct step *step)
+{
+    const struct system *system = step->system;
+    return picked_step(method, size_of(system), stride_of(system->n), combine_blocks, any_slope, system, step);
+}
+
+static int64_t any_split(const struct method *method, const struct march *march)
+{
+    const struct system *system = march->step->system;
+    const enum drag drag = system->velocity ? march->step->drag : DRAG_DEFAULT;
+    struct whole whole;
+    whole_take(&whole, system);
+    return split_march(method, system->n, drag, whole_force, whole_drag, &whole, march);
 }
 
 march_function *any_kernel(const struct method *method)
 {
-    const struct kernels *kernel = kernels_of(method);
-    return kernel ? kernel->march : NULL;
+    return method->splitting ? any_split : method->step == rk_step ? any_rk : NULL;
 }
 
 step_function *any_step_kernel(const struct method *method)
 {
-    const struct kernels *kernel = kernels_of(method);
-    return kernel ? kernel->step : NULL;
+    return method->step == rk_step ? any_step : NULL;
 }

@@ -132,8 +132,9 @@ INLINE int64_t diagonal_march(const struct method *method, stage_function *stage
 #define IRK_ROW JOIN(irk_, __LINE__)
 #define IRK_NAME(shape) JOIN(shape##_irk_, __LINE__)
 #define IRK_KERNEL(shape)                                                                                              \
-    static int64_t IRK_NAME(shape)(const struct march *march)                                                          \
+    static int64_t IRK_NAME(shape)(const struct method *method, const struct march *march)                             \
     {                                                                                                                  \
+        (void)method;                                                                                                  \
         const struct system *system = march->step->system;                                                             \
         struct known known = {.oscillator = system->oscillator, .system = system};                                     \
         if (IRK_ROW.implicit->diagonal == 0)                                                                           \

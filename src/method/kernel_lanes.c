@@ -14,13 +14,6 @@
 
 enum { LANE_COEFFICIENTS = 2, WORK_MOST = 64 };
 
-typedef double scalar;
-
-static inline scalar scalar_magnitude(scalar x)
-{
-    return fabs(x);
-}
-
 enum { TABLE_ROOM = 1 << 17 }; /* [double] a megabyte */
 
 struct lanes {
@@ -115,6 +108,13 @@ static __attribute__((noinline)) void lanes_turn(struct lanes *lanes, int first,
 }
 
 /* ---- the widths ---- */
+
+/* [doubles] Narrower ones, which are there for old processors only, take the forms for any method. */
+#ifdef __x86_64__
+#define WIDE_UNROLLED 4
+#else
+#define WIDE_UNROLLED 2
+#endif
 
 #define WIDE 2
 #define TARGET

@@ -14,46 +14,10 @@ typedef int64_t WITH(bits) __attribute__((vector_size(WIDE * 8), aligned(WIDE * 
 #define PARTS (LANES / WIDE)
 #define FAST static inline __attribute__((always_inline)) TARGET
 
-/* ---- forces: what terms.def adds, once more. Its `double` is here what stands right of it, cos() is prepared ---- */
-
 FAST vector WITH(magnitude)(vector x)
 {
     return (vector)((WITH(bits))x & INT64_MAX);
 }
-
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wunused-function"
-#ifdef __clang__
-#pragma GCC diagnostic ignored "-Wkeyword-macro"
-#pragma GCC diagnostic ignored "-Wgnu-auto-type"
-#endif
-#undef TERM_ADD
-#undef TERM_BIND
-#undef TERM_JACOBIAN
-#undef TERM_POTENTIAL
-#undef TERM_POWER
-#define TERM_ADD(name)                                                                                                 \
-    FAST void WITH(name##_add)(UNUSED const vector *c, UNUSED vector cosine, UNUSED const vector *y, vector *a)
-/* Not wanted, but they stand in between. */
-#define TERM_BIND(name)                                                                                                \
-    static bool WITH(name##_bind)(UNUSED const scalar *param, UNUSED scalar *c, UNUSED struct oscillator *oscillator)
-#define TERM_JACOBIAN(name)                                                                                            \
-    static void WITH(name##_jacobian)(UNUSED const scalar *c, UNUSED const scalar *y, scalar *jac)
-#define TERM_POTENTIAL(name) static scalar WITH(name##_potential)(const scalar *c, const scalar *y)
-#define TERM_POWER(name)                                                                                               \
-    static scalar WITH(name##_power)(const scalar *c, UNUSED scalar cosine, UNUSED const scalar *y)
-#define double __auto_type
-#define fabs(x) _Generic((x), vector: WITH(magnitude), default: scalar_magnitude)(x)
-#define cos(x) (cosine)
-#define dry_acceleration(f, v, a) (a) /* where a body may stick no lanes go */
-#define TERM_BODIES
-#include FORCE_TERMS
-#undef TERM_BODIES
-#undef double
-#undef fabs
-#undef cos
-#undef dry_acceleration
-#pragma GCC diagnostic pop
 
 /* The library's sine of each: several at once wait for each other less than one after the other. */
 FAST vector WITH(sine)(vector x)
@@ -66,11 +30,20 @@ FAST vector WITH(sine)(vector x)
     return x;
 }
 
-#undef MODEL_FORCE
-#define MODEL_FORCE TERM_ADD
-#define sin WITH(sine)
-#include FORCE_WEIGHT
-#undef sin
+/* ---- forces: the terms that shapes are made of, by the operations of terms.def and weight.def ---- */
+
+#define LANE_TERM(name, change)                                                                                        \
+    FAST void WITH(name##_add)(UNUSED const vector *c, UNUSED vector cosine, UNUSED const vector *y, vector *a)        \
+    {                                                                                                                  \
+        *a change;                                                                                                     \
+    }
+LANE_TERM(spring, -= c[0] * y[0])
+LANE_TERM(damping, -= c[0] * y[1])
+LANE_TERM(drag, -= c[0] * WITH(magnitude)(y[1]) * y[1])
+LANE_TERM(drive, += c[0] * cosine)
+LANE_TERM(cubic, -= c[0] * y[0] * y[0] * y[0])
+LANE_TERM(vanderpol, += c[0] * (1 - y[0] * c[1] * (y[0] * c[1])) * y[1])
+LANE_TERM(weight, -= c[0] * WITH(sine)(y[0]))
 
 /* What one part of the lanes knows of the forces. */
 struct WITH(known) {
@@ -78,25 +51,46 @@ struct WITH(known) {
     vector cosine;
 };
 
-typedef void WITH(force)(const struct WITH(known) *known, const vector *y, vector *a);
+#define ANY_PARTS (PARTS < 8 ? PARTS : 8)
 
-#define LANE_ALWAYS(i, name) WITH(name##_add)(known->c[i], known->cosine, y, a);
+/* a: of the first `parts` vectors of the states z */
+typedef void WITH(force)(int parts, const struct WITH(known) * known, vector z[2][PARTS], vector *a);
+
+/* Those of a shape for who does not know it. */
+struct WITH(forces) {
+    WITH(force) * both, *force, *drag;
+    unsigned flags;
+};
+
+#define LANE_ALWAYS(i, name) WITH(name##_add)(known[q].c[i], known[q].cosine, y, &sum);
 #define LANE_IF_FORCE(i, name)                                                                                         \
     if (!(name##_flags & TERM_VELOCITY))                                                                               \
-        WITH(name##_add)(known->c[i], known->cosine, y, a);
+    LANE_ALWAYS(i, name)
 #define LANE_IF_DRAG(i, name)                                                                                          \
     if (name##_flags & TERM_VELOCITY)                                                                                  \
-        WITH(name##_add)(known->c[i], known->cosine, y, a);
+    LANE_ALWAYS(i, name)
 #define LANE_FORCE(shape, which, TERM)                                                                                 \
-    FAST void WITH(shape##which)(UNUSED const struct WITH(known) *known, UNUSED const vector *y, vector *a)            \
+    FAST void WITH(shape##which)(int parts, UNUSED const struct WITH(known) * known, vector z[2][PARTS], vector * a)   \
     {                                                                                                                  \
-        *a = -(vector){0};                                                                                             \
-        TERMS_OF_##shape(TERM)                                                                                         \
+        UNROLL for (int q = 0; q < parts; q++)                                                                         \
+        {                                                                                                              \
+            UNUSED const vector y[2] = {z[0][q], z[1][q]};                                                             \
+            vector sum = -(vector){0};                                                                                 \
+            TERMS_OF_##shape(TERM) a[q] = sum;                                                                         \
+        }                                                                                                              \
+    }                                                                                                                  \
+    TARGET static void WITH(shape##which##_called)(int parts, const struct WITH(known) * known, vector z[2][PARTS],    \
+                                                   vector * a)                                                         \
+    {                                                                                                                  \
+        (void)parts;                                                                                                   \
+        WITH(shape##which)(ANY_PARTS, known, z, a);                                                                    \
     }
 #define LANE_FORCES(shape)                                                                                             \
     LANE_FORCE(shape, _both, LANE_ALWAYS)                                                                              \
     LANE_FORCE(shape, _force, LANE_IF_FORCE)                                                                           \
-    LANE_FORCE(shape, _drag, LANE_IF_DRAG)
+    LANE_FORCE(shape, _drag, LANE_IF_DRAG)                                                                             \
+    static const struct WITH(forces) WITH(shape##_forces) = {WITH(shape##_both_called), WITH(shape##_force_called),    \
+                                                             WITH(shape##_drag_called), LANE_FLAGS(shape)};
 LANE_SHAPES(LANE_FORCES)
 
 FAST vector WITH(load)(const double *from, int part)
@@ -107,26 +101,22 @@ FAST vector WITH(load)(const double *from, int part)
 }
 
 /* Those of the vectors from `from` on. */
-FAST void WITH(take)(struct WITH(known) *known, int parts, int from, const struct lanes *lanes)
+FAST void WITH(take)(struct WITH(known) * known, int parts, int from, const struct lanes *lanes)
 {
     for (int i = 0; i < SHAPE_TERMS; i++)
         for (int j = 0; j < LANE_COEFFICIENTS; j++)
-            UNROLL for (int q = 0; q < parts; q++)
-                known[q].c[i][j] = WITH(load)(lanes->c[i][j], from + q);
-    UNROLL for (int q = 0; q < parts; q++)
-        known[q].cosine = (vector){0};
+            UNROLL for (int q = 0; q < parts; q++) known[q].c[i][j] = WITH(load)(lanes->c[i][j], from + q);
+    UNROLL for (int q = 0; q < parts; q++) known[q].cosine = (vector){0};
 }
 
 FAST void WITH(begin)(int parts, int from, const double *numbers, vector *x)
 {
-    UNROLL for (int q = 0; q < parts; q++)
-        x[q] = WITH(load)(numbers, from + q);
+    UNROLL for (int q = 0; q < parts; q++) x[q] = WITH(load)(numbers, from + q);
 }
 
 FAST void WITH(end)(int parts, int from, const vector *x, double *numbers)
 {
-    UNROLL for (int q = 0; q < parts; q++)
-        memcpy(numbers + (from + q) * WIDE, &x[q], sizeof x[q]);
+    UNROLL for (int q = 0; q < parts; q++) memcpy(numbers + (from + q) * WIDE, &x[q], sizeof x[q]);
 }
 
 /* How the drive is known: not at all (there is none), prepared for all lanes alike, as the cosine of each at `at`. */
@@ -136,7 +126,7 @@ struct WITH(drive) {
 };
 
 /* The drive at the place-th time of step i. */
-FAST void WITH(look)(struct WITH(known) *known, int parts, int from, struct WITH(drive) *drive,
+FAST void WITH(look)(struct WITH(known) * known, int parts, int from, struct WITH(drive) * drive,
                      const struct lanes *lanes, const struct lane_march *march, int64_t i, int place, double t)
 {
     double own[LANES] __attribute__((aligned(64)));
@@ -145,9 +135,8 @@ FAST void WITH(look)(struct WITH(known) *known, int parts, int from, struct WITH
     if (!drive->alike)
         lanes_cosine(lanes, t, from * WIDE, parts * WIDE, own);
     drive->at = t;
-    UNROLL for (int q = 0; q < parts; q++)
-        known[q].cosine =
-            drive->alike ? march->cosine[i * march->places + place] - (vector){0} : WITH(load)(own, q);
+    UNROLL for (int q = 0; q < parts; q++) known[q].cosine =
+        drive->alike ? march->cosine[i * march->places + place] - (vector){0} : WITH(load)(own, q);
 }
 
 /* ---- explicit Runge-Kutta ---- */
@@ -157,24 +146,17 @@ FAST void WITH(combine)(int parts, const struct shares *shares, int count, int o
                         int component, const vector *y, vector *z)
 {
     vector sum[PARTS];
-    UNROLL for (int q = 0; q < parts; q++)
-        sum[q] = -(vector){0};
-    UNROLL for (int j = 0; j < count; j++)
-        UNROLL for (int q = 0; q < parts; q++)
-            sum[q] += shares->share[j] * k[only < 0 ? shares->stage[j] : only + j][component][q];
-    UNROLL for (int q = 0; q < parts; q++)
-        z[q] = y[q] + sum[q];
+    UNROLL for (int q = 0; q < parts; q++) sum[q] = -(vector){0};
+    UNROLL for (int j = 0; j < count; j++) UNROLL for (int q = 0; q < parts; q++) sum[q] +=
+        shares->share[j] * k[only < 0 ? shares->stage[j] : only + j][component][q];
+    UNROLL for (int q = 0; q < parts; q++) z[q] = y[q] + sum[q];
 }
 
-FAST void WITH(slope)(int parts, WITH(force) *force, const struct WITH(known) *known, vector z[2][PARTS],
+FAST void WITH(slope)(int parts, WITH(force) * force, const struct WITH(known) * known, vector z[2][PARTS],
                       vector k[2][PARTS])
 {
-    UNROLL for (int q = 0; q < parts; q++)
-    {
-        const vector y[2] = {z[0][q], z[1][q]};
-        k[0][q] = y[1];
-        force(&known[q], y, &k[1][q]);
-    }
+    UNROLL for (int q = 0; q < parts; q++) k[0][q] = z[1][q];
+    force(parts, known, z, k[1]);
 }
 
 /* Has any lane's number changed its sign? */
@@ -182,8 +164,7 @@ FAST bool WITH(turned)(int parts, const vector *before, const vector *after)
 {
     WITH(bits) turned = {0};
     uint64_t bits[WIDE], any = 0;
-    UNROLL for (int q = 0; q < parts; q++)
-        turned |= (WITH(bits))before[q] ^ (WITH(bits))after[q];
+    UNROLL for (int q = 0; q < parts; q++) turned |= (WITH(bits))before[q] ^ (WITH(bits))after[q];
     memcpy(bits, &turned, sizeof bits);
     for (int i = 0; i < WIDE; i++)
         any |= bits[i];
@@ -191,7 +172,7 @@ FAST bool WITH(turned)(int parts, const vector *before, const vector *after)
 }
 
 /* `parts` vectors from `from` on. chain: four stages, each from the one before. */
-FAST void WITH(rk)(bool chain, int parts, int from, WITH(force) *force, struct WITH(drive) drive, bool turns,
+FAST void WITH(rk)(bool chain, int parts, int from, WITH(force) * force, struct WITH(drive) drive, bool turns,
                    struct lanes *lanes, const struct lane_march *march)
 {
     const double h = lanes->h;
@@ -215,14 +196,12 @@ FAST void WITH(rk)(bool chain, int parts, int from, WITH(force) *force, struct W
         const double t = lanes->t0 + (double)(march->first + i) * h;
         if (fsal) {
             for (int j = 0; j < 2; j++)
-                UNROLL for (int q = 0; q < parts; q++)
-                    k[0][j][q] = k[stages - 1][j][q];
+                UNROLL for (int q = 0; q < parts; q++) k[0][j][q] = k[stages - 1][j][q];
         } else {
             WITH(look)(known, parts, from, &drive, lanes, march, i, 0, t);
             WITH(slope)(parts, force, known, y, k[0]);
         }
-        for (int s = 1; s < stages; s++)
-        {
+        for (int s = 1; s < stages; s++) {
             const struct shares *shares = &march->shares[s];
             for (int j = 0; j < 2; j++)
                 WITH(combine)(parts, shares, chain ? 1 : shares->count, chain ? s - 1 : -1, k, j, y[j], z[j]);
@@ -230,8 +209,8 @@ FAST void WITH(rk)(bool chain, int parts, int from, WITH(force) *force, struct W
             WITH(slope)(parts, force, known, z, k[s]);
         }
         for (int j = 0; j < 2 && !fsal; j++)
-            WITH(combine)(parts, &march->shares[0], chain ? 4 : march->shares[0].count, chain ? 0 : -1, k, j, y[j],
-                          z[j]);
+            WITH(combine)
+            (parts, &march->shares[0], chain ? 4 : march->shares[0].count, chain ? 0 : -1, k, j, y[j], z[j]);
         if (turns && WITH(turned)(parts, y[1], z[1])) {
             struct lane_step step;
             for (int j = 0; j < 2; j++) {
@@ -247,8 +226,7 @@ FAST void WITH(rk)(bool chain, int parts, int from, WITH(force) *force, struct W
             }
         }
         for (int j = 0; j < 2; j++)
-            UNROLL for (int q = 0; q < parts; q++)
-                y[j][q] = z[j][q];
+            UNROLL for (int q = 0; q < parts; q++) y[j][q] = z[j][q];
         for (int j = 0; j < 2 && row; j++)
             WITH(end)(parts, from, y[j], row + (2 * i + j) * LANES);
     }
@@ -273,17 +251,17 @@ FAST void WITH(flow)(int parts, int from, const struct lanes *lanes, vector *v)
     }
 }
 
-FAST void WITH(kick)(const struct split_way *way, int parts, int from, WITH(force) *drag,
-                     const struct WITH(known) *known, const struct lanes *lanes, int place, double w,
+FAST void WITH(kick)(const struct split_way *way, int parts, int from, WITH(force) * drag,
+                     const struct WITH(known) * known, const struct lanes *lanes, int place, double w,
                      const vector *pull, vector z[2][PARTS])
 {
+    vector a[PARTS];
+    if (way->drag == DRAG_EXPLICIT)
+        drag(parts, known, z, a);
     UNROLL for (int q = 0; q < parts; q++)
     {
         if (way->drag == DRAG_EXPLICIT) {
-            const vector y[2] = {z[0][q], z[1][q]};
-            vector a;
-            drag(&known[q], y, &a);
-            z[1][q] += w * (pull[q] + a);
+            z[1][q] += w * (pull[q] + a[q]);
         } else if (way->drag == DRAG_EXACT && !way->around) {
             z[1][q] += pull[q] * WITH(load)(lanes->frozen[place].pull, from + q) -
                        z[1][q] * WITH(load)(lanes->frozen[place].lost, from + q);
@@ -294,7 +272,7 @@ FAST void WITH(kick)(const struct split_way *way, int parts, int from, WITH(forc
 }
 
 /* euler: a drift, then a kick. */
-FAST void WITH(split)(bool euler, enum drag variant, int parts, int from, WITH(force) *force, WITH(force) *drag,
+FAST void WITH(split)(bool euler, enum drag variant, int parts, int from, WITH(force) * force, WITH(force) * drag,
                       struct WITH(drive) drive, struct lanes *lanes, const struct lane_march *march)
 {
     const double h = lanes->h;
@@ -315,22 +293,16 @@ FAST void WITH(split)(bool euler, enum drag variant, int parts, int from, WITH(f
         double t = lanes->t0 + (double)(march->first + i) * h;
         if (way.around)
             WITH(flow)(parts, from, lanes, z[1]);
-        for (int place = 0; place < count; place++)
-        {
+        for (int place = 0; place < count; place++) {
             const double w = euler ? weights[place] : march->weight[place];
             if ((place % 2 == 0) == kick_first) {
                 if (!(place == 0 && way.continues && (lanes->step > 0 || i > 0))) {
                     WITH(look)(known, parts, from, &drive, lanes, march, i, place, t);
-                    UNROLL for (int q = 0; q < parts; q++)
-                    {
-                        const vector y[2] = {z[0][q], z[1][q]};
-                        force(&known[q], y, &pull[q]);
-                    }
+                    force(parts, known, z, pull);
                 }
                 WITH(kick)(&way, parts, from, drag, known, lanes, place, w, pull, z);
             } else {
-                UNROLL for (int q = 0; q < parts; q++)
-                    z[0][q] += w * z[1][q];
+                UNROLL for (int q = 0; q < parts; q++) z[0][q] += w * z[1][q];
                 t += w;
             }
         }
@@ -347,40 +319,59 @@ FAST void WITH(split)(bool euler, enum drag variant, int parts, int from, WITH(f
 
 /* ---- the kernels ---- */
 
-/* The commonest methods where the compiler knows how they go; all others. */
+TARGET static __attribute__((noinline)) void WITH(any_rk)(const struct WITH(forces) * of, struct lanes *lanes,
+                                                          const struct lane_march *march)
+{
+    const bool timed = of->flags & TERM_TIME, turns = of->flags & TERM_KINK && lanes->turns;
+    const struct WITH(drive) drive = {timed, march->cosine || !timed, NAN};
+    for (int from = 0; from < PARTS; from += ANY_PARTS)
+        WITH(rk)(false, ANY_PARTS, from, of->both, drive, turns, lanes, march);
+}
+
+TARGET static __attribute__((noinline)) void WITH(any_split)(const struct WITH(forces) * of, struct lanes *lanes,
+                                                             const struct lane_march *march)
+{
+    const bool timed = of->flags & TERM_TIME;
+    const struct WITH(drive) drive = {timed, march->cosine || !timed, NAN};
+    const enum drag drag = of->flags & TERM_VELOCITY ? lanes->drag : DRAG_DEFAULT;
+    for (int from = 0; from < PARTS; from += ANY_PARTS)
+        WITH(split)(false, drag, ANY_PARTS, from, of->force, of->drag, drive, lanes, march);
+}
+
+/* The commonest methods where the compiler knows how they go and what they step; all others. */
 #define RK_PARTS 4
+#define SPLIT_PARTS 4
 #define EULER_PARTS 8
-#define LANE_DRIVE(shape, same) ((struct WITH(drive)){(LANE_FLAGS(shape) & TERM_TIME) != 0, same, NAN})
-#define LANE_RK(shape, chain, parts, same)                                                                             \
+#define LANE_DRIVE(shape) ((struct WITH(drive)){(LANE_FLAGS(shape) & TERM_TIME) != 0, true, NAN})
+#define LANE_RK4(shape)                                                                                                \
+    for (int from = 0; from < PARTS; from += RK_PARTS)                                                                 \
+    WITH(rk)                                                                                                           \
+    (true, RK_PARTS, from, WITH(shape##_both), LANE_DRIVE(shape), LANE_FLAGS(shape) & TERM_KINK && lanes->turns,       \
+     lanes, march)
+#define LANE_SPLIT(shape, euler, variant, parts)                                                                       \
     for (int from = 0; from < PARTS; from += parts)                                                                    \
-    WITH(rk)(chain, parts, from, WITH(shape##_both), LANE_DRIVE(shape, same),                                          \
-             LANE_FLAGS(shape) & TERM_KINK && lanes->turns, lanes, march)
-#define LANE_SPLIT(shape, euler, variant, parts, same)                                                                 \
-    for (int from = 0; from < PARTS; from += parts)                                                                    \
-    WITH(split)(euler, LANE_FLAGS(shape) & TERM_VELOCITY ? variant : DRAG_DEFAULT, parts, from, WITH(shape##_force),   \
-                WITH(shape##_drag), LANE_DRIVE(shape, same), lanes, march)
+    WITH(split)                                                                                                        \
+    (euler, LANE_FLAGS(shape) & TERM_VELOCITY ? variant : DRAG_DEFAULT, parts, from, WITH(shape##_force),              \
+     WITH(shape##_drag), LANE_DRIVE(shape), lanes, march)
 #define LANE_KERNELS(shape)                                                                                            \
     TARGET static void WITH(shape##_rk)(struct lanes * lanes, const struct lane_march *march)                          \
     {                                                                                                                  \
-        const bool drives = LANE_FLAGS(shape) & TERM_TIME;                                                             \
-        if (march->chain && (march->cosine || !drives))                                                                \
-            LANE_RK(shape, true, RK_PARTS, true);                                                                      \
-        else if (march->cosine || !drives)                                                                             \
-            LANE_RK(shape, false, PARTS, true);                                                                        \
+        const bool alike = march->cosine || !(LANE_FLAGS(shape) & TERM_TIME);                                          \
+        if (WIDE >= WIDE_UNROLLED && march->chain && alike)                                                            \
+            LANE_RK4(shape);                                                                                           \
         else                                                                                                           \
-            LANE_RK(shape, false, PARTS, false);                                                                       \
+            WITH(any_rk)(&WITH(shape##_forces), lanes, march);                                                         \
     }                                                                                                                  \
     TARGET static void WITH(shape##_split)(struct lanes * lanes, const struct lane_march *march)                       \
     {                                                                                                                  \
         const bool alike = march->cosine || !(LANE_FLAGS(shape) & TERM_TIME);                                          \
-        if (march->chain && alike && lanes->drag == DRAG_EXACT)                                                        \
-            LANE_SPLIT(shape, true, DRAG_EXACT, EULER_PARTS, true);                                                    \
-        else if (march->chain && alike && lanes->drag == DRAG_EXPLICIT)                                                \
-            LANE_SPLIT(shape, true, DRAG_EXPLICIT, EULER_PARTS, true);                                                 \
-        else if (alike)                                                                                                \
-            LANE_SPLIT(shape, false, lanes->drag, PARTS, true);                                                        \
+        const bool drags = LANE_FLAGS(shape) & TERM_VELOCITY;                                                          \
+        if (WIDE < WIDE_UNROLLED || !alike)                                                                            \
+            WITH(any_split)(&WITH(shape##_forces), lanes, march);                                                      \
+        else if (march->chain && (!drags || lanes->drag == DRAG_EXPLICIT))                                             \
+            LANE_SPLIT(shape, true, DRAG_EXPLICIT, EULER_PARTS);                                                       \
         else                                                                                                           \
-            LANE_SPLIT(shape, false, lanes->drag, PARTS, false);                                                       \
+            LANE_SPLIT(shape, false, lanes->drag, SPLIT_PARTS);                                                        \
     }
 LANE_SHAPES(LANE_KERNELS)
 
@@ -394,15 +385,18 @@ static lane_kernel *const WITH(kernels)[LANE_SHAPE_COUNT][2] = {LANE_SHAPES(LANE
 #undef WIDE
 #undef TARGET
 #undef WITH
+#undef LANE_TERM
 #undef LANE_ALWAYS
 #undef LANE_IF_FORCE
 #undef LANE_IF_DRAG
 #undef LANE_FORCE
 #undef LANE_FORCES
+#undef ANY_PARTS
 #undef RK_PARTS
+#undef SPLIT_PARTS
 #undef EULER_PARTS
 #undef LANE_DRIVE
+#undef LANE_RK4
 #undef LANE_SPLIT
-#undef LANE_RK
 #undef LANE_KERNELS
 #undef LANE_ENTRY

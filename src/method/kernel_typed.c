@@ -12,13 +12,12 @@ enum { MOST = 4 };
 #define JOIN(a, b) JOIN_(a, b)
 #define RK_ROW JOIN(rk_, __LINE__)
 #define RK_NAME(shape) JOIN(shape##_rk_, __LINE__)
-#define SPLIT_ROW JOIN(split_, __LINE__)
-#define SPLIT_NAME(shape) JOIN(shape##_split_, __LINE__)
 
-#define RK_KERNEL(name, n, ...)                                                                                        \
-    static int64_t RK_NAME(name)(const struct march *march)                                                            \
+#define RK_KERNEL(name, n)                                                                                             \
+    static int64_t RK_NAME(name)(const struct method *method, const struct march *march)                               \
     {                                                                                                                  \
         struct known known;                                                                                            \
+        (void)method;                                                                                                  \
         known_take(&known, march->step->system);                                                                       \
         return rk_march(&RK_ROW, n, name##_slope, &known, march);                                                      \
     }
@@ -29,31 +28,13 @@ enum { MOST = 4 };
 #include "rk.def"
 #undef RUNGE_KUTTA
 
-TYPED_MOTIONS(SPLIT_FUNCTIONS)
-#define SPLIT_KERNEL(name, n, ...)                                                                                     \
-    static int64_t SPLIT_NAME(name)(const struct march *march)                                                         \
-    {                                                                                                                  \
-        const enum drag drag = march->step->system->velocity ? DRAG_EXPLICIT : DRAG_DEFAULT;                           \
-        struct known known;                                                                                            \
-        known_take(&known, march->step->system);                                                                       \
-        return split_march(&SPLIT_ROW, n, drag, name##_force, name##_drag, &known, march);                             \
-    }
-#define SPLITTING(...)                                                                                                 \
-    static const struct method SPLIT_ROW = {.step = split_step, __VA_ARGS__};                                          \
-    TYPED_MOTIONS(SPLIT_KERNEL)
-#include "split.def"
-#undef SPLITTING
-
-#define RK_ENTRY(name, ...) RK_NAME(name),
-#define SPLIT_ENTRY(name, ...) SPLIT_NAME(name),
+#define RK_ENTRY(name, n) RK_NAME(name),
 static const struct {
     const struct method *method;
     march_function *march[TYPED_COUNT];
 } kernels[] = {
 #define RUNGE_KUTTA(...) {&RK_ROW, {TYPED_MOTIONS(RK_ENTRY) TYPED_FLOWS(RK_ENTRY)}},
 #include "rk.def"
-#define SPLITTING(...) {&SPLIT_ROW, {TYPED_MOTIONS(SPLIT_ENTRY)}},
-#include "split.def"
 };
 
 march_function *typed_kernel(const struct method *method, const struct system *system, enum drag drag)
@@ -61,6 +42,8 @@ march_function *typed_kernel(const struct method *method, const struct system *s
     const int shape = typed_shape(system, method->splitting != NULL);
     if (shape < 0 || (method->splitting && system->velocity && drag != DRAG_EXPLICIT))
         return any_kernel(method);
+    if (method->splitting)
+        return typed_split(shape);
     for (size_t i = 0; i < COUNT_OF(kernels); i++)
         if (method->step == kernels[i].method->step && strcmp(kernels[i].method->row.name, method->row.name) == 0)
             return kernels[i].march[shape];

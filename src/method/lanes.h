@@ -3,25 +3,7 @@
 #ifndef HOOKE_METHOD_LANES_H
 #define HOOKE_METHOD_LANES_H
 
-#include "step.h"
-
-enum { LANE_STAGES = 16 };
-
-/* The weights of a stage that are not 0, times h. */
-struct shares {
-    int count, stage[LANE_STAGES];
-    double share[LANE_STAGES];
-};
-
-static inline void shares_take(struct shares *shares, const double *w, int count, double h)
-{
-    shares->count = 0;
-    for (int j = 0; j < count; j++)
-        if (w[j] != 0) {
-            shares->stage[shares->count] = j;
-            shares->share[shares->count++] = h * w[j];
-        }
-}
+#include "weights.h"
 
 /* Evaluations of `each` a step, one of which is the next step's first: `again`. */
 static inline int64_t lane_evals(int64_t steps, int each, bool again)

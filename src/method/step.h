@@ -184,6 +184,8 @@ enum step_status rk_step(const struct method *method, struct step *step);
 /* Of typed scenes (kernel_typed.c), and for any number of variables (kernel_any.c); or NULL */
 march_function *typed_kernel(const struct method *method, const struct system *system, enum drag drag);
 march_function *implicit_kernel(const struct method *method, const struct system *system); /* kernel_implicit.c */
+march_function *shape_split(int shape); /* of any splitting, by the shapes of kernel.h (kernel_shape.c), */
+march_function *typed_split(int shape); /* and by those of kernel_typed.h */
 march_function *any_kernel(const struct method *method);
 step_function *any_step_kernel(const struct method *method);
 step_function *rosenbrock_step_kernel(const struct method *method, const struct system *system);

@@ -39,4 +39,31 @@ INLINE enum step_status one_step(const struct method *method, int n, slope_funct
     return STEP_OK;
 }
 
+/*
+ * As one_step(), of any method, with picked_march()'s stride;
+ */
+INLINE enum step_status picked_step(const struct method *method, int n, int stride, combine_function *combine,
+                                    slope_function *slope, const void *forces, struct step *step)
+{
+    const struct tableau *tableau = method->tableau;
+    const int stages = tableau->stages;
+    struct shares shares[STAGES_MAX];
+    double k[STAGES_MAX * MOST], z[MOST], y[MOST];
+    if (step->low)
+        return rk_step(method, step);
+    stages_take(shares, tableau, step->h);
+    blocks_begin(stages, n, stride, k, y);
+    copy_numbers(n, step->y, y);
+    const bool known = (tableau->fsal && step->warm) || step->again;
+    copy_numbers(n, step->work + (tableau->fsal && step->warm ? (stages - 1) * n : 0), k);
+    picked_stages(tableau, shares, n, stride, combine, slope, forces, step->t, step->h, y, k, z, known);
+    step->cost.evals += stages - known;
+    for (int s = 0; s < stages; s++)
+        copy_numbers(n, k + s * stride, step->work + s * n);
+    step->work[(stages + tableau->extra + 1) * n] = false;
+    if (step->error && tableau->companion)
+        step->square = rk_estimate(tableau, n, step_scale(step), step->h, step->work, y, z, step->error);
+    return step_finish(step, z);
+}
+
 #endif

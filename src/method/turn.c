@@ -135,7 +135,7 @@ static int64_t march_straight(const struct method *method, march_function *kerne
     double y[N], work[WORK_MOST];
     memcpy(y, step->y, sizeof y);
     memcpy(work, step->work, size);
-    const int64_t taken = kernel(march);
+    const int64_t taken = kernel(method, march);
     struct march good = *march;
     double v = y[1];
     for (good.count = 0; good.count < taken; good.count++) {
@@ -150,7 +150,7 @@ static int64_t march_straight(const struct method *method, march_function *kerne
     memcpy(step->y, y, sizeof y);
     memcpy(step->work, work, size);
     if (good.count > 0)
-        kernel(&good);
+        kernel(method, &good);
     return good.count;
 }
 

@@ -67,7 +67,7 @@ static void describe(struct typed_lanes *lanes, const struct method *method, con
 bool typed_lanes_fit(const struct method *method, const struct system *system, enum drag drag)
 {
     struct typed_lanes lanes = {0};
-    if (method->tableau && method->tableau->stages > LANE_STAGES)
+    if (method->tableau && method->tableau->stages > WEIGHT_STAGES)
         return false;
     describe(&lanes, method, system, drag, 0);
     lay_out(&lanes);

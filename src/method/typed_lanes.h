@@ -32,7 +32,7 @@ struct typed_lanes {
     int64_t extra[LANES]; /* evaluations for turning points */
     struct lane_term term[TERM_MAX];
     int terms;
-    struct shares shares[LANE_STAGES]; /* of the stages from the second on; [0]: of the step */
+    struct shares shares[WEIGHT_STAGES]; /* of the stages from the second on; [0]: of the step */
     /* Of [LANES] each, in the room: */
     double *input;       /* t, the state [n] of the stage, values [values]: the names of the programs */
     double *y;           /* [n] Runge-Kutta: the state at the start of the step */

@@ -130,14 +130,15 @@ static void test_shapes(void **state)
     set(&steady, "k", 0);
     set(&steady, "gamma", 0.1);
     const struct scene *const scenes[] = {&plain, &damped, &weight, &steady};
-    step_function *step[COUNT_OF(scenes)];
+    march_function *march[COUNT_OF(scenes)];
     for (size_t i = 0; i < COUNT_OF(scenes); i++) {
         assert_true(scene_bind(scenes[i], &system, &error));
-        step[i] = method_step_kernel(rk4, &system);
-        assert_non_null(step[i]);
+        march[i] = method_kernel(rk4, &system, DRAG_DEFAULT);
+        assert_non_null(march[i]);
+        assert_non_null(method_step_kernel(rk4, &system));
         assert_null(method_step_kernel(method_named("verlet"), &system));
     }
-    assert_true(step[0] != step[1] && step[0] != step[2] && step[1] != step[2] && step[2] == step[3]);
+    assert_true(march[0] != march[1] && march[0] != march[2] && march[1] != march[2] && march[2] == march[3]);
 }
 
 int main(void)
