@@ -97,10 +97,19 @@ struct decay {
     struct reading reading[64]; /* what the line was fitted to */
 };
 
-/* `energy`: the series is an energy (falls as exp(-gamma t) without crossing zero; the line is fitted to its local
- * means over a period). */
-bool series_decay(const struct series *series, struct arena *arena, bool energy, int readings, struct decay *decay,
-                  struct error *error);
+/* Of an energy m v^2/2 + k y^2/2 from samples with noise sigma of y and gain sigma of v; all 0: of a simulation. */
+struct energy_noise {
+    double floor;  /* [J] what the noise adds on average: sigma^2 (k + m gain^2)/2 */
+    double spread; /* [J^1/2] a sample of E scatters by spread sqrt(E) about that: 2 sigma sqrt(k) */
+};
+
+/* Standard deviation of the noise of a smooth motion, from sixth differences; NAN: too few samples, or no memory. */
+double series_noise(const struct series *series, struct arena *arena);
+
+/* energy: the series is an energy with this noise (falls as exp(-gamma t) without crossing zero; the line is fitted to
+ * its local means, less what the noise adds); NULL: it is a motion. */
+bool series_decay(const struct series *series, struct arena *arena, const struct energy_noise *energy, int readings,
+                  struct decay *decay, struct error *error);
 
 /* ---- spectrum ---- */
 

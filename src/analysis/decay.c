@@ -6,6 +6,9 @@
 
 enum { READINGS_DEFAULT = 6, READINGS_LEAST = 3 };
 
+#define FLOOR_WRONG 0.15 /* part of it, of recordings that are rounded */
+#define SHARED 3.0       /* scatter of the noise's own energy, in units of it */
+
 struct line {
     double slope, intercept; /* ln(reading) = intercept + slope (t - t0) */
     double slope_sigma, intercept_sigma;
@@ -61,19 +64,26 @@ static bool fit_line(const struct reading *reading, int count, double t0, struct
     return true;
 }
 
-/* Mean under a Hann window over [from, to): its ripple at twice the frequency of the motion cancels, an exponential
- * keeps its rate. */
-static void local_mean(const struct samples *x, size_t from, size_t to, struct reading *reading)
+/*
+ * Mean under a Hann window over [from, to): its ripple at twice the frequency of the motion cancels, an exponential
+ * keeps its rate. What the noise adds is taken off; its own scatter goes on over some samples, because velocities share
+ * them.
+ */
+static void local_mean(const struct samples *x, size_t from, size_t to, const struct energy_noise *noise,
+                       struct reading *reading)
 {
-    double sum = 0, weight = 0, moment = 0, begin = x->t[from], width = x->t[to - 1] - begin;
+    double sum = 0, weight = 0, square = 0, moment = 0, begin = x->t[from], width = x->t[to - 1] - begin;
     for (size_t i = from; i < to; i++) {
         double s = sin(PI * (x->t[i] - begin) / width);
         sum += s * s * x->y[i];
         moment += s * s * x->t[i];
         weight += s * s;
+        square += s * s * s * s;
     }
+    const double value = sum / weight - noise->floor, alone = SHARED * noise->floor;
+    const double scatter = noise->spread * noise->spread * fmax(value, 0) + alone * alone;
     reading->t = moment / weight;
-    reading->amplitude = (struct measured){sum / weight, 0};
+    reading->amplitude = (struct measured){value, sqrt(scatter * square) / weight};
 }
 
 /* By how much such a mean of an exponential is larger than the exponential at its middle; x: gamma times half the width. */
@@ -82,13 +92,22 @@ static double mean_gain(double x)
     return fabs(x) < 1e-4 ? 1 : sinh(x) / x * (PI * PI) / (PI * PI + x * x);
 }
 
-static int read_energy(const struct samples *x, int count, struct reading *out)
+static int read_energy(const struct samples *x, int count, const struct energy_noise *noise, struct reading *out)
 {
     for (int k = 0; k < count; k++) {
         size_t from = x->n * (size_t)k / (size_t)count, to = x->n * (size_t)(k + 1) / (size_t)count;
-        local_mean(x, from, to, &out[k]);
+        local_mean(x, from, to, noise, &out[k]);
     }
     return count;
+}
+
+/* By which part a floor that is wrong by FLOOR_WRONG changes the slope of ln(E - floor): its share of the energy. */
+static double floor_share(const struct decay *decay, const struct energy_noise *noise)
+{
+    double sum = 0;
+    for (int k = 0; k < decay->readings; k++)
+        sum += FLOOR_WRONG * noise->floor / fmax(decay->reading[k].amplitude.value, noise->floor);
+    return sum / decay->readings;
 }
 
 static int read_amplitudes(const struct motion *m, int count, struct reading *out)
@@ -111,8 +130,8 @@ static struct measured quotient(double top, struct measured x)
     return (struct measured){top / x.value, fabs(top / (x.value * x.value)) * x.uncertainty};
 }
 
-bool series_decay(const struct series *series, struct arena *arena, bool energy, int readings, struct decay *decay,
-                  struct error *error)
+bool series_decay(const struct series *series, struct arena *arena, const struct energy_noise *energy, int readings,
+                  struct decay *decay, struct error *error)
 {
     struct motion m;
     *decay = (struct decay){.halves = {NAN, NAN}};
@@ -129,7 +148,7 @@ bool series_decay(const struct series *series, struct arena *arena, bool energy,
         if (series->n < 4 * (size_t)count || !(m.samples.dt > 0)) {
             return error_set(error, ERROR_COMMAND, "too few samples for %d readings of the energy", count);
         }
-        decay->readings = read_energy(&m.samples, count, decay->reading);
+        decay->readings = read_energy(&m.samples, count, energy, decay->reading);
     } else {
         if (!motion_require(&m, series, arena, NULL, error)) {
             return false;
@@ -146,6 +165,8 @@ bool series_decay(const struct series *series, struct arena *arena, bool energy,
         return error_set(error, ERROR_COMMAND, "no decay: fewer than two readings stand out of the noise");
     }
     decay->gamma = (struct measured){rate * line.slope, fabs(rate) * line.slope_sigma};
+    if (energy)
+        decay->gamma.uncertainty = hypot(decay->gamma.uncertainty, floor_share(decay, energy) * decay->gamma.value);
     const double span = series->t[series->n - 1] - t0;
     const double initial = exp(line.intercept) / (energy ? mean_gain(0.5 * decay->gamma.value * span / count) : 1);
     decay->initial = (struct measured){initial, initial * line.intercept_sigma};

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #define SPIKES_MOST 0.2 /* of the samples */
+#define OUTLIER 6.0     /* standard deviations: a spike is no noise */
 
 double random_fraction(uint64_t *state)
 {
@@ -92,22 +93,39 @@ size_t samples_index(const struct samples *samples, double t)
     return low;
 }
 
-/*
- * Sixth differences: a sine with m samples a period enters them only as (2 pi/m)^6, white noise as sqrt(924). Their
- * median does not see single spikes.
- */
+/* Sizes of the sixth differences: a sine with m samples a period enters them only as (2 pi/m)^6, white noise as
+ * sqrt(924). How many. */
+static size_t sixth_differences(const struct samples *samples, double *size)
+{
+    const size_t count = samples->n < 8 ? 0 : samples->n - 6;
+    for (size_t i = 0; i < count; i++) {
+        const double *w = samples->y + i;
+        size[i] = fabs((w[0] + w[6]) - 6 * (w[1] + w[5]) + 15 * (w[2] + w[4]) - 20 * w[3]);
+    }
+    return count;
+}
+
+/* Their median does not see single spikes. */
 double samples_noise(const struct samples *samples, double *scratch)
 {
-    if (samples->n < 8) {
+    const size_t count = sixth_differences(samples, scratch);
+    return count ? MAD_TO_SIGMA * quantile(scratch, count, 0.5) / sqrt(924.0) : NAN;
+}
+
+double series_noise(const struct series *series, struct arena *arena)
+{
+    struct samples samples;
+    double *size = arena_array(arena, series->n, sizeof *size), sum = 0;
+    size_t count = size && samples_init(&samples, series, arena) ? sixth_differences(&samples, size) : 0, used = 0;
+    if (!count)
         return NAN;
-    }
-    const double *y = samples->y;
-    size_t count = samples->n - 6;
-    for (size_t i = 0; i < count; i++) {
-        const double *w = y + i;
-        scratch[i] = fabs((w[0] + w[6]) - 6 * (w[1] + w[5]) + 15 * (w[2] + w[4]) - 20 * w[3]);
-    }
-    return MAD_TO_SIGMA * quantile(scratch, count, 0.5) / sqrt(924.0);
+    const double median = quantile(size, count, 0.5);
+    for (size_t i = 0; i < count; i++) /* the median alone is one of few values where samples are rounded */
+        if (size[i] <= OUTLIER * MAD_TO_SIGMA * median || median == 0) {
+            sum += size[i] * size[i];
+            used++;
+        }
+    return sqrt(sum / ((double)used * 924));
 }
 
 /*

@@ -186,7 +186,8 @@ static bool measure_decay(struct measuring *m)
     struct decay d;
     if (readings > (int)COUNT_OF(d.reading) || (windows->count && readings < 3))
         return error_at(m->error, windows->where, "the decay needs 3 to %zu readings", COUNT_OF(d.reading));
-    if (!series_decay(&m->subject.series, m->given->arena, m->subject.energy, readings, &d, m->error) ||
+    if (!series_decay(&m->subject.series, m->given->arena, m->subject.energy ? &m->subject.noise : NULL, readings, &d,
+                      m->error) ||
         !keep(m, "decay", d.gamma, QUANTITY_RATE, NAN))
         return false;
     session_set_result(m->session, "measured_gamma", d.gamma, QUANTITY_RATE);
@@ -384,7 +385,7 @@ static bool measure_k(struct measuring *m)
     if (!series_period(&m->subject.series, m->given->arena, &p, m->error))
         return false;
     const double omega = 2 * PI / p.period.value;
-    const double gamma = series_decay(&m->subject.series, m->given->arena, false, 0, &d, &ignored) ? d.gamma.value : 0;
+    const double gamma = series_decay(&m->subject.series, m->given->arena, NULL, 0, &d, &ignored) ? d.gamma.value : 0;
     struct measured k = {.value = mass * (omega * omega + gamma * gamma / 4)};
     struct inputs inputs = {.exacts = 0};
     inputs_use(&inputs, "m", (struct measured){mass, u});

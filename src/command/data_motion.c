@@ -55,6 +55,7 @@ static bool joined_velocity(const struct session *session, const struct recordin
     if (known < 2)
         return error_set(error, ERROR_COMMAND, "%s and %s have no times in common: %.6g..%.6g s and %.6g..%.6g s",
                          recording->name, whole.name, motion->t[0], motion->t[motion->n - 1], s.t[0], s.t[s.n - 1]);
+    motion->gain = sqrt(0.5) / whole.dt; /* the mean of two neighbouring differences */
     snprintf(motion->how_v, sizeof motion->how_v, "v of the sensor (%s%s)", whole.name,
              backward ? ", backward differences: half a step earlier" : "");
     return true;
@@ -67,6 +68,7 @@ static bool own_velocity(const struct series *series, struct arena *arena, struc
     if (!series_derivative(series, DERIVATIVE_POINTS, arena, &d, error))
         return false;
     motion->v = d.value;
+    motion->gain = d.gain;
     motion->loss = isfinite(motion->omega) ? derivative_loss(&d, motion->omega) : 0;
     snprintf(motion->how_v, sizeof motion->how_v, "v from parabolas through %d samples (%.2g %% too small)", d.points,
              100 * motion->loss);
@@ -131,6 +133,11 @@ bool data_motion(const struct session *session, const struct recording *recordin
         const double y = s->y[i] - motion->middle, v = motion->v[i];
         motion->energy[i] = 0.5 * (motion->mass.value * v * v + motion->k.value * y * y);
     }
+    const double noise = energy ? series_noise(s, arena) : NAN;
+    if (noise > 0)
+        motion->noise = (struct energy_noise){
+            0.5 * noise * noise * (motion->k.value + motion->mass.value * motion->gain * motion->gain),
+            2 * noise * sqrt(motion->k.value)};
     return true;
 }
 

@@ -13,8 +13,10 @@ struct data_motion {
     double middle;            /* [m] equilibrium, in y */
     double omega;             /* [rad/s] of the oscillation; NAN: it has none */
     enum quantity quantity;   /* of v */
+    double gain;              /* [1/s] standard deviation of v for positions with independent noise of 1 */
     double loss;              /* by which part v comes out too small; 0: of the sensor's own */
     struct measured mass, k;  /* of the energy */
+    struct energy_noise noise;
     char how_v[160], how_k[160]; /* where they come from, in words */
 };
 

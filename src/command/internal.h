@@ -406,6 +406,7 @@ struct subject {
     struct recording *recording;
     char how[340]; /* of the energy of a recording: whose m, k and v */
     struct measured mass, k; /* these */
+    struct energy_noise noise; /* of the energy of a recording */
 };
 
 /* The scene that a run or a recording is measured against: its own; for a recording the present one, if somebody has

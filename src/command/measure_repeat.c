@@ -36,7 +36,7 @@ static bool value_of(struct measuring *m, const struct recording *recording, enu
         return ok;
     }
     if (what == MEASURE_DECAY) {
-        const bool ok = series_decay(series, arena, false, 0, &d, m->error);
+        const bool ok = series_decay(series, arena, NULL, 0, &d, m->error);
         *value = d.gamma;
         return ok;
     }

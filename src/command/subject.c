@@ -69,6 +69,7 @@ static bool data_energy(const struct session *session, struct arena *arena, stru
     snprintf(subject->how, sizeof subject->how, "%s; %s", motion.how_k, motion.how_v);
     subject->mass = motion.mass;
     subject->k = motion.k;
+    subject->noise = motion.noise;
     return motion_series(&motion, true, -HUGE_VAL, HUGE_VAL, arena, &subject->series, error);
 }
 

@@ -105,23 +105,35 @@ static enum step_status approach(const struct newton *equations, struct step *st
     return STEP_NO_SOLUTION;
 }
 
+/* What increments are measured by, where the solution beside z is larger than anything before: in the first steps of what
+ * starts from nothing. */
+static void weigh(int stages, int n, const double *y, const double *z, const double *weight, double *now)
+{
+    for (int i = 0; i < n; i++) {
+        now[i] = weight[i];
+        for (int s = 0; s < stages; s++)
+            now[i] = fmin(now[i], 1 / fabs(y[i] + z[s * n + i]));
+    }
+}
+
 /* Newton's iteration as long as each increment is at most CONTRACTS of the one before: the solution beside z. */
 static bool contract(const struct newton *equations, struct step *step, int n, double t, double h, const double *y,
                      double *z, const double *weight, struct room *room)
 {
     const struct implicit_tableau *tableau = equations->tableau;
     const int stages = tableau->stages;
-    double last = HUGE_VAL;
+    double last = HUGE_VAL, now[LIMIT_VARIABLES];
     for (int iteration = 0; iteration < ITERATIONS; iteration++) {
         if (!newton_renew(equations, step, n, t, h, y, z, room) || !newton_positive(tableau, n, room))
             return false;
         equations->rest(equations, step, n, t, h, y, z, room->slope, room->rest);
         newton_increment(tableau, step, n, room, room->rest);
-        const double size = newton_size(stages, n, weight, room->rest);
-        if (!isfinite(size) || (size > CONTRACTS * last && size > STANDSTILL))
-            return false;
         for (int i = 0; i < stages * n; i++)
             z[i] += room->rest[i];
+        weigh(stages, n, y, z, weight, now);
+        const double size = newton_size(stages, n, now, room->rest);
+        if (!isfinite(size) || (size > CONTRACTS * last && size > STANDSTILL))
+            return false;
         if (size <= DBL_EPSILON / 2 || (size >= last && size <= STANDSTILL))
             return true;
         last = size;

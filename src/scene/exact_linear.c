@@ -236,7 +236,8 @@ void linear_sizes(const struct system *system, double rate, double *most)
     enum { STAGES = 6, STEPS = 16 }; /* each stage takes twice the time of the one before */
     const int n = system->n;
     struct matrix x, e, before;
-    real d[SIDE], z[SIDE];
+    real d[SIDE], z[SIDE], constant = 0; /* the latter: the largest after one time constant, */
+    double early[LIMIT_VARIABLES];       /* and sizes until then */
     coefficients(system, &x);
     balance(&x, d);
     begin(n, system->start, d, z);
@@ -250,6 +251,13 @@ void linear_sizes(const struct system *system, double rate, double *most)
                 last = fmaxl(last, fabsl(z[i]));
             for (int i = 0; i < n && (stage == 0 || last <= 4 * first); i++) /* later it may only have grown */
                 most[i] = fmax(most[i], fabs((double)(d[i] * z[i])));
+            if (stage == 0 && step == STEPS / 8 - 1) {
+                constant = last;
+                memcpy(early, most, (size_t)n * sizeof *early);
+            } else if (stage == 0 && constant > 0 && last > GROWN * constant) { /* a run may be too short for this */
+                memcpy(most, early, (size_t)n * sizeof *early);
+                return;
+            }
         }
         first = stage == 0 ? last : first;
         before = e;

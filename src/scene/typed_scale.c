@@ -3,8 +3,9 @@
  * Natural sizes of what a typed scene moves: the largest |value| at the start and on a short trial run, by Heun's
  * method with the step that Euler's allows. It goes over about a period or time constant, as far as the Jacobian at the
  * start knows it, and ends early where it meets something faster. Where that is a pole, sizes are those of the first
- * half of the way to it: near the pole they have no limit. What a linear system with constant coefficients reaches is
- * known without a trial.
+ * half of the way to it: near the pole they have no limit. What grows away is of the size it has after one time
+ * constant: a run may be short, and then nothing in it is of any later size. What a linear system with constant
+ * coefficients reaches is known without a trial.
  */
 #include <string.h>
 
@@ -54,13 +55,28 @@ static bool all_finite(const double *y, int n)
     return true;
 }
 
-/* How far it got, if its steps became shorter and shorter there; 0: it found no pole. *there: it came to the end. */
+/* Has it grown away from the sizes it had after one time constant, `early`? */
+static bool grown(int n, const double *early, const double *most)
+{
+    double then = 0, now = 0;
+    for (int i = 0; i < n; i++) {
+        then = fmax(then, early[i]);
+        now = fmax(now, most[i]);
+    }
+    return then > 0 && now > GROWN * then;
+}
+
+/*
+ * How far it got, if its steps became shorter and shorter there; 0: it found no pole. *there: it came to the end, or
+ * grew away.
+ */
 static double try_out(const struct system *system, double span, double *most, bool *there)
 {
     const int n = system->n;
-    double y[LIMIT_VARIABLES], f[LIMIT_VARIABLES], g[LIMIT_VARIABLES], next[LIMIT_VARIABLES];
+    double y[LIMIT_VARIABLES], f[LIMIT_VARIABLES], g[LIMIT_VARIABLES], next[LIMIT_VARIABLES], early[LIMIT_VARIABLES];
     double t = system->t0, h = FIRST * span, end = t + span;
     memcpy(y, system->start, sizeof y);
+    memcpy(early, most, (size_t)n * sizeof *early);
     system_derivative(system, t, y, f);
     for (int step = 0; step < STEPS && t < end && t + h > t; step++) {
         double error = 0;
@@ -80,6 +96,13 @@ static double try_out(const struct system *system, double span, double *most, bo
         memcpy(y, next, sizeof y);
         for (int i = 0; i < n; i++)
             most[i] = fmax(most[i], fabs(y[i]));
+        if (t - system->t0 <= span / SPAN) {
+            memcpy(early, most, (size_t)n * sizeof *early);
+        } else if (grown(n, early, most)) {
+            memcpy(most, early, (size_t)n * sizeof *early);
+            *there = true;
+            return 0;
+        }
         system_derivative(system, t, y, f);
         h *= fmin(2, 0.9 * sqrt(ACCURACY / fmax(error, 1e-6)));
         h = fmin(h, span / 16);

@@ -242,8 +242,8 @@ static void position_and_energy_agree(void **state)
     struct arena arena = {0};
     struct decay p, q;
     struct error error = {0};
-    assert_true(series_decay(&position, &arena, false, 0, &p, &error) && p.readings == 6);
-    assert_true(series_decay(&energy, &arena, true, 0, &q, &error) && q.readings == 6);
+    assert_true(series_decay(&position, &arena, NULL, 0, &p, &error) && p.readings == 6);
+    assert_true(series_decay(&energy, &arena, &(struct energy_noise){0}, 0, &q, &error) && q.readings == 6);
     assert_true(close_to(p.gamma.value, gamma, 1e-7 * gamma) && close_to(q.gamma.value, gamma, 1e-4 * gamma));
     assert_true(close_to(p.initial.value, 0.05, 1e-8) && close_to(p.tau.value, 80, 1e-4));
     assert_true(close_to(p.quality.value, omega / gamma, 1e-3) &&
@@ -255,11 +255,11 @@ static void position_and_energy_agree(void **state)
     for (int fast = 1; fast <= 3; fast++) {
         for (size_t i = 0; i < N; i++)
             e[i] = 18.75 * exp(-0.02 * fast * t[i]);
-        assert_true(series_decay(&energy, &arena, true, 0, &q, &error));
+        assert_true(series_decay(&energy, &arena, &(struct energy_noise){0}, 0, &q, &error));
         assert_true(close_to(q.initial.value, 18.75, 1e-3) && close_to(q.gamma.value, 0.02 * fast, 1e-6));
     }
     /* the classic mix-up would be a factor of two */
-    assert_false(series_decay(&position, &arena, false, 2, &p, &error));
+    assert_false(series_decay(&position, &arena, NULL, 2, &p, &error));
     arena_reset(&arena);
 }
 
@@ -281,7 +281,7 @@ static void decay_covers_the_truth(void **state)
         struct arena arena = {0};
         struct decay decay;
         struct error error = {0};
-        assert_true(series_decay(&s.series, &arena, false, 8, &decay, &error) && decay.readings == 8);
+        assert_true(series_decay(&s.series, &arena, NULL, 8, &decay, &error) && decay.readings == 8);
         inside += close_to(decay.gamma.value, truth.gamma, 1.96 * decay.gamma.uncertainty);
         arena_reset(&arena);
         synthetic_free(&s);
@@ -440,7 +440,7 @@ static void refusals_have_reasons(void **state)
     assert_false(series_period(&series, &arena, &period, &error));
     assert_int_equal(error.code, ERROR_COMMAND);
     assert_string_equal(error.text, "the signal does not oscillate: it is constant");
-    assert_false(series_decay(&series, &arena, false, 0, &decay, &error));
+    assert_false(series_decay(&series, &arena, NULL, 0, &decay, &error));
     assert_true(isnan(series_peak_frequency(&series, &arena)));
     arena_reset(&arena);
 }

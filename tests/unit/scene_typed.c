@@ -312,6 +312,24 @@ static void test_scales(void **state)
         assert_true(f->system.scale[i] > 0);
 }
 
+/* A run may be too short for what grows later: sizes are those after one time constant, not after eight. */
+static void test_scales_of_growth(void **state)
+{
+    struct fixture *f = *state;
+    const char *const equations[] = {"x' = x", "x' = x - 1e-12*x^3"};
+    for (size_t i = 0; i < COUNT_OF(equations); i++) {
+        type(f, LINES("var x = 1", equations[i]));
+        bind(f);
+        assert_true(near(f->system.scale[0], 2.7, 0.5));
+    }
+    /* The mass falls off the potential's edge at 7.3 s: then it is at 1e3 and more. */
+    type(f, LINES("var x = 0.08", "var y = 0", "var u = 0", "var w = 0.19", "x' = u", "y' = w",
+                  "u' = -x - 2*x*y + 1.8*exp(-((t - 2.7)/0.3)^2)", "w' = -y - x^2 + y^2"));
+    bind(f);
+    for (int i = 0; i < 4; i++)
+        assert_true(f->system.scale[i] < 10);
+}
+
 static void test_lines_come_back(void **state)
 {
     struct fixture *f = *state;
@@ -511,6 +529,7 @@ int main(void)
         TEST(test_same_bits_as_built_in),
         TEST(test_absent),
         TEST(test_scales),
+        TEST(test_scales_of_growth),
         TEST(test_lines_come_back),
         TEST(test_largest),
         TEST(test_long_sum_is_quick),
