@@ -286,8 +286,6 @@ struct controller {
     double t_low;     /* [s] what rounding has taken from t so far (Neumaier 1974): equal steps are rounded alike */
     double last;      /* [s] the last accepted step */
     double previous;  /* the square of its error, in units of what is aimed at; 0: there is no history */
-    double stiffness; /* |h| * the Jacobian's norm, estimated and smoothed: near the stability limit means stiff */
-    unsigned since;   /* accepted steps */
     bool rejected;
     struct switches_state switches;
 };

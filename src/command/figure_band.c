@@ -104,6 +104,18 @@ static const char *label_of(int coordinate)
     return coordinate == 0 ? "95 % of the fit" : NULL;
 }
 
+/* Of curve i: half its width at each point, still to be filled. NULL with error. */
+static double *new_spread(struct drawing *d, int i, bool named)
+{
+    struct curve *curve = &d->curve[i];
+    double *half = arena_array(d->arena, curve->n + 1, sizeof *half);
+    if (!half)
+        error_memory(d->error);
+    curve->spread = half;
+    curve->spread_label = named ? label_of(i) : NULL;
+    return half;
+}
+
 bool drawing_band(struct drawing *d)
 {
     const struct figure_request *request = d->request;
@@ -118,14 +130,10 @@ bool drawing_band(struct drawing *d)
     if (!band_of_run(d->session, run, request->band, d->error))
         return false;
     for (int i = 0; i < d->coordinates; i++) {
-        struct curve *curve = &d->curve[i];
-        double *half = arena_array(d->arena, curve->n + 1, sizeof *half);
-        if (!half)
-            return error_memory(d->error);
-        if (!band_half(d->session, run, first + i, curve->x, curve->n, d->arena, half, d->error))
+        const struct curve *curve = &d->curve[i];
+        double *half = new_spread(d, i, true);
+        if (!half || !band_half(d->session, run, first + i, curve->x, curve->n, d->arena, half, d->error))
             return false;
-        curve->spread = half;
-        curve->spread_label = label_of(i);
     }
     return true;
 }
@@ -138,14 +146,11 @@ bool drawing_kept_band(struct drawing *d)
         d->session->run[d->request->run[0]]->run->number != band->run)
         return true;
     for (int i = 0; i < d->coordinates; i++) {
-        struct curve *curve = &d->curve[i];
-        double *half = arena_array(d->arena, curve->n + 1, sizeof *half);
+        double *half = new_spread(d, i, d->request->kind == PLOT_POSITION);
         if (!half)
-            return error_memory(d->error);
-        for (size_t k = 0; k < curve->n; k++)
-            half[k] = kept_band_at(band, first + i, curve->x[k]);
-        curve->spread = half;
-        curve->spread_label = d->request->kind == PLOT_POSITION ? label_of(i) : NULL;
+            return false;
+        for (size_t k = 0; k < d->curve[i].n; k++)
+            half[k] = kept_band_at(band, first + i, d->curve[i].x[k]);
     }
     return true;
 }

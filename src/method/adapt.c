@@ -39,9 +39,7 @@ static const struct filter {
 #define STRETCH 1.01     /* a last step may be this much longer, so that no sliver remains */
 #define FAILURES 20      /* steps in a row that give no number: each makes the next a quarter */
 #define LEAST_ULPS 4     /* of t: a smaller step is only rounding, though the clock counts it */
-#define MEMORY 0.4       /* share of the newest estimate in the smoothed stiffness, */
 #define PROBE 1e-4       /* of a step: how far ahead the direction of a switch is looked for */
-#define ESTIMATE_EACH 16 /* steps, because the estimate costs as much as half a step of a small system */
 
 #define INLINE static inline __attribute__((always_inline))
 
@@ -171,15 +169,6 @@ INLINE void plan_next(const struct method *method, const struct step *step, stru
     controller->h = step->h * rho;
 }
 
-static void note_stiffness(const struct method *method, const struct step *step, struct controller *controller)
-{
-    if (controller->since++ % ESTIMATE_EACH != 0)
-        return;
-    double estimate = rk_stiffness(method, step);
-    if (isfinite(estimate))
-        controller->stiffness += MEMORY * (estimate - controller->stiffness);
-}
-
 /* t after the step, as the sum of all steps. */
 INLINE double advance_clock(struct controller *controller, double t, double h)
 {
@@ -213,6 +202,12 @@ INLINE void take_back(int n, struct step *step, struct controller *controller, d
     controller->rejected = true;
 }
 
+/* Of the error of a step from `before`, in units of the tolerance: nothing waits for its root. */
+INLINE double error_square(int n, const struct step *step, const double *before)
+{
+    return step->square >= 0 ? step->square : scaled_square(n, step_scale(step), step->error, before, step->y);
+}
+
 /* One accepted step; where the system is on frozen branches, `switches` say which. Inlined for each small n. */
 INLINE enum step_status adapt_size(int n, const struct method *method, struct step *step,
                                    struct controller *controller, double t_end, struct switches_state *switches)
@@ -243,16 +238,18 @@ INLINE enum step_status adapt_size(int n, const struct method *method, struct st
         enum step_status status = step_take(method, step);
         bool turned = false;
         int ended = -1;
+        double square = status == STEP_OK ? error_square(n, step, before) * accepted : NAN;
+        step->square = -1;
         if (turns && status == STEP_OK)
             status = turn_step(method, step, t, before, low, &turned);
-        if (switches && status == STEP_OK)
+        /* What lies inside a step on frozen branches says something only where it is good as a whole. */
+        if (switches && square <= 1)
             status = switch_step(method, step, t, before, low, &ended);
         turned = turned || ended >= 0;
         last = last && !turned;
-        /* of the error, in units of what is accepted: nothing waits for its root */
-        if (status == STEP_OK && !(step->square >= 0))
-            step->square = scaled_square(n, step_scale(step), step->error, before, step->y);
-        const double square = status == STEP_OK ? step->square * accepted : NAN, aimed = square * aims;
+        if (turned)
+            square = status == STEP_OK ? error_square(n, step, before) * accepted : NAN;
+        const double aimed = square * aims;
         step->error = asked;
         step->tol = 0;
 
@@ -265,7 +262,6 @@ INLINE enum step_status adapt_size(int n, const struct method *method, struct st
                 controller->t_low = 0;
             controller->rejected = false;
             step->cost.turns += turned;
-            note_stiffness(method, step, controller);
             if (switches)
                 switch_next(step, switches, ended);
             return STEP_OK;

@@ -80,23 +80,3 @@ void rk_dense(const struct method *method, const struct step *step, double theta
         y[i] = dense_polynomial_at(&polynomial, theta);
     }
 }
-
-/* Hairer, Wanner 1996, Solving ODEs II, IV.2: |f(g) - f(g*)| / |g - g*| for two stage values g, g* at t + h. */
-double rk_stiffness(const struct method *method, const struct step *step)
-{
-    const struct tableau *tableau = method->tableau;
-    if (!tableau || tableau->stages < 3 || tableau->c[tableau->stages - 1] != 1 || tableau->c[tableau->stages - 2] != 1)
-        return 0;
-    int n = step->system->n, s = tableau->stages - 1;
-    const double *k = step->work, *scale = step_scale(step);
-    const double *upper = tableau_row(tableau, s - 1), *lower = tableau_row(tableau, s);
-    double slopes = 0, values = 0;
-    for (int i = 0; i < n; i++) {
-        double df = (k[s * n + i] - k[(s - 1) * n + i]) / scale[i];
-        double change = weighted_difference(lower, upper, s - 1, k, n, i) + lower[s - 1] * k[(s - 1) * n + i];
-        double dg = change / scale[i]; /* (g - g*)/h */
-        slopes += df * df;
-        values += dg * dg;
-    }
-    return values > 0 ? sqrt(slopes / values) : 0;
-}

@@ -194,8 +194,6 @@ void rk_dense(const struct method *method, const struct step *step, double theta
 /* Variable i of the last step, as method_polynomial() has it. */
 void rk_polynomial(const struct method *method, const struct step *step, int i, struct dense_polynomial *out);
 void rosenbrock_polynomial(const struct method *method, const struct step *step, int i, struct dense_polynomial *out);
-/* |h| times an estimate of the Jacobian's norm from the last step's two stages at t + h; 0: there is no such pair. */
-double rk_stiffness(const struct method *method, const struct step *step);
 
 enum step_status nystrom_step(const struct method *method, struct step *step);
 size_t nystrom_work(const struct method *method, int n);

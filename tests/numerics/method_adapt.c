@@ -322,27 +322,6 @@ static void test_stall(void **state)
     assert_true(shared.step.t < 2 && isfinite(shared.y[0]) && isfinite(shared.y[1]));
 }
 
-/* At the edge of the stability interval on the negative real axis (NUMERICS 1.2). */
-static void test_stiffness_is_noticed(void **state)
-{
-    (void)state;
-    static const struct {
-        const char *name;
-        double limit;
-    } known[] = {{"dopri5", 3.31}, {"tsit5", 3.51}, {"dop853", 6.39}};
-    struct system stiff = SPRING({"gamma", 1e4}, {"k", 200}), soft = SPRING({"gamma", 0.3});
-    for (size_t i = 0; i < COUNT_OF(known); i++) {
-        const struct method *method = method_named(known[i].name);
-        journey_begin(&shared, &stiff, 0, 1e-6);
-        assert_int_equal(travel(&shared, method, 5), STEP_OK);
-        assert_near(known[i].name, shared.controller.stiffness, known[i].limit, 0.15 * known[i].limit);
-        journey_begin(&shared, &soft, 0, 1e-6);
-        assert_int_equal(travel(&shared, method, 5), STEP_OK);
-        assert_below("not stiff", shared.controller.stiffness, known[i].limit / 2);
-        assert_above("estimate", shared.controller.stiffness, 0.1);
-    }
-}
-
 /* A rejected step leaves nothing behind: the same path as with the step size that was accepted, bit for bit. */
 static void test_rejection_leaves_no_trace(void **state)
 {
@@ -520,7 +499,6 @@ int main(void)
         cmocka_unit_test(test_no_growth_after_a_rejection),
         cmocka_unit_test(test_nan_is_a_rejected_step),
         cmocka_unit_test(test_stall),
-        cmocka_unit_test(test_stiffness_is_noticed),
         cmocka_unit_test(test_rejection_leaves_no_trace),
         cmocka_unit_test(test_a_piece_that_fails_leaves_nothing),
         cmocka_unit_test(test_steps_end_at_turning_points),

@@ -362,22 +362,29 @@ static void the_spectrum_has_its_peak_at_the_frequency(void **state)
     session_destroy(session);
 }
 
-static void a_residual_is_what_is_left_of_the_recording(void **state)
+/* A swing of 9 s and, loaded, a recording of it: every third value, in units of `by` from `zero` on. */
+static struct session *begin_recorded(const char *column, double zero, double by)
 {
-    (void)state;
     char path[] = "/tmp/hooke-view-XXXXXX", line[80];
     int fd = mkstemp(path);
     assert_true(fd >= 0);
     struct session *session = begin(false, swing);
     tell(session, "run 9 s");
     const struct run *run = current(session);
-    dprintf(fd, "t [s]\ty [m]\n");
+    dprintf(fd, "t [s]\t%s\n", column);
     for (size_t i = 0; i < trace_count(run->trace); i += 3)
-        dprintf(fd, "%.17g\t%.17g\n", trace_time(run->trace, i), trace_state(run->trace, i)[0] + 1e-3);
+        dprintf(fd, "%.17g\t%.17g\n", trace_time(run->trace, i), (trace_state(run->trace, i)[0] - zero) / by);
     close(fd);
     snprintf(line, sizeof line, "load '%s'", path);
     tell(session, line);
     unlink(path);
+    return session;
+}
+
+static void a_residual_is_what_is_left_of_the_recording(void **state)
+{
+    (void)state;
+    struct session *session = begin_recorded("y [m]", -1e-3, 1);
     assert_shows(session, 80, 24, "o data");
     struct arena arena = {0};
     struct figure figure = figure_of(session, PLOT_RESIDUAL, false, &arena);
@@ -400,19 +407,8 @@ static void a_residual_is_what_is_left_of_the_recording(void **state)
 static void a_voltage_lies_on_the_run(void **state)
 {
     (void)state;
-    char path[] = "/tmp/hooke-view-XXXXXX", line[80];
-    int fd = mkstemp(path);
-    assert_true(fd >= 0);
-    struct session *session = begin(false, swing);
-    tell(session, "run 9 s");
+    struct session *session = begin_recorded("U [V]", 0.01, 0.025);
     const struct run *run = current(session);
-    dprintf(fd, "t [s]\tU [V]\n");
-    for (size_t i = 0; i < trace_count(run->trace); i += 3)
-        dprintf(fd, "%.17g\t%.17g\n", trace_time(run->trace, i), (trace_state(run->trace, i)[0] - 0.01) / 0.025);
-    close(fd);
-    snprintf(line, sizeof line, "load '%s'", path);
-    tell(session, line);
-    unlink(path);
     assert_shows(session, 80, 24, "o data");
     struct arena arena = {0};
     struct figure figure = figure_of(session, PLOT_POSITION, false, &arena);
