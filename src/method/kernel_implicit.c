@@ -63,7 +63,7 @@ CLOSED_SHAPES(CLOSED_STAGE)
     INLINE enum step_status shape##_stage(const void *known, struct step *step, double t, double h, const double *y,   \
                                           double *z, double *sum, double *work)                                        \
     {                                                                                                                  \
-        return motion_stage(shape##_known_slope, shape##_known_jacobian, known, step, t, h, y, z, sum, work);       \
+        return motion_stage(shape##_known_slope, shape##_known_jacobian, known, step, t, h, y, z, sum, work);          \
     }
 NEWTON_SHAPES(NEWTON_STAGE)
 
@@ -129,42 +129,55 @@ INLINE int64_t diagonal_march(const struct method *method, stage_function *stage
 
 /* ---- the table ---- */
 
+/* Of any row: its stages take so long to solve that the weights are not waited for. */
+#define ANY_KERNEL(shape)                                                                                              \
+    static int64_t shape##_irk(const struct method *method, const struct march *march)                                 \
+    {                                                                                                                  \
+        const struct system *system = march->step->system;                                                             \
+        struct known known = {.oscillator = system->oscillator, .system = system};                                     \
+        forces_take(&known.forces, system);                                                                            \
+        return diagonal_march(method, shape##_stage, shape##_known_slope, &known, march);                              \
+    }
+CLOSED_SHAPES(ANY_KERNEL)
+NEWTON_SHAPES(ANY_KERNEL)
+
+/* Of rows that others are ranked by. */
 #define IRK_ROW JOIN(irk_, __LINE__)
 #define IRK_NAME(shape) JOIN(shape##_irk_, __LINE__)
 #define IRK_KERNEL(shape)                                                                                              \
     static int64_t IRK_NAME(shape)(const struct method *method, const struct march *march)                             \
     {                                                                                                                  \
-        (void)method;                                                                                                  \
         const struct system *system = march->step->system;                                                             \
         struct known known = {.oscillator = system->oscillator, .system = system};                                     \
-        if (IRK_ROW.implicit->diagonal == 0)                                                                           \
-            return 0;                                                                                                  \
+        if (!(IRK_ROW.flags & METHOD_UNROLLED))                                                                        \
+            return shape##_irk(method, march);                                                                         \
         forces_take(&known.forces, system);                                                                            \
         return diagonal_march(&IRK_ROW, shape##_stage, shape##_known_slope, &known, march);                            \
     }
 #define IMPLICIT_RUNGE_KUTTA(...)                                                                                      \
     static const struct method IRK_ROW = {__VA_ARGS__};                                                                \
-    CLOSED_SHAPES(IRK_KERNEL)                                                                                       \
-    NEWTON_SHAPES(IRK_KERNEL)
+    CLOSED_SHAPES(IRK_KERNEL)
 #include "irk.def"
 #undef IMPLICIT_RUNGE_KUTTA
 
+#define ANY_ENTRY(shape) [SHAPE_##shape] = shape##_irk,
 #define IRK_ENTRY(shape) [SHAPE_##shape] = IRK_NAME(shape),
-static const struct {
-    const struct method *method;
-    march_function *march[SHAPE_COUNT]; /* NULL: four variables */
-} kernels[] = {
-#define IMPLICIT_RUNGE_KUTTA(...) {&IRK_ROW, {CLOSED_SHAPES(IRK_ENTRY) NEWTON_SHAPES(IRK_ENTRY)}},
-#include "irk.def"
-};
 
 march_function *implicit_kernel(const struct method *method, const struct system *system)
 {
+    static march_function *const any[SHAPE_COUNT] = {CLOSED_SHAPES(ANY_ENTRY) NEWTON_SHAPES(ANY_ENTRY)};
+    static const struct {
+        const struct method *method;
+        march_function *march[SHAPE_COUNT];
+    } unrolled[] = {
+#define IMPLICIT_RUNGE_KUTTA(...) {&IRK_ROW, {CLOSED_SHAPES(IRK_ENTRY)}},
+#include "irk.def"
+    };
     const int shape = shape_of(system);
     if (shape < 0 || !method->implicit || method->implicit->diagonal == 0)
         return NULL;
-    for (size_t i = 0; i < COUNT_OF(kernels); i++)
-        if (strcmp(kernels[i].method->row.name, method->row.name) == 0)
-            return kernels[i].march[shape];
-    return NULL;
+    for (size_t i = 0; method->flags & METHOD_UNROLLED && i < COUNT_OF(unrolled); i++)
+        if (unrolled[i].march[shape] && strcmp(unrolled[i].method->row.name, method->row.name) == 0)
+            return unrolled[i].march[shape];
+    return any[shape];
 }
