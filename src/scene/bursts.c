@@ -17,15 +17,46 @@
 #define DEPTH_MOST 50
 #define ROUNDING 1e-12
 #define LOOKS 3000 /* bounds of a row */
+#define STEEP 4    /* times the change: a derivative at an end that is no part of a smooth way */
 
-/* The straight way, as bounds of all names on a part of it. */
+/* The way, as bounds of all names on a part of it. */
 struct way {
     const struct typed *typed;
     const double *c; /* of the bound term */
     double t[2];
     const double *from, *to;
+    double bend[2][LIMIT_VARIABLES]; /* from + s (rate + s (bend[0] + s bend[1])), 0 <= s <= 1 */
+    double rate[LIMIT_VARIABLES];
     struct jet name[1 + LIMIT_VARIABLES + TERM_VALUES];
 };
+
+/* Hermite's cubic, which knows the derivatives at the ends; straight where they say little about what is between. */
+static void bend_way(const struct system *system, struct way *way)
+{
+    const double h = way->t[1] - way->t[0];
+    double first[LIMIT_VARIABLES], last[LIMIT_VARIABLES];
+    system_derivative(system, way->t[0], way->from, first);
+    system_derivative(system, way->t[1], way->to, last);
+    for (int i = 0; i < system->n; i++) {
+        const double by = way->to[i] - way->from[i], a = h * first[i], b = h * last[i];
+        const bool curved = fmax(fabs(a), fabs(b)) <= STEEP * fabs(by) + system->scale[i];
+        way->rate[i] = curved ? a : by;
+        way->bend[0][i] = curved ? 3 * by - 2 * a - b : 0;
+        way->bend[1][i] = curved ? a + b - 2 * by : 0;
+    }
+}
+
+static struct jet along(const struct way *way, int i, double a, double b)
+{
+    const double c = way->rate[i], d = way->bend[0][i], e = way->bend[1][i], length2 = (b - a) * (b - a) / 8;
+    const double bend[] = {2 * d + 6 * e * a, 2 * d + 6 * e * b};
+    const double slope[] = {c + a * (2 * d + 3 * e * a), c + b * (2 * d + 3 * e * b)};
+    const double value[] = {way->from[i] + a * (c + a * (d + a * e)), way->from[i] + b * (c + b * (d + b * e))};
+    const double off = fmax(fabs(bend[0]), fabs(bend[1])) * length2, turn = fabs(6 * e) * length2;
+    return (struct jet){interval_wide(fmin(value[0], value[1]) - off, fmax(value[0], value[1]) + off, 2),
+                        interval_wide(fmin(slope[0], slope[1]) - turn, fmax(slope[0], slope[1]) + turn, 2),
+                        interval_wide(fmin(bend[0], bend[1]), fmax(bend[0], bend[1]), 2)};
+}
 
 static struct jet between(double from, double to, double a, double b)
 {
@@ -40,7 +71,7 @@ static void go(struct way *way, double a, double b)
     const int n = typed->model.n;
     way->name[0] = between(way->t[0], way->t[1], a, b);
     for (int i = 0; i < n; i++)
-        way->name[1 + i] = between(way->from[i], way->to[i], a, b);
+        way->name[1 + i] = along(way, i, a, b);
     for (int i = 0; i <= typed->reads; i++)
         way->name[1 + n + i] = jet_number(way->c[1 + i]);
     for (int i = 0; i < typed->observes; i++)
@@ -153,11 +184,11 @@ static int search_row(struct way *way, int row, double size, bool sure, struct b
         const struct stretch_look at = look(way, row, a, b);
         if (!(at.hidden * (b - a) * fabs(way->t[1] - way->t[0]) > TINY * size))
             continue;
-        if (at.hidden <= SEEN * at.seen) {
-            if (depth >= DEPTH_LEAST && (!sure || stands_out(way, row, a, b, at.seen)))
-                count = keep(way, a, b, burst, count, most);
-            continue;
-        }
+        const bool seen = at.hidden <= SEEN * at.seen;
+        if (seen && depth >= DEPTH_LEAST && (!sure || stands_out(way, row, a, b, at.seen)))
+            count = keep(way, a, b, burst, count, most);
+        if (seen && (depth >= DEPTH_LEAST || !stands_out(way, row, a, b, at.seen)))
+            continue; /* of a long stretch one sample may have met a burst by chance */
         if (depth == DEPTH_MOST)
             continue; /* a jump, or no number */
         stack[top].a = middle;
@@ -178,6 +209,7 @@ int system_bursts(const struct system *system, const double t[2], const double *
         return count;
     struct way way = {.typed = typed, .c = system->typed.c, .t = {t[0], t[1]}, .from = from, .to = to};
     const int rows = typed_rows(typed);
+    bend_way(system, &way);
     for (int i = 0; i < rows; i++)
         count = search_row(&way, i, system->scale[system->n - rows + i], sure, burst, count, most);
     return count;

@@ -37,8 +37,10 @@ static const struct candidate {
 #define PARTS 4          /* of all but the first: no step is longer than a thousandth of the span, */
 #define PARTS_IN_TIME 32 /* where the law changes with time than an 8000th: there may be pulses */
 
-#define BURSTS 64
+#define BURSTS 4096
 #define PARTS_OF_BURST 16 /* bounds are wider than the truth */
+#define NODES 66          /* states between which an interval of the grid is looked at */
+#define ROUNDS 12         /* times an interval is solved again with what was found in it */
 
 struct search {
     const struct system *system;
@@ -50,9 +52,13 @@ struct search {
     bool failed;                         /* no memory */
     bool stiff;                          /* an explicit method became too dear: the others will, too */
     int parts;                           /* adaptive steps end at so many parts of each grid interval, */
-    struct burst burst[BURSTS];          /* and at so many parts of each of these, in the order of the way */
+    struct burst *burst;                 /* [BURSTS] and at so many parts of each of these, in the order of the way */
     int bursts;
     bool looked; /* for them */
+    struct node {
+        double t, y[LIMIT_VARIABLES];
+    } *node; /* [NODES] where bursts begin and end in an interval, and its ends */
+    int nodes;
 };
 
 static double *solution(const struct search *search, enum kind kind)
@@ -83,79 +89,191 @@ static double largest_distance(const struct search *search, const double *a, con
     return most;
 }
 
-/* Where the next adaptive step ends at the latest, on the way from t to `to`; shift: of the clock. */
-static double next_stop(const struct search *search, double t, double to, double shift)
+/* Where the next adaptive step ends at the latest, on the way from t to `to`; shift: of the clock; *at: the burst that
+ * is ahead. */
+static double next_stop(const struct search *search, int *at, double t, double to, double shift)
 {
     const double way = to > t ? 1 : -1;
-    for (int i = 0; i < search->bursts; i++) {
-        const struct burst *burst = &search->burst[i];
-        for (int k = 0; k <= PARTS_OF_BURST; k++) {
-            const double at = burst->from + (burst->to - burst->from) * k / PARTS_OF_BURST - shift;
-            if (way * (at - t) > 0 && way * (to - at) > 0)
-                return at;
-        }
+    while (*at < search->bursts && way * (search->burst[*at].to - shift - t) <= 0)
+        ++*at;
+    if (*at == search->bursts)
+        return to;
+    const struct burst *burst = &search->burst[*at];
+    for (int k = 0; k <= PARTS_OF_BURST; k++) {
+        const double stop = burst->from + (burst->to - burst->from) * k / PARTS_OF_BURST - shift;
+        if (way * (stop - t) > 0 && way * (to - stop) > 0)
+            return stop;
     }
     return to;
 }
 
+static void add_node(struct search *search, double t, const double *y)
+{
+    if (search->nodes == NODES - 1) /* the last one is that of the end */
+        return;
+    search->node[search->nodes].t = t;
+    memcpy(search->node[search->nodes++].y, y, (size_t)search->system->n * sizeof *y);
+}
+
+/* An interval of the grid, and its clock. */
+struct interval_of_grid {
+    double from, to, shift;
+};
+
+static enum stop cross_fixed(const struct search *search, struct solver *s, const struct interval_of_grid *interval,
+                             int64_t steps)
+{
+    for (int64_t i = 0; i < steps; i++) {
+        const double h = (interval->to - interval->from) / (double)steps;
+        s->step.t = interval->from + h * (double)i;
+        s->step.h = h;
+        const enum step_status status = method_turning_step(s->method, &s->step);
+        if (status != STEP_OK)
+            return solver_stop(status);
+        if (solver_cost(s) > s->most)
+            return STOP_FULL;
+        if ((i & 63) == 63 && cancelled(search->cancel))
+            return STOP_CANCELLED;
+    }
+    return STOP_END;
+}
+
+/* No step across the ends of `parts` equal parts of it, nor across a burst. */
+static enum stop cross_adaptive(struct search *search, struct solver *s, struct controller *controller,
+                                const struct interval_of_grid *interval)
+{
+    const int parts = search->parts;
+    const double from = interval->from, to = interval->to;
+    int part = 1, at = 0;
+    search->nodes = 0;
+    add_node(search, from + interval->shift, s->y);
+    for (int64_t i = 0; s->step.t != to; i++) {
+        const double next = part < parts ? from + (to - from) * part / parts : to;
+        const double stop = next_stop(search, &at, s->step.t, next, interval->shift);
+        const enum step_status status = method_adapt(s->method, &s->step, controller, stop);
+        part += s->step.t == next;
+        if (status != STEP_OK)
+            return solver_stop(status);
+        if (s->step.t == stop && stop != next)
+            add_node(search, stop + interval->shift, s->y);
+        if (solver_cost(s) > s->most)
+            return STOP_FULL;
+        if ((i & 63) == 63 && cancelled(search->cancel))
+            return STOP_CANCELLED;
+    }
+    search->node[search->nodes].t = to + interval->shift;
+    memcpy(search->node[search->nodes++].y, s->y, (size_t)search->system->n * sizeof *s->y);
+    return STOP_END;
+}
+
+static int by_time(const void *a, const void *b)
+{
+    const double x = ((const struct burst *)a)->from, y = ((const struct burst *)b)->from;
+    return (x > y) - (x < y);
+}
+
+static int by_time_back(const void *a, const void *b)
+{
+    return by_time(b, a);
+}
+
+/* Bursts of the interval that was just crossed, from those before it on; false: none that are new. */
+static bool look_for_bursts(struct search *search, int before)
+{
+    const bool forward = search->reference->span > 0;
+    const int count = search->bursts;
+    for (int i = 0; i + 1 < search->nodes; i++) {
+        const struct node *node = &search->node[i];
+        const double t[2] = {node[0].t, node[1].t};
+        if (t[0] != t[1])
+            search->bursts = before + system_bursts(search->system, t, node[0].y, node[1].y, false,
+                                                    search->burst + before, search->bursts - before, BURSTS - before);
+    }
+    qsort(search->burst + before, (size_t)(search->bursts - before), sizeof *search->burst,
+          forward ? by_time : by_time_back);
+    return search->bursts > count || search->bursts > before;
+}
+
+static double moved_by(const struct system *system, const double *a, const double *b)
+{
+    double most = 0;
+    for (int i = 0; i < system->n; i++)
+        most = fmax(most, fabs(a[i] - b[i]) / fmax(system->scale[i], fmax(fabs(a[i]), fabs(b[i]))));
+    return most;
+}
+
+/*
+ * The interval again, with steps that end at what was found along the way through it, until that changes nothing: what
+ * happens there may lead elsewhere. Where the first round changes nothing it had been seen, and is forgotten.
+ */
+static enum stop cross_bursts(struct search *search, struct solver *s, struct controller *controller,
+                              const struct interval_of_grid *interval)
+{
+    const size_t size = (size_t)search->system->n * sizeof(double);
+    const struct controller at_first = *controller;
+    const int before = search->bursts;
+    double y[LIMIT_VARIABLES], low[LIMIT_VARIABLES], last[LIMIT_VARIABLES];
+    memcpy(y, s->y, size);
+    memcpy(low, s->low, size);
+    enum stop stop = cross_adaptive(search, s, controller, interval);
+    for (int round = 0; round < ROUNDS && stop == STOP_END && look_for_bursts(search, before); round++) {
+        memcpy(last, s->y, size);
+        memcpy(s->y, y, size);
+        memcpy(s->low, low, size);
+        *controller = at_first;
+        s->step.t = interval->from;
+        s->step.warm = s->step.again = false;
+        stop = cross_adaptive(search, s, controller, interval);
+        if (stop != STOP_END || moved_by(search->system, s->y, last) >= SAME)
+            continue;
+        search->bursts = round == 0 ? before : search->bursts;
+        break;
+    }
+    return stop;
+}
+
 /*
  * Every grid time is hit. Where the laws do not depend on time the clock starts anew at each of them, so that rounding
- * of the time does not add up. steps: in an interval, 0: adaptive, none across
- * the ends of `parts` equal parts of it, nor across a burst.
+ * of the time does not add up. steps: in an interval, 0: adaptive.
  */
-static enum stop walk(const struct search *search, struct solver *s, int64_t steps, double *grid)
+static enum stop walk(struct search *search, struct solver *s, int64_t steps, double *grid)
 {
-    const struct cancel *cancel = search->cancel;
-    const int parts = search->parts;
     const int n = s->system->n;
-    const double interval = s->span / (STUDY_TIMES - 1);
+    const bool anew = s->system->autonomous, looking = steps == 0 && !search->looked;
     struct controller controller = {.tol = s->tol};
-    enum step_status status = STEP_OK;
     solver_start(s);
     s->step.y = s->y;
     s->step.low = s->low;
+    search->bursts = looking ? 0 : search->bursts;
     memcpy(grid, s->y, (size_t)n * sizeof *grid);
     for (int k = 1; k < STUDY_TIMES; k++) {
-        const bool anew = s->system->autonomous;
-        const double from = anew ? 0 : s->system->t0 + s->span * (k - 1) / (STUDY_TIMES - 1);
-        const double to = anew ? interval : s->system->t0 + s->span * k / (STUDY_TIMES - 1);
-        const double shift = anew ? s->system->t0 + s->span * (k - 1) / (STUDY_TIMES - 1) : 0;
-        s->step.t = from;
+        const double begin = s->system->t0 + s->span * (k - 1) / (STUDY_TIMES - 1);
+        const double end = s->system->t0 + s->span * k / (STUDY_TIMES - 1);
+        const struct interval_of_grid interval = {anew ? 0 : begin, anew ? s->span / (STUDY_TIMES - 1) : end,
+                                                  anew ? begin : 0};
+        s->step.t = interval.from;
         s->step.warm = s->step.again = false;
-        int part = 1;
-        for (int64_t i = 0; steps > 0 ? i < steps : s->step.t != to; i++) {
-            if (steps > 0) {
-                s->step.t = from + interval / (double)steps * (double)i;
-                s->step.h = interval / (double)steps;
-                status = method_turning_step(s->method, &s->step);
-            } else {
-                const double next = part < parts ? from + (to - from) * part / parts : to;
-                const double stop = next_stop(search, s->step.t, next, shift);
-                status = method_adapt(s->method, &s->step, &controller, stop);
-                part += s->step.t == next;
-            }
-            if (status != STEP_OK)
-                return solver_stop(status);
-            if (solver_cost(s) > s->most)
-                return STOP_FULL;
-            if ((i & 63) == 63 && cancelled(cancel))
-                return STOP_CANCELLED;
-        }
-        if (cancelled(cancel))
+        const enum stop stop = steps > 0 ? cross_fixed(search, s, &interval, steps)
+                               : looking ? cross_bursts(search, s, &controller, &interval)
+                                         : cross_adaptive(search, s, &controller, &interval);
+        if (stop != STOP_END)
+            return stop;
+        if (cancelled(search->cancel))
             return STOP_CANCELLED;
         memcpy(grid + k * n, s->y, (size_t)n * sizeof *grid);
     }
+    search->looked |= looking;
     return STOP_END;
 }
 
 /* Inside of a burst that is short the clock has few digits left: what is found there is as good as it can be. */
 static bool solve_adaptive(struct search *search, struct solver *s, bool explicit, double *grid)
 {
-    const bool bursts = search->bursts > 0;
-    const int tries = bursts ? TRIES_BURST : TRIES;
-    s->most /= bursts ? tries : 1;
-    for (int try = 0; try < tries; try++, s->tol *= 10) {
+    const int64_t most = s->most;
+    for (int try = 0; try < (search->bursts > 0 ? TRIES_BURST : TRIES); try++, s->tol *= 10) {
+        s->most = search->bursts > 0 ? most / TRIES_BURST : most;
         const enum stop stop = walk(search, s, 0, grid);
+        const bool bursts = search->bursts > 0;
         search->stiff |= stop == STOP_FULL && explicit && !bursts;
         if (stop == STOP_END || stop == STOP_CANCELLED || (stop == STOP_FULL && !bursts))
             return stop == STOP_END;
@@ -168,7 +286,7 @@ static bool solve_fixed(struct search *search, struct solver *s, double *grid)
 {
     double *finer = solution(search, KIND_COUNT), moved = HUGE_VAL;
     bool have = false;
-    for (int64_t steps = 1; steps <= 1 << 20; steps *= 2) {
+    for (int64_t steps = search->parts; steps <= 1 << 20; steps *= 2) {
         if (walk(search, s, steps, finer) != STOP_END) {
             if (have || solver_cost(s) > s->most || cancelled(search->cancel))
                 break;
@@ -264,32 +382,6 @@ static bool shrinks_fast(const struct system *system, double span)
     return -trace * span > SHRINKS;
 }
 
-/* Bursts along the way that a solution takes. */
-static void look_for_bursts(struct search *search, const double *grid)
-{
-    const struct system *system = search->system;
-    const double span = search->reference->span;
-    for (int k = 1; k < STUDY_TIMES && !cancelled(search->cancel); k++) {
-        const double t[2] = {system->t0 + span * (k - 1) / (STUDY_TIMES - 1),
-                             system->t0 + span * k / (STUDY_TIMES - 1)};
-        search->bursts = system_bursts(system, t, grid + (k - 1) * system->n, grid + k * system->n, false, search->burst,
-                                       search->bursts, BURSTS);
-    }
-}
-
-/* Again with steps that end there; where that changes nothing they had been seen, and are forgotten. */
-static bool solve_with_bursts(struct search *search, const struct candidate *candidate)
-{
-    double *first = solution(search, KIND_COUNT), *grid = solution(search, candidate->kind);
-    memcpy(first, grid, search->size * sizeof *first);
-    search->by[candidate->kind] = NULL;
-    const bool found = try_candidate(search, candidate);
-    set_amplitudes(search->reference, search->system, found ? grid : first);
-    if (found && largest_distance(search, grid, first) < SAME)
-        search->bursts = 0;
-    return found;
-}
-
 /* All but the first take steps of a bounded size: a pulse that long ones step over does not escape both. */
 static void search_kinds(struct search *search, bool explicit_ones, bool others)
 {
@@ -298,13 +390,7 @@ static void search_kinds(struct search *search, bool explicit_ones, bool others)
         const bool explicit = candidates[i].kind == KIND_EXPLICIT;
         if ((explicit ? !explicit_ones : !others) || (search->bursts > 0 && candidates[i].tol == 0))
             continue; /* steps of one size, short enough for a burst, would be too many */
-        bool found = try_candidate(search, &candidates[i]);
-        if (found && !search->looked) {
-            search->looked = true;
-            look_for_bursts(search, solution(search, candidates[i].kind));
-            found = search->bursts == 0 || solve_with_bursts(search, &candidates[i]);
-        }
-        if (found) {
+        if (try_candidate(search, &candidates[i])) {
             confront(search, candidates[i].kind);
             search->parts = search->system->autonomous ? PARTS : PARTS_IN_TIME;
         }
@@ -346,7 +432,12 @@ bool study_reference(const struct system *system, double span, const struct canc
     system_turn_at_kinks(&smooth);
     struct search search = {.system = &smooth, .reference = reference, .cancel = cancel, .size = size, .parts = 1};
     search.grid = calloc((KIND_COUNT + 1) * size, sizeof *search.grid);
-    if (!search.grid) {
+    search.burst = calloc(BURSTS, sizeof *search.burst);
+    search.node = calloc(NODES, sizeof *search.node);
+    if (!search.grid || !search.burst || !search.node) {
+        free(search.grid);
+        free(search.burst);
+        free(search.node);
         reference_free(reference);
         return error_memory(error);
     }
@@ -355,6 +446,8 @@ bool study_reference(const struct system *system, double span, const struct canc
     if (late && !(reference->by[1] && reference->accuracy <= ENOUGH))
         search_kinds(&search, true, false);
     free(search.grid);
+    free(search.burst);
+    free(search.node);
     if (cancelled(cancel) || search.failed || !reference->by[1]) {
         reference_free(reference);
         return search.failed ? error_memory(error)

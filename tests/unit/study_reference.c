@@ -144,6 +144,47 @@ static void test_narrow_pulses(void **state)
         }
 }
 
+/*
+ * Pulses that only the solution leads to: at each passage of a swing, behind a pulse that starts a clock, and more of
+ * them than one in each interval of the grid. A pulse of area 1 in y adds 1/|y'|.
+ */
+static void test_pulses_on_the_way(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *lines[7];
+        double right;
+    } cases[] = {
+        {{"var x = 0", "var y = 1", "var z = 0", "x' = exp(-((y - 0.3)/1e-6)^2)/1e-6/sqrt(pi)", "y' = z", "z' = -y"},
+         3.1448545101657551}, /* 3/sqrt(1 - 0.09) */
+        {{"var x = 0", "var y = 0", "var z = 0", "z' = exp(-((t - 2.2)/1e-5)^2)/1e-5/sqrt(pi)", "y' = z",
+          "x' = exp(-((y - 3.1)/1e-6)^2)/1e-6/sqrt(pi)"},
+         1},
+        {{"var x = 0", "x' = exp(-1e10*(sin(t) - 0.5)^2)*1e5/sqrt(pi)"}, 4.6188021535170058}, /* 4/cos(pi/6) */
+        {{"var x = 0", "x' = exp(-((mod(t, 0.1) - 0.0512)/1e-6)^2)/1e-6/sqrt(pi)"}, 100},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        if (!getenv("LONG") && i != 2) /* about a second each */
+            continue;
+        struct scene scene;
+        struct system system;
+        struct reference reference;
+        struct error error = {0};
+        struct typed_models *models = typed_create(&error);
+        const char *lines[8] = {0};
+        memcpy(lines, cases[i].lines, sizeof cases[i].lines);
+        scene_init(&scene, NULL);
+        assert_true(type_scene(models, &scene, lines));
+        assert_true(scene_bind(&scene, &system, &error));
+        assert_true(study_reference(&system, 10, NULL, &reference, &error));
+        const double end = reference.y[(STUDY_TIMES - 1) * system.n];
+        if (!(fabs(end - cases[i].right) <= 1e-8))
+            fail_msg("%s: %.17g for %.17g, accuracy %g", cases[i].lines[1], end, cases[i].right, reference.accuracy);
+        reference_free(&reference);
+        typed_destroy(models);
+    }
+}
+
 static void test_cancelled(void **state)
 {
     (void)state;
@@ -185,6 +226,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_closed_form),    cmocka_unit_test(test_two_kinds_against_the_truth),
         cmocka_unit_test(test_quadratic_drag), cmocka_unit_test(test_narrow_pulses),
+        cmocka_unit_test(test_pulses_on_the_way),
         cmocka_unit_test(test_cancelled),      cmocka_unit_test(test_loss_of_meaning),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
