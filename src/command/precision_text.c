@@ -7,7 +7,6 @@
 #include <string.h>
 
 #define WIDE 110 /* [cell] from here on end, phase and amplitude errors are shown, too */
-#define LEVELS 13
 
 /* ---- a method ---- */
 

@@ -5,6 +5,7 @@
 
 #include "export.h"
 
+#define LEVELS 13
 /* Letter of a curve in tables and figure. */
 char precision_letter(int curve);
 /* One table a method; a wide one has more columns. */
