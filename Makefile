@@ -11,8 +11,8 @@ HOOKE_NIST ?= ../shared/nist
 VERSION := 0.1.0
 
 # Layers, left to right: an include may only go left, and each layer's tests link without the layers to its right.
-LIBRARY_LAYERS := base scene method run data analysis figure study
-PROGRAM_LAYERS := command view terminal
+LIBRARY_LAYERS := base result scene method run data analysis figure study
+PROGRAM_LAYERS := session language plot report command view terminal
 LAYERS := $(LIBRARY_LAYERS) $(PROGRAM_LAYERS)
 
 Q := $(if $(filter 1,$(V)),,@)
@@ -60,12 +60,12 @@ CONTAINER_CFLAGS := $(foreach l,archive expat freexl,$(shell p=$(if $(filter arc
 endif
 OPTIONAL_CPPFLAGS := $(CONTAINER_CFLAGS) $(CAIRO_CFLAGS) $(if $(SUNDIALS_LIBS),-DHOOKE_SUNDIALS)
 # What is compiled with them.
-OPTIONAL_SOURCES := $(wildcard src/figure/*.c tests/unit/figure_*.c) src/method/catalog.c src/method/cvode.c \
-  src/data/archive.c src/data/xml.c src/data/workbook_old.c $(wildcard tests/unit/data_container*.c)
+OPTIONAL_SOURCES := $(wildcard src/figure/*.c tests/unit/figure/*.c) src/method/rows/catalog.c src/method/step/cvode.c \
+  $(addprefix src/data/container/,archive.c xml.c workbook_old.c) $(wildcard tests/unit/data/container*.c)
 # Tests that say something else with them than without.
 OPTIONAL_TESTS = $(shell grep -liE 'cairo|cvode|libarchive|"\# needs' $(TEST_SOURCES) $(TEST_SCRIPTS))
 
-CPPFLAGS += -D_GNU_SOURCE -DHOOKE_VERSION='"$(VERSION)"' -Iinclude -Ibuild
+CPPFLAGS += -D_GNU_SOURCE -DHOOKE_VERSION='"$(VERSION)"' -Iinclude -Isrc -Ibuild
 CFLAGS   := -std=c11 $(OPT_$(CONFIG)) $(WARNINGS) $(NUMBERS) $(HARDEN) -fPIE $(CFLAGS_EXTRA)
 LDFLAGS  := $(filter -fsanitize% --coverage,$(OPT_$(CONFIG))) $(LDHARDEN) $(LDFLAGS_EXTRA)
 LIBS     := $(SUNDIALS_LIBS) $(GSL_LIBS) -lm -ldl
@@ -77,21 +77,20 @@ B   := build/$(CONFIG)
 D   := $(if $(filter no,$(OPTIONAL)),build/plain$(if $(filter release,$(CONFIG)),,-$(CONFIG)),$(B))
 TOP := $(if $(filter build/release,$(D)),build,$(D))
 
-# Objects of sources: src/layer/name.c is $(B)/layer/name.o, tests/kind/name.c is $(B)/tests/kind/name.o.
+# Objects of sources: src/PATH.c is $(B)/PATH.o, tests/PATH.c is $(B)/tests/PATH.o.
 object   = $(foreach s,$(1),$(if $(filter $(OPTIONAL_SOURCES),$(s)),$(D),$(B))/$(patsubst src/%,%,$(s:.c=.o)))
-objects  = $(call object,$(sort $(wildcard src/$(1)/*.c)))
+objects  = $(call object,$(sort $(wildcard src/$(1)/*.c src/$(1)/*/*.c src/$(1)/*/*/*.c)))
 upto     = $(if $(filter $(1),$(firstword $(2))),$(1),$(firstword $(2)) $(call upto,$(1),$(wordlist 2,99,$(2))))
 
-# A format is one file: src/data/NAME.def with its functions and its row. The list of them follows from the folder.
-FORMATS := $(sort $(wildcard src/data/*.def))
+# A format is one file: src/data/formats/NAME.def with its functions and its row. The list of them follows from the folder.
+FORMATS := $(sort $(wildcard src/data/formats/*.def))
 $(shell mkdir -p build && printf '#include "../%s"\n' $(FORMATS) >build/formats.new && \
   { cmp -s build/formats.new build/formats.def || cp build/formats.new build/formats.def; }; rm -f build/formats.new)
 
 LIBRARY_OBJECTS := $(foreach l,$(LIBRARY_LAYERS),$(call objects,$(l)))
 PROGRAM_OBJECTS := $(foreach l,$(PROGRAM_LAYERS),$(call objects,$(l))) $(B)/main.o
 
-TEST_SOURCES := $(sort $(wildcard tests/unit/*.c tests/numerics/*.c tests/data/*.c tests/faults/*.c tests/terminal/*.c \
-  tests/fuzz/*.c))
+TEST_SOURCES := $(sort $(wildcard $(foreach kind,unit numerics data faults terminal,tests/$(kind)/*/*.c) tests/fuzz/*.c))
 TEST_PROGRAMS := $(patsubst tests/%.c,$(D)/tests/%,$(TEST_SOURCES))
 TEST_SCRIPTS := $(sort $(wildcard tests/*/*.sh))
 FUZZERS      := $(patsubst tests/fuzz/%.c,%,$(sort $(wildcard tests/fuzz/*.c)))
@@ -114,17 +113,19 @@ $(TOP)/hooke.1: $(TOP)/hooke scripts/reference
 	$(call say,MAN,$@)
 	$(Q)scripts/reference man $(TOP)/hooke > $@
 
+KERNELS := $(patsubst src/%.c,$(B)/%.o,$(wildcard src/method/kernel/*.c))
 # Loops over many steps: unrolled and vectorised where the configuration is for speed at all.
-$(B)/run/many.o $(B)/run/propagate.o $(B)/run/work.o $(B)/run/work_terms.o $(B)/run/ledger.o $(B)/analysis/equation.o $(patsubst src/%.c,$(B)/%.o,$(wildcard src/method/kernel*.c)): \
+$(addprefix $(B)/,run/many.o run/propagate.o run/energy/work.o run/energy/work_terms.o run/energy/ledger.o analysis/law/equation.o) \
+  $(KERNELS): \
   CFLAGS += $(if $(filter -O2,$(OPT_$(CONFIG))),-O3)
-$(B)/scene/program_lanes.o: CFLAGS += $(if $(filter -O2,$(OPT_$(CONFIG))),-O3) -fno-math-errno
+$(B)/scene/formula/program/lanes.o: CFLAGS += $(if $(filter -O2,$(OPT_$(CONFIG))),-O3) -fno-math-errno
 # Hundreds of unrolled bodies: under the sanitizers they would take minutes to compile. The general path, which gives the
 # same bits, is instrumented.
-$(patsubst src/%.c,$(B)/%.o,$(wildcard src/method/kernel*.c)): CFLAGS += $(if $(findstring sanitize,$(OPT_$(CONFIG))),-fno-sanitize=all)
+$(KERNELS): CFLAGS += $(if $(findstring sanitize,$(OPT_$(CONFIG))),-fno-sanitize=all)
 # Packing position and velocity into one register lengthens the chain from step to step.
-$(patsubst src/%.c,$(B)/%.o,$(wildcard src/method/kernel*.c)): CFLAGS += $(call probe,-fno-tree-slp-vectorize)
+$(KERNELS): CFLAGS += $(call probe,-fno-tree-slp-vectorize)
 
-compile_source = $(CC) $(CPPFLAGS) $(if $(filter terminal,$(notdir $(@D))),$(LINE_CFLAGS)) $(GSL_CFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
+compile_source = $(CC) $(CPPFLAGS) $(if $(findstring /terminal/,$@),$(LINE_CFLAGS)) $(GSL_CFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
 
 $(B)/%.o: src/%.c Makefile
 	$(call say,CC,$<)
@@ -149,7 +150,7 @@ optional: ## the optional libraries that this build uses
 	@echo $(strip $(if $(CAIRO_CFLAGS),cairo) $(shell echo $(patsubst -DHAVE_%,%,$(filter -DHAVE_%,$(CONTAINER_CFLAGS))) | tr A-Z a-z) $(if $(SUNDIALS_LIBS),sundials))
 
 # ---- tests ------------------------------------------------------------------------------------------------------------
-# tests/<kind>/<layer>_<subject>.c is linked with the layers up to <layer> only.
+# tests/<kind>/<layer>/<subject>.c is linked with the layers up to <layer> only.
 
 compile_test = $(CC) $(CPPFLAGS) -Itests $(GSL_CFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
 
@@ -165,7 +166,7 @@ $(filter $(D)/tests/%,$(OPTIONAL_OBJECTS)): $(D)/tests/%.o: tests/%.c Makefile
 	$(Q)$(compile_test)
 endif
 
-layer_of = $(if $(findstring fuzz/,$(1)),command,$(firstword $(subst _, ,$(notdir $(1)))))
+layer_of = $(if $(findstring fuzz/,$(1)),command,$(word 2,$(subst /, ,$(1))))
 
 .SECONDEXPANSION:
 $(TEST_PROGRAMS): $(D)/tests/%: $$(call object,tests/%.c) \
@@ -223,7 +224,7 @@ install: all ## install the program, library, headers and man page under PREFIX
 	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib $(DESTDIR)$(PREFIX)/include/hooke $(DESTDIR)$(PREFIX)/share/man/man1
 	install -m 755 $(TOP)/hooke $(DESTDIR)$(PREFIX)/bin/hooke
 	install -m 644 $(TOP)/libhooke.a $(DESTDIR)$(PREFIX)/lib/libhooke.a
-	install -m 644 include/hooke/*.h $(DESTDIR)$(PREFIX)/include/hooke/
+	cd include && find hooke -name '*.h' -exec install -D -m 644 {} $(DESTDIR)$(PREFIX)/include/{} \;
 	install -m 644 $(TOP)/hooke.1 $(DESTDIR)$(PREFIX)/share/man/man1/hooke.1
 
 uninstall: ## remove what install put there

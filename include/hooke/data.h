@@ -165,38 +165,6 @@ void recording_clean(struct recording *recording);
 /* "cleaned: 7 of 523 samples masked (5 in spikes, 2 in stuck)" and a newline; nothing where it was not cleaned. */
 void recording_describe_masked(const struct recording *recording, struct buffer *text);
 
-/* ---- tables out ---- */
-
-enum table_format { TABLE_CSV, TABLE_TSV, TABLE_JSON };
-
-struct table_column {
-    const char *name, *unit;
-    const double *value; /* [rows], or NULL and `text` */
-    const char *const *text;
-};
-
-struct table_key {
-    const char *key, *value; /* "dt", "10 ms" */
-};
-
-struct table {
-    const struct table_key *key; /* written as `# key = value` lines, or as an object in JSON */
-    int keys;
-    const struct table_column *column;
-    int columns;
-    size_t rows;
-};
-
-extern const struct catalog table_format_catalog; /* struct row at the enum's place: csv, tsv, json */
-
-/* Every double reads back bit for bit; `.` and newline whatever the locale. Text cells that could be a formula or
- * contain the separator are quoted. */
-void table_format(const struct table *table, enum table_format format, struct buffer *out);
-bool table_write(const struct table *table, enum table_format format, const char *path, struct write_policy policy,
-                 struct error *error);
-void buffer_json_text(struct buffer *out, struct text text); /* quoted and escaped, valid UTF-8 */
-void buffer_json_real(struct buffer *out, double value);     /* null where not finite */
-
 /* A unit in any spelling that headers of files have ("in", "um", "m/s²"), in the arena; NULL: none. False: no memory. */
 bool unit_spelled(struct text text, struct arena *arena, const struct unit **unit);
 

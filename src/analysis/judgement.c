@@ -4,7 +4,7 @@
  * iteration ended. The residuals' part in the space of the derivatives is what a further step could still gain (the
  * relative offset of Bates & Watts 1981); the singular values say which parameters the data determine.
  */
-#include "least_squares.h"
+#include "analysis/fit/least_squares.h"
 
 #include <gsl/gsl_blas.h>
 #include <gsl/gsl_cdf.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What a series looks like before any model, and the robust damped sine that every analysis of an oscillation starts
  * from. */
-#include "track.h"
+#include "analysis/period/track.h"
 
 #include <math.h>
 #include <stdio.h>

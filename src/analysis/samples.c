@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A series prepared for analysis: its time grid, its noise, its spikes. */
-#include "internal.h"
+#include "analysis/internal.h"
 
 #include <gsl/gsl_statistics_double.h>
 #include <math.h>

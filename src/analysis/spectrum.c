@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Spectra: Hann window, zero padding, log-parabolic peak; the peak is refined by least squares (Lomb–Scargle) on the
  * true times. */
-#include "internal.h"
+#include "analysis/internal.h"
 
 #include <gsl/gsl_fft_real.h>
 #include <math.h>

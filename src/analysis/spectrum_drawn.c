@@ -6,7 +6,7 @@
  * that would interpolate there (Press and Rybicki 1989, Astrophys. J. 338:277); a grid twice as fine
  * keeps that right to (3/128) (pi/2)^4 at the end of the axis, and to 3e-5 at ten samples a period.
  */
-#include "internal.h"
+#include "analysis/internal.h"
 
 #include <gsl/gsl_fft_real.h>
 #include <math.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What a user should know about a fit before believing it. */
-#include "internal.h"
+#include "analysis/internal.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -8,7 +8,7 @@
 #ifndef HOOKE_BASE_DECIMAL_H
 #define HOOKE_BASE_DECIMAL_H
 
-#include "hooke/base.h"
+#include <hooke/base.h>
 
 __extension__ typedef unsigned __int128 wide;
 

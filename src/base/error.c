@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "hooke/base.h"
-#include "internal.h"
+#include <hooke/base.h>
+#include "base/internal.h"
 
 #include <locale.h>
 #include <stdio.h>

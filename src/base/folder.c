@@ -3,8 +3,8 @@
  * Folders whole or not at all. rename(2) puts a new one in place and fails where the name is taken by anything but an
  * empty folder; with force both names are exchanged, and the old folder is removed under the hidden one.
  */
-#include "hooke/base.h"
-#include "internal.h"
+#include <hooke/base.h>
+#include "base/internal.h"
 
 #include <dirent.h>
 #include <errno.h>

@@ -3,7 +3,7 @@
 #ifndef HOOKE_BASE_INTERNAL_H
 #define HOOKE_BASE_INTERNAL_H
 
-#include "hooke/base.h"
+#include <hooke/base.h>
 
 #define SAFE_NAME_SIZE 160
 

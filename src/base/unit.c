@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "decimal.h"
-#include "hooke/base.h"
+#include "base/decimal.h"
+#include <hooke/base.h>
 
 #include <math.h>
 #include <string.h>

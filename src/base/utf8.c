@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "hooke/base.h"
+#include <hooke/base.h>
 
 uint32_t text_codepoint(struct text text, size_t *used)
 {

@@ -4,8 +4,8 @@
  * the program dies. It gets its name by link(2), which fails where the name exists; with force a second step,
  * rename(2), replaces the old file. Every name is looked up in the folder opened at the start, wherever that is moved.
  */
-#include "hooke/base.h"
-#include "internal.h"
+#include <hooke/base.h>
+#include "base/internal.h"
 
 #include <errno.h>
 #include <fcntl.h>

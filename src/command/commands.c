@@ -2,14 +2,14 @@
 /* All commands in one table: the rows at the bottom of every cmd_*.c. */
 #define COMMAND_ROWS
 #define COMMAND(id, ...) bool command_##id(HANDLER_PARAMETERS);
-#include "choices.h"
+#include "command/internal.h"
 
-#include "commands.def"
+#include "command/commands.def"
 #undef COMMAND
 
 #define COMMAND(id, ...) {.handler = command_##id, __VA_ARGS__},
 static const struct command commands[] = {
-#include "commands.def"
+#include "command/commands.def"
 };
 
 const struct catalog command_catalog = CATALOG("command", commands);

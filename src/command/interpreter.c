@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Lines to statements, statements to handlers: atomic, undoable, recorded. */
-#include "events.h"
-#include "fit_band.h"
-#include "history.h"
-#include "reply.h"
-#include "story.h"
+#include "command/internal.h"
+#include "command/run/passage.h"
+#include "command/story.h"
 
 #include <stdio.h>
 #include <string.h>

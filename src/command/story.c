@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "story.h"
+#include "command/internal.h"
+#include "command/story.h"
 
 #include <string.h>
 

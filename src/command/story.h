@@ -7,7 +7,7 @@
 #ifndef HOOKE_COMMAND_STORY_H
 #define HOOKE_COMMAND_STORY_H
 
-#include "internal.h"
+#include "command/internal.h"
 
 /* A statement is over. at: length of the story when it began: what was typed while it went on comes after it. */
 void story_tell(struct session *session, const struct arguments *arguments, struct text statement, bool nested, bool ok,

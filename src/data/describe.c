@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "table.h"
+#include "data/table/table.h"
 
 #define COLUMNS_SHOWN 8
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "container.h"
-#include "table.h"
+#include "data/container/container.h"
+#include "data/table/table.h"
 
 #include <math.h>
 #include <stdio.h>

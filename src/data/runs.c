@@ -3,7 +3,7 @@
  * Several recordings in one file: side by side, each with columns of its own, or below each other, each a block with a
  * header of its own. Users call them as the instrument does ("Run #2", "Latest"), or by number.
  */
-#include "table.h"
+#include "data/table/table.h"
 
 #include <math.h>
 #include <stdio.h>

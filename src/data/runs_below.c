@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Several recordings below each other in one table: each begins where the clock goes back to the start. */
-#include "table.h"
+#include "data/table/table.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Pictures as files: their catalog, and the way to cairo. */
-#include "cairo_api.h"
+#include "figure/cairo_api.h"
 
 static const struct row picture_rows[] = {
     [PICTURE_SVG] = {"svg", "", "a picture for the web and for documents", "", NULL},

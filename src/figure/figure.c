@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Figures: frame, axes, titles, legend and curves in a rectangle of cells. */
-#include "internal.h"
+#include "figure/internal.h"
 
 #include <stdio.h>
 

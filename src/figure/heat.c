@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A heat map in text: shades that are told apart without colour, labelled axes, a legend of the shades. */
-#include "internal.h"
+#include "figure/internal.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Layout: what of a figure fits into a rectangle: frame, labels, ranges, ticks. */
-#include "internal.h"
+#include "figure/internal.h"
 
 #define LEAST_ROWS 3     /* with less plot than this the x labels go */
 #define LEAST_COLUMNS 10 /* with less plot than this the y labels go */

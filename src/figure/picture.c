@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Pictures: the page, its axes, titles and legend, and the file that comes of it. */
-#include "picture.h"
+#include "figure/picture.h"
 
 #ifdef HAVE_CAIRO
 #include <stdio.h>

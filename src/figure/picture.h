@@ -3,8 +3,8 @@
 #ifndef HOOKE_FIGURE_PICTURE_H
 #define HOOKE_FIGURE_PICTURE_H
 
-#include "cairo_api.h"
-#include "internal.h"
+#include "figure/cairo_api.h"
+#include "figure/internal.h"
 
 #ifdef HAVE_CAIRO
 #define FONT_SIZE 10 /* [pt] */

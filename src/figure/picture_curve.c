@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Curves of a picture: lines of their own dashes and marks, data as points, arrows where a run leaves. */
-#include "picture.h"
+#include "figure/picture.h"
 
 #ifdef HAVE_CAIRO
 #include <string.h>

@@ -7,7 +7,7 @@
  * quarter of a point, or of a whole one if it fills the plot. So no peak is lost, a curve that is traced again and
  * again costs nothing, and the size of a file is bounded by the page rather than by the samples.
  */
-#include "picture.h"
+#include "figure/picture.h"
 
 #ifdef HAVE_CAIRO
 #include <string.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Ranges: from curves to the two ends of an axis, and from values to fractions of it. */
-#include "internal.h"
+#include "figure/internal.h"
 
 #include <float.h>
 

@@ -7,7 +7,7 @@
  * samples. Neighbouring columns share the height at which the curve passes from one to the other and each dot belongs
  * to one of them, so lines are thin.
  */
-#include "internal.h"
+#include "figure/internal.h"
 
 #include <string.h>
 

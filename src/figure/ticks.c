@@ -5,7 +5,7 @@
  * Restricted to labels that are multiples of their step (skip j = 1) and that fill the range, so that the search is
  * over steps only. The data range is scaled to the magnitude 1 first: 1e-300 and 1e300 are like any other.
  */
-#include "internal.h"
+#include "figure/internal.h"
 
 #include <stdio.h>
 

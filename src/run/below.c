@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Values below the tolerance of an adaptive run: numbers without a right digit. */
-#include "private.h"
+#include "run/private.h"
 
 #include <float.h>
 #include <math.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* `plan` for people: what will be computed and what is left out, like the EXPLAIN of a database. */
-#include "private.h"
+#include "run/private.h"
 
 #include <math.h>
 

@@ -3,7 +3,7 @@
  * Rows at even times: origin + k interval. A row in the middle of a step lies on its dense output; where a step ends at
  * such a time but for rounding, the row is the state that was computed.
  */
-#include "private.h"
+#include "run/private.h"
 
 #include <float.h>
 #include <math.h>

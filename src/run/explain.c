@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Why a run stopped, and what to do about it. */
-#include "private.h"
+#include "run/private.h"
 
 #include <math.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Whole steps of a fixed size in bulk: a kernel writes the states, where possible straight into the trace. */
-#include "private.h"
+#include "run/private.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -9,7 +9,7 @@
  * interpolated, and follows changes of the scene and of the state on the way. Its work is limited by counts, not by the
  * clock: the same run always gets the same opinion.
  */
-#include "private.h"
+#include "run/private.h"
 
 #include <float.h>
 #include <math.h>

@@ -3,7 +3,7 @@
  * Memory for the rows of a trace. The first blocks are as large as what is asked for. Once there are some, further ones
  * are large pages: what the system takes to provide memory page by page is more than a step of a short method costs.
  */
-#include "private.h"
+#include "run/private.h"
 
 #include <stdlib.h>
 #include <sys/mman.h>

@@ -9,7 +9,7 @@
  * a few eps a step in units of the amplitude. Blocks begin at multiples of BLOCK steps of the grid, so a run that is
  * interrupted and continued gives the same bits.
  */
-#include "private.h"
+#include "run/private.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Runs: creation, going back, changing the scene on the way. */
-#include "watch.h"
+#include "run/event/watch.h"
 
 #include <float.h>
 #include <math.h>

@@ -8,7 +8,7 @@
  * (Goriely, Hyde 2000, J. Differ. Equ. 161:422). A method that is unstable fails where the solution itself goes on, and
  * what grows exponentially has no such time.
  */
-#include "private.h"
+#include "run/private.h"
 
 #include <float.h>
 #include <math.h>

@@ -4,7 +4,7 @@
  * method next to a stiff transient, one that rings between both sides of 0. So a step that looks strange is compared
  * with the solution from where it began.
  */
-#include "private.h"
+#include "run/private.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The trace: rows in chunks, decimation that keeps every peak, times from grids. */
-#include "private.h"
+#include "run/private.h"
 
 #include <float.h>
 #include <math.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Walking over the rows of a run: each becomes a sample, and the energy balance is carried along where it is needed. */
-#include "private.h"
+#include "run/private.h"
 
 static void take_state(struct walk *walk, const double *y)
 {

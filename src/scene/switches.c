@@ -7,8 +7,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "model.h"
-#include "typed.h"
+#include "scene/model/model.h"
+#include "scene/typed/typed.h"
 
 /* ---- dry friction in one direction: c[0] [m/s^2] and c[1] [N], with its sign ---- */
 

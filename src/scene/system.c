@@ -3,8 +3,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "params.h"
-#include "typed.h"
+#include "scene/model/params.h"
+#include "scene/typed/typed.h"
 
 /* Accelerations or, for a first-order scene, derivatives: what a term adds to. */
 static int term_rows(const struct system *system)

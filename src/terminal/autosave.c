@@ -4,7 +4,7 @@
  * left alone. It is replaced whole, and restored whole or not at all, from nothing but commands that recreate a
  * session.
  */
-#include "terminal.h"
+#include "terminal/terminal.h"
 
 #include <dirent.h>
 #include <errno.h>

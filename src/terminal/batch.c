@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Files, -c texts and standard input, executed without a prompt. */
-#include "terminal.h"
+#include "terminal/terminal.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The terminal is given back usable at every end: fatal signals, and readline without memory. */
-#include "terminal.h"
+#include "terminal/terminal.h"
 
 #include <errno.h>
 #include <signal.h>

@@ -3,7 +3,7 @@
  * Readline under the panes: it takes its bytes from our input, draws nothing and leaves the terminal's modes alone. Its
  * callbacks have no context: panes_active is it.
  */
-#include "panes.h"
+#include "terminal/panes.h"
 
 #include <stdlib.h>
 #include <string.h>

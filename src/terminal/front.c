@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the output can show, and where the user's own files are. */
-#include "terminal.h"
+#include "terminal/terminal.h"
 
 #include <errno.h>
 #include <langinfo.h>

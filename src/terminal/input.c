@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "panes.h"
+#include "terminal/panes.h"
 
 #include <errno.h>
 #include <string.h>

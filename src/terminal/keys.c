@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Keys: a row each, and each a command line. Readline's keymaps find them, so that the inputrc can bind them otherwise.
  */
-#include "panes.h"
+#include "terminal/panes.h"
 
 #include <stdio.h>
 #include <string.h>

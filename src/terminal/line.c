@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Readline as both prompts use it: its settings and completion by the interpreter. It asks without a context, so what
  * it needs stands here. */
-#include "panes.h"
+#include "terminal/panes.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The options of the program: one table for reading and for --help. */
-#include "terminal.h"
+#include "terminal/terminal.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -4,7 +4,7 @@
  * that is watched calls back into it between its slices. Readline edits and ncurses draws; neither reads or writes the
  * terminal on its own.
  */
-#include "panes.h"
+#include "terminal/panes.h"
 
 #include <langinfo.h>
 #include <limits.h>

@@ -3,7 +3,7 @@
 #ifndef HOOKE_TERMINAL_PANES_H
 #define HOOKE_TERMINAL_PANES_H
 
-#include "terminal.h"
+#include "terminal/terminal.h"
 
 #include <stdio.h>
 

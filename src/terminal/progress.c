@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What a long run or study shows while it goes on: how far it is and the time left. */
-#include "terminal.h"
+#include "terminal/terminal.h"
 
 #include <stdio.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The plain prompt: readline for editing, history and completion; everything typed goes to command_exec(). */
-#include "terminal.h"
+#include "terminal/terminal.h"
 
 #include <poll.h>
 #include <stdio.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The terminal under ncurses: its modes, its size, and cells on it. ncurses only draws; it never reads and catches no
  * signal. */
-#include "panes.h"
+#include "terminal/panes.h"
 
 #include <stdlib.h>
 #include <string.h>

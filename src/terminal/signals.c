@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Signals only set flags and wake the loop through a pipe; the loops look at them. */
-#include "terminal.h"
+#include "terminal/terminal.h"
 
 #include <errno.h>
 #include <fcntl.h>

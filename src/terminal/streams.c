@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Standard output and standard error as the two ends of a sink; no failed write is forgotten. */
-#include "terminal.h"
+#include "terminal/terminal.h"
 
 #include <errno.h>
 #include <unistd.h>

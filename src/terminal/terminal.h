@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Private to the terminal layer: the only place that knows streams, signals, locales, readline and curses. */
-#ifndef HOOKE_TERMINAL_H
-#define HOOKE_TERMINAL_H
+#ifndef HOOKE_TERMINAL_TERMINAL_H
+#define HOOKE_TERMINAL_TERMINAL_H
 
 #include <hooke/view.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the session asks of the panes: to look after the terminal between two slices of a run, to ask, to draw into a
  * file. */
-#include "panes.h"
+#include "terminal/panes.h"
 
 #include <limits.h>
 

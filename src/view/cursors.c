@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The two cursors: lines on the time plots, and the table of what they measure in place of the log. */
-#include "internal.h"
+#include "view/internal.h"
 
 #include <stdio.h>
 

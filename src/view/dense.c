@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A recording alone that is too dense for marks is drawn as a line, which breaks where nothing was recorded. */
-#include "internal.h"
+#include "view/internal.h"
 
 #define DENSE 2 /* samples a column */
 

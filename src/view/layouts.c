@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Layouts: how the height is divided, and which panes stand where. A layout is a row of the table. */
-#include "internal.h"
+#include "view/internal.h"
 
 #define PLOT_ROWS 8    /* frame, axis with labels, and four rows of curve: before that the log gets one row only */
 #define SHARED_ROWS 3  /* axis, labels and lower frame of panes over each other */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The numbers line: energy, its error, which run, the keys. Fields have fixed places, so that a new number changes few
  * cells. */
-#include "internal.h"
+#include "view/internal.h"
 
 #include <stdio.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Ranges of panes: axes that stay where they are while a curve grows, and the one time axis of a screen. */
-#include "internal.h"
+#include "view/internal.h"
 
 #define TOUCH 0.01 /* of a range: so much more does not widen it */
 #define NEAR 0.06  /* of a time axis: so far it is extended to the next label */

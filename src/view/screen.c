@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The screen: state line, panes, log, numbers, prompt from top to bottom. */
-#include "internal.h"
+#include "view/internal.h"
 
 static void draw_parts(struct screen *screen, const struct prompt_line *prompt, bool *ok)
 {

@@ -3,8 +3,8 @@
  * Adaptive solves at the same achieved error, not at the same tolerance: the errors of each solver are measured over
  * ten decades of tolerances, and it is timed at the one where they pass the error asked for.
  */
-#include "bench.h"
-#include "study/solve.h"
+#include "bench/bench.h"
+#include "study/compare/solve.h"
 
 #include <stdio.h>
 #include <string.h>

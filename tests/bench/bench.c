@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Contests, tables, the header and the choice of topics. Nothing here is a test. */
-#include "bench.h"
+#include "bench/bench.h"
 
 #include <malloc.h>
 #include <stdarg.h>

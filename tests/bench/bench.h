@@ -5,7 +5,7 @@
 
 #include <hooke/hooke.h>
 
-#include "problem.h"
+#include "bench/problem.h"
 
 /* ---- a contest: arms interleaved in random order, so that whatever disturbs the machine meets all alike ---- */
 

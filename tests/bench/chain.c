@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Rings of oscillators by hand: x_i'' = k (x_i+1 - 2 x_i + x_i-1) - b x_i^3, their number known to the compiler. */
-#include "bench.h"
+#include "bench/bench.h"
 
 #include <string.h>
 

@@ -3,7 +3,7 @@
  * What people type, as whole processes: the processor time (user and system) of the program with a command, start and
  * end included, against that of a program by hand that does the same job and is linked with the same libraries.
  */
-#include "bench.h"
+#include "bench/bench.h"
 
 #include <fcntl.h>
 #include <stdarg.h>

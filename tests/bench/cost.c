@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What is not asked for costs nothing; what recording, watching, decimating and compensated sums cost. */
-#include "bench.h"
-#include "study/solve.h"
+#include "bench/bench.h"
+#include "study/compare/solve.h"
 
 #include <stdio.h>
 #include <stdlib.h>

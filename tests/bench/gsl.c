@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The same problems by GSL's ODE drivers, with the same error norm; what they allocate is kept between solves. */
-#include "bench.h"
+#include "bench/bench.h"
 
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_odeiv2.h>

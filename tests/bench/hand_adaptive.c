@@ -3,19 +3,19 @@
  * Adaptive solves by hand: dop853 and rodas5p written for one problem, with the classical controller of Hairer and
  * Wanner's codes. Coefficients come from hooke's tables, where the compiler can see them; the loops unroll.
  */
-#include "bench.h"
-#include "method/rows.h"
+#include "bench/bench.h"
+#include "method/rows/rows.h"
 
 #define INLINE static inline __attribute__((always_inline))
 #define UNROLL _Pragma("GCC unroll 32")
 
 static const struct method explicit_rows[] = {
 #define RUNGE_KUTTA(...) {__VA_ARGS__},
-#include "method/rk.def"
+#include "method/rows/rk.def"
 };
 static const struct method rosenbrock_rows[] = {
 #define ROSENBROCK(...) {__VA_ARGS__},
-#include "method/rosenbrock.def"
+#include "method/rows/rosenbrock.def"
 };
 /* Both are the last of their file; bench_adaptive() looks at the names. */
 #define DOP853 (explicit_rows[COUNT_OF(explicit_rows) - 1])

@@ -3,7 +3,7 @@
  * What one would write instead of typing a command: a program for each, with the loops of hands.c, in plain C. The
  * first argument says which; it prints its result, as the command does.
  */
-#include "bench.h"
+#include "bench/bench.h"
 
 #include <stdio.h>
 #include <stdlib.h>

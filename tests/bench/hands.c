@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The loops that hooke is measured against: one for each method and scene, compiled with hooke's own flags. */
-#include "bench.h"
+#include "bench/bench.h"
 
 #include <string.h>
 
@@ -60,14 +60,14 @@ INLINE plane free_flow(const struct known *f, double h, plane v)
 }
 
 #define REAL double
-#include "hand_methods.h"
+#include "bench/hand_methods.h"
 #undef REAL
 #undef LOOP_BEGIN
 #undef LOOP_END
 #undef STEP_END
 #undef ARGUMENTS
 #define REAL plane
-#include "hand_methods.h"
+#include "bench/hand_methods.h"
 #undef REAL
 
 /* ---- implicit midpoint: the velocity u in the middle solves u = v + h/2 a(t + h/2, y + h/2 u, u) ---- */

@@ -8,7 +8,7 @@
 #include <string>
 
 extern "C" {
-#include "problem.h"
+#include "bench/problem.h"
 }
 
 namespace odeint = boost::numeric::odeint;

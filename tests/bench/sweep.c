@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Sweeps: many trajectories side by side, against loops over lanes by hand and against one trajectory after another. */
-#include "bench.h"
+#include "bench/bench.h"
 
-#include "../unit/scene_typing.h"
+#include "unit/scene/typing.h"
 
 #include <math.h>
 #include <stdio.h>

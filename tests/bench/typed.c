@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Scenes as typed, in runs: against loops in C, against the built-in scenes, and how soon they are ready. */
-#include "bench.h"
-#include "study/solve.h"
-#include "../unit/scene_typing.h"
+#include "bench/bench.h"
+#include "study/compare/solve.h"
+#include "unit/scene/typing.h"
 
 #include <stdio.h>
 #include <stdlib.h>

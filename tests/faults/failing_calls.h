@@ -3,8 +3,8 @@
  * Include once in a test program: these definitions of the system calls that write files stand before those of libc,
  * and the call number fault.at fails with fault.number, is cut short, or is the last one the process makes.
  */
-#ifndef HOOKE_TESTS_FAILING_CALLS_H
-#define HOOKE_TESTS_FAILING_CALLS_H
+#ifndef HOOKE_TESTS_FAULTS_FAILING_CALLS_H
+#define HOOKE_TESTS_FAULTS_FAILING_CALLS_H
 
 #include <dlfcn.h>
 #include <errno.h>

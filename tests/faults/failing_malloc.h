@@ -4,8 +4,8 @@
  * process (libc's own, in strdup and others, too) and fail on request. Under AddressSanitizer, which has its own, nothing is replaced:
  * skip() when !MALLOC_CAN_FAIL.
  */
-#ifndef HOOKE_TESTS_FAILING_MALLOC_H
-#define HOOKE_TESTS_FAILING_MALLOC_H
+#ifndef HOOKE_TESTS_FAULTS_FAILING_MALLOC_H
+#define HOOKE_TESTS_FAULTS_FAILING_MALLOC_H
 
 #include <dlfcn.h>
 #include <errno.h>

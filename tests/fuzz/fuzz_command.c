@@ -9,8 +9,8 @@
 #include <unistd.h>
 
 #define CORPUS "fuzz_command"
-#include "../terminal/folder.h"
-#include "replay.h"
+#include "terminal/folder.h"
+#include "fuzz/replay.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 

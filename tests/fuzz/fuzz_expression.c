@@ -6,7 +6,7 @@
 #include <string.h>
 
 #define CORPUS "fuzz_expression"
-#include "replay.h"
+#include "fuzz/replay.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 

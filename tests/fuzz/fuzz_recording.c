@@ -7,7 +7,7 @@
 #include <unistd.h>
 
 #define CORPUS "fuzz_recording"
-#include "replay.h"
+#include "fuzz/replay.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 

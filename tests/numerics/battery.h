@@ -3,11 +3,11 @@
  * Oscillators and kinked systems as typed scenes, with their solutions: closed forms, or (exact NULL) what two methods
  * of different kinds agree to.
  */
-#ifndef HOOKE_TESTS_BATTERY_H
-#define HOOKE_TESTS_BATTERY_H
+#ifndef HOOKE_TESTS_NUMERICS_BATTERY_H
+#define HOOKE_TESTS_NUMERICS_BATTERY_H
 
-#include "unit/run_fixture.h"
-#include "unit/scene_typing.h"
+#include "unit/run/fixture.h"
+#include "unit/scene/typing.h"
 
 #include <float.h>
 #include <stdlib.h>

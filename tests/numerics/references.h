@@ -3,10 +3,10 @@
  * The table of reference solutions, references.csv beside the recordings, and which families of methods have reached
  * each of its rows.
  */
-#ifndef HOOKE_TESTS_REFERENCES_H
-#define HOOKE_TESTS_REFERENCES_H
+#ifndef HOOKE_TESTS_NUMERICS_REFERENCES_H
+#define HOOKE_TESTS_NUMERICS_REFERENCES_H
 
-#include "unit/run_fixture.h"
+#include "unit/run/fixture.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -11,7 +11,7 @@
 #ifndef TESTS_TREES_H
 #define TESTS_TREES_H
 
-#include "method_testing.h"
+#include "numerics/method/testing.h"
 
 #define TREE_HOLDS 2e-14 /* rounding of the coefficients, in units of the largest terms */
 #define TREE_FAILS 1e-8  /* what a condition that does not hold is at least off by */

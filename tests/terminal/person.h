@@ -17,8 +17,8 @@
 #include <time.h>
 #include <utmp.h>
 
-#include "emulator.h"
-#include "folder.h"
+#include "terminal/emulator.h"
+#include "terminal/folder.h"
 
 #define PATIENCE_NS                                                                                                    \
     (getenv("HASTE")                                                                                                   \

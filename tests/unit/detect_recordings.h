@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Recordings that oscillate and recordings that do not, drawn at random. Included after <cmocka.h>. */
-#ifndef HOOKE_TESTS_DETECT_RECORDINGS_H
-#define HOOKE_TESTS_DETECT_RECORDINGS_H
+#ifndef HOOKE_TESTS_UNIT_DETECT_RECORDINGS_H
+#define HOOKE_TESTS_UNIT_DETECT_RECORDINGS_H
 
-#include "analysis_testing.h"
+#include "unit/analysis/testing.h"
 
 #define PI 3.14159265358979323846
 

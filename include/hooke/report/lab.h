@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * The report of a session: what the lab asks to hand in, as far as the session has it. Nothing is computed here that
+ * the session does not hold: runs, recordings, measurements, fits. What it says depends on nothing else, so that the
+ * session's script gives the same bytes.
+ */
+#ifndef HOOKE_REPORT_LAB_H
+#define HOOKE_REPORT_LAB_H
+
+#include <hooke/report.h>
+
+/* A number of the session with where it comes from. */
+struct report_value {
+    const char *name; /* "period", "gamma, first half" */
+    struct measured value;
+    enum quantity quantity;
+    const char *of;     /* "run 1", "data disk": the second word is a user's */
+    const char *source; /* "measured", "fit damped" */
+    double at;          /* [s] of an amplitude; NAN */
+};
+
+/* Numbered like those of the lab sheet; what is left is of no lab. */
+enum section {
+    SECTION_RECORDING = 1,
+    SECTION_SIMULATION,
+    SECTION_ENERGY,
+    SECTION_SCHEMES,
+    SECTION_DRAG,
+    SECTION_DAMPED_RECORDING,
+    SECTION_DAMPED_SIMULATION,
+    SECTION_OTHER,
+    SECTION_COUNT
+};
+
+#define REPORT_FIGURES 128
+#define REPORT_OVERLAY 4 /* runs in one figure: as many as have marks of their own */
+
+struct report {
+    const struct session *session;
+    struct session *view; /* a copy in which other runs and recordings are the current ones */
+    struct arena *arena;
+    struct folder *folder;
+    struct document document;
+    struct report_value *value;
+    int values;
+    int figures;
+    struct report_figure {
+        enum plot_kind kind;
+        enum section section;
+    } figure[REPORT_FIGURES];
+    char no_pictures[600];                                      /* why there are none; "": there are */
+    bool run_shown[LIMIT_RUNS], recording_shown[LIMIT_RECORDINGS]; /* in a figure */
+    bool rested[SECTION_COUNT];                                 /* sections that are there */
+    int files;
+};
+
+/* Writes all files into the folder, which is open. */
+bool report_write(struct report *report, struct error *error);
+/* A name that a report gives to its files. */
+bool report_owns(const char *name);
+
+/* ---- what the parts share ---- */
+
+bool report_put(struct report *report, const char *name, const struct buffer *content, struct error *error);
+bool collect_values(struct report *report, struct error *error);
+/* Values of a run or a recording, all or the measured and fitted ones; nothing where there are none. */
+void put_values(struct report *report, const char *of, bool parameters);
+const struct report_value *find_value(const struct report *report, const char *name);
+void say_measured(struct document *document, struct measured value, enum quantity quantity);
+/* Of these runs (places) and this recording (place, -1: none), with its caption; nothing without such a plot. */
+bool put_figure(struct report *report, enum section section, enum plot_kind kind, const int *run, int runs,
+                int recording, struct error *error);
+/* Place of the recording that a run is to be compared with; -1: none. */
+int recording_beside(struct report *report, int run, enum plot_kind kind);
+/* The runs as a table; distance: from the recordings beside them. */
+void put_runs(struct report *report, const int *run, int runs, bool distance);
+bool write_tables(struct report *report, struct error *error);
+
+/* ---- sections ---- */
+
+/* Those of a section that the session has something for. first: the run that the sections on simulation begin with. */
+void put_questions(struct report *report, enum section section, const struct run *first);
+bool write_sections(struct report *report, struct error *error);
+/* Sections that are not there, with what to type. */
+void report_missing(const struct report *report, void (*say)(void *context, const char *what), void *context);
+
+#endif

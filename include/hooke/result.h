@@ -1,0 +1,206 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * result: what leaves a command: lines and records, tables for people, documents, errors with their place.
+ *
+ * Nothing here knows what the numbers mean, and nothing prints: a struct sink takes what is said.
+ */
+#ifndef HOOKE_RESULT_H
+#define HOOKE_RESULT_H
+
+#include <hooke/base.h>
+
+/* ---- tables ---- */
+
+enum table_format { TABLE_CSV, TABLE_TSV, TABLE_JSON };
+
+struct table_column {
+    const char *name, *unit;
+    const double *value; /* [rows], or NULL and `text` */
+    const char *const *text;
+};
+
+struct table_key {
+    const char *key, *value; /* "dt", "10 ms" */
+};
+
+struct table {
+    const struct table_key *key; /* written as `# key = value` lines, or as an object in JSON */
+    int keys;
+    const struct table_column *column;
+    int columns;
+    size_t rows;
+};
+
+extern const struct catalog table_format_catalog; /* struct row at the enum's place: csv, tsv, json */
+
+/* Every double reads back bit for bit; `.` and newline whatever the locale. Text cells that could be a formula or
+ * contain the separator are quoted. */
+void table_format(const struct table *table, enum table_format format, struct buffer *out);
+bool table_write(const struct table *table, enum table_format format, const char *path, struct write_policy policy,
+                 struct error *error);
+void buffer_json_text(struct buffer *out, struct text text); /* quoted and escaped, valid UTF-8 */
+void buffer_json_real(struct buffer *out, double value);     /* null where not finite */
+
+/* ---- reply: what a command says ----
+ *
+ * Lines are for people, records for programs. FORMAT_TEXT writes lines and ignores records; FORMAT_JSON writes one
+ * object a line, and the lines of a command that made no record as {kind, text}; FORMAT_CSV writes rows with a header
+ * whenever the kind changes, lines without a record as comments.
+ */
+
+enum output_format { FORMAT_TEXT, FORMAT_CSV, FORMAT_JSON };
+
+
+struct sink {
+    bool (*out)(void *context, struct text text); /* results; false: they cannot be written (closed, full device) */
+    bool (*err)(void *context, struct text text); /* messages */
+    void *context;
+};
+
+#define REPLY_DEPTH 8
+
+struct reply {
+    struct sink sink;
+    bool quiet;                /* lines are left out (option -q); records, warnings and errors stay */
+    enum output_format format; /* follows the session's setting, statement by statement */
+    bool failed;               /* the sink refused results; nothing more is written there */
+    struct buffer json;        /* the record under construction */
+    struct buffer header, row; /* its CSV form */
+    struct buffer lines;       /* lines of a command that may yet make a record */
+    struct buffer last_header; /* what stands above the last CSV row */
+    bool recorded;             /* this command made a record */
+    int depth;                 /* objects and arrays open in the record */
+    struct {
+        const char *key;
+        bool array, empty;
+    } level[REPLY_DEPTH];
+};
+
+void reply_init(struct reply *reply, struct sink sink);
+void reply_free(struct reply *reply);
+void reply_line(struct reply *reply, const char *format, ...)
+    PRINTF_LIKE(2, 3);                                  /* one or more lines, without the last newline */
+void reply_text(struct reply *reply, struct text text); /* the same, ready-made */
+/* What was asked for as it is: also when quiet, and among records in CSV. */
+void reply_data(struct reply *reply, struct text text);
+void reply_warning(struct reply *reply, const char *format, ...) PRINTF_LIKE(2, 3);
+void reply_note(struct reply *reply, const char *format, ...)
+    PRINTF_LIKE(2, 3); /* a message on the error stream, as it is */
+
+/* A record. key NULL: the next element of an array. Numbers that are not finite become null. */
+void reply_begin(struct reply *reply, const char *kind);
+void reply_string(struct reply *reply, const char *key, const char *value); /* NULL: null */
+void reply_real(struct reply *reply, const char *key, double value);
+void reply_int(struct reply *reply, const char *key, int64_t value);
+void reply_bool(struct reply *reply, const char *key, bool value);
+void reply_null(struct reply *reply, const char *key);
+void reply_in_unit(struct reply *reply, const char *key, struct measured value, const char *unit);
+void reply_measured(struct reply *reply, const char *key, struct measured value, enum quantity quantity);
+void reply_object(struct reply *reply, const char *key);
+void reply_array(struct reply *reply, const char *key);
+void reply_close(struct reply *reply); /* the innermost object or array */
+void reply_end(struct reply *reply);   /* the record */
+
+/* ---- how the interpreter brackets what a command says ---- */
+
+void reply_command_begin(struct reply *reply, enum output_format format);
+/* Lines of a command that made no record: as {kind, text}, or as comments of the CSV. */
+void reply_command_end(struct reply *reply, const char *kind);
+
+/* ---- where a line comes from ---- */
+
+/* Of a line of a file, which may be continued on others: where a piece of it comes from. */
+struct source_piece {
+    size_t at; /* in the line as it is executed */
+    int line, indent; /* indent: characters left out before it */
+};
+
+struct source {
+    const char *name;            /* "lab1.hk", "-c", "-" ; NULL: typed at the prompt */
+    int line;                    /* counted from 1 */
+    const struct source *parent; /* who sourced it */
+    const struct source_piece *piece;
+    int pieces;
+};
+
+/* Writes an error the way users see it: position, line, caret, hint; or as JSON. where may be NULL, line may be empty.
+ */
+void reply_error(struct reply *reply, const struct error *error, const struct source *where, struct text line);
+
+/* ---- text for people ---- */
+
+/* "199.9 +- 0.1 g", "1.9373 +- 0.0002 s": in the unit that shows the value well. */
+void buffer_measured(struct buffer *buffer, struct measured value, enum quantity quantity, int digits);
+/* The value as a command that reads back exactly: "0.2 kg", "199.9 +- 0.1 g". */
+void buffer_exact(struct buffer *buffer, struct measured value, enum quantity quantity);
+/* A word of a command line, quoted where it has to be. */
+void buffer_word(struct buffer *buffer, struct text word);
+
+/* ---- tables for people ---- */
+
+#define TABLE_COLUMNS_MOST 24
+
+struct text_table {
+    struct arena *arena;
+    int columns, gap, indent;
+    int most; /* [cell] the gap becomes as small as 1 to fit into that; 0: never */
+    int cells, room;
+    const char **cell; /* row by row, the heading first */
+    bool failed;       /* no memory: cells are missing */
+};
+
+void cell_text(struct text_table *table, const char *text);    /* copied; NULL: an empty cell */
+void cell_take(struct text_table *table, struct buffer *text); /* the same from a buffer, which is freed */
+void cell_quantity(struct text_table *table, double value, enum quantity quantity, int digits); /* "-": not finite */
+void cell_error(struct text_table *table, double value);                                        /* 1.3e-05 */
+void cell_count(struct text_table *table, int64_t value);
+void cell_seconds(struct text_table *table, double seconds); /* with us below a millisecond */
+const char *cell_last(const struct text_table *table);       /* the cell just made */
+void text_table_put(const struct text_table *table, struct buffer *out);
+
+/* ---- documents ----
+ *
+ * A document written twice at once, as Markdown (CommonMark with tables) and as HTML5. Own words are escaped; what came
+ * from users or files (names, notes, paths) goes through document_name() and can become nothing but code.
+ */
+
+
+enum block {
+    BLOCK_TITLE,
+    BLOCK_PART,
+    BLOCK_SECTION,
+    BLOCK_QUESTION,
+    BLOCK_TOGETHER, /* on one page, where there are pages */
+    BLOCK_PARAGRAPH,
+    BLOCK_LIST, /* of items */
+    BLOCK_ITEM,
+    BLOCK_TABLE, /* of rows: the heading first, closed by document_heading_ends() */
+    BLOCK_ROW,
+    BLOCK_CELL,
+    BLOCK_HEAD, /* a cell of the heading */
+};
+
+struct document {
+    struct buffer md, html;
+    int heads;     /* cells of the heading under construction */
+    bool in_table; /* where a bar ends a cell */
+};
+
+void document_begin(struct document *document, const char *title);
+void document_end(struct document *document);
+void document_free(struct document *document);
+void document_open(struct document *document, enum block block);
+void document_close(struct document *document, enum block block);
+/* Own words; "+-" becomes the sign. */
+void document_say(struct document *document, const char *format, ...) PRINTF_LIKE(2, 3);
+void document_name(struct document *document, struct text name);
+void document_link(struct document *document, const char *file, const char *words);
+/* A block of own words. */
+void document_put(struct document *document, enum block block, const char *words);
+void document_heading_ends(struct document *document);
+/* A picture from a file, NULL: there is none, the text stands for it. */
+void document_figure(struct document *document, const char *picture, const char *alternative, struct text text);
+void document_code(struct document *document, struct text code);
+void document_answer(struct document *document); /* an empty place */
+
+#endif

@@ -1,0 +1,491 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * session: set-up, settings, runs, recordings, what the screen shows. It changes only by executing command lines.
+ */
+#ifndef HOOKE_SESSION_H
+#define HOOKE_SESSION_H
+
+#include <hooke/study.h>
+#include <hooke/result.h>
+
+/* ---- settings ---- */
+
+enum charset_choice { CHOOSE_AUTO, CHOOSE_ASCII, CHOOSE_BLOCK, CHOOSE_BRAILLE };
+enum color_choice { COLOR_AUTO, COLOR_ALWAYS, COLOR_NEVER };
+enum phase_axes { PHASE_SCALED, PHASE_RAW };
+enum sync_choice { SYNC_AUTO, SYNC_ON, SYNC_OFF }; /* whether the next frame waits until the terminal has answered */
+enum view_choice { VIEW_PAGE, VIEW_SCROLL };       /* the live view sweeps, then pages; or scrolls by whole cells */
+
+enum sums { SUMS_PLAIN, SUMS_COMPENSATED };
+enum turning { TURNING_ON, TURNING_OFF };
+enum band { BAND_OFF, BAND_ON };
+enum opinion_choice { OPINIONS_AUTO, OPINIONS_FULL, OPINIONS_WARN, OPINIONS_OFF };
+
+struct settings {
+    double dt;       /* [s] */
+    double tol;      /* 0: off */
+    double duration; /* [s] */
+    struct recording_rule record;
+    int width, height;                              /* [cell] of plots, 0: the front end's */
+    int digits;                                     /* significant, in text */
+    int charset, color, format, timing, phase_axes; /* the enums above, enum output_format, enum timing */
+    int sync, view;
+    int kernel, sums, turning; /* enum kernel, enum sums, enum turning */
+    int band;                  /* BAND_ON: panes show that of an adopted fit */
+    int opinion;               /* enum opinion_choice */
+    bool dt_given, tol_given, duration_given; /* by the user: else tol and duration are those of the scene */
+    double fps; /* frames a second of the live view */
+};
+
+struct setting {
+    struct row row;
+    enum quantity quantity;
+    size_t offset, bytes;          /* of the field in struct settings */
+    size_t given;                  /* 0, or the offset of the bool that says the user has set it */
+    double (*natural)(const struct preset *preset); /* its value where he has not; NULL: a new session's */
+    bool display;                  /* how results look, not part of the experiment: neither saved nor undone */
+    const struct catalog *choices; /* the field is an int at the choice's place; NULL: a double */
+    double least, most;            /* of a number: allowed are least < x <= most; most 0: not a number */
+    /* For those that are neither; NULL otherwise. */
+    bool (*parse)(struct settings *settings, struct text value, struct error *error);
+    void (*show)(const struct settings *settings, struct buffer *text);
+};
+
+extern const struct catalog setting_catalog;
+extern const struct catalog format_choice_catalog; /* struct row at the enum's place: text, csv, json */
+
+#define FAR 1e300 /* [s] no run gets there; finite, so that what is left of the way is a number */
+
+/* ---- the session ---- */
+
+#define LIMIT_LET 128     /* variables made by let */
+#define LIMIT_RESULTS 128 /* names of results: measured_period, fit_gamma … */
+#define LIMIT_CHECKPOINTS 64
+#define LIMIT_OWN 32 /* scenes of the user's own, by name */
+
+struct named_value {
+    char name[LIMIT_NAME + 1];
+    double value, uncertainty; /* SI */
+    enum quantity quantity;    /* QUANTITY_OTHER: unknown */
+    double below;              /* of a state: no digit is certain, it is less than that; 0: they are */
+};
+
+struct events; /* private: what is watched for on the way; a list never changes and lives as long as its session */
+
+/* The part that is plain data: undo copies it. */
+struct setup {
+    struct scene scene;
+    const struct preset *own[LIMIT_OWN]; /* scenes that are all typed, as they were when last changed */
+    int owns;
+    const struct events *events; /* of the next run; NULL: none */
+    const struct method *method;
+    bool method_chosen; /* by name */
+    enum drag drag; /* DRAG_DEFAULT: the method's own */
+    bool fixed;     /* dt= was given with the method: fixed steps although it could adapt */
+    struct settings settings;
+    struct named_value let[LIMIT_LET];
+    int lets;
+};
+
+struct leg; /* private: one thing that was asked of a run (go there, change a parameter, go back) */
+
+/* Runs and recordings are shared by the session and its undo entries. */
+struct held_run {
+    struct run *run;
+    int references;
+    char *note;      /* NULL: none */
+    struct leg *last; /* the end of the list of what was asked of the run since its start, which recreates it bit for
+                         bit; shared with undo entries. NULL: nothing yet */
+    struct run_mark *mark; /* private to undo.c: as the latest entry has it, NULL: none */
+    const struct events *events; /* as they were when it began; NULL: none */
+};
+
+struct held_recording {
+    struct recording *recording;
+    int references;
+    char *options; /* as they have to stand after the file name to load it again */
+};
+
+/* Values that a result took as exact, since nobody stated an uncertainty; "": no more. */
+#define EXACT_NAMES 8
+struct exact_names {
+    char name[EXACT_NAMES][LIMIT_NAME + 1];
+};
+
+struct measurement {
+    char quantity[24];
+    struct exact_names exact;
+    struct measured value;
+    enum quantity unit;
+    double periods;           /* NAN: does not apply */
+    double at;                /* [s] of an amplitude; NAN */
+    bool energy;              /* of the energy */
+    char of[LIMIT_NAME + 16]; /* "run 1", "data swing3" */
+};
+
+/* A fit that converged, for the report. */
+struct kept_fit {
+    struct fit fit;
+    enum quantity quantity; /* of what was fitted */
+    struct measured k;      /* NAN: nobody had said what the mass is */
+    struct exact_names exact;
+    char of[LIMIT_NAME + 16];
+};
+
+struct session;
+
+/* ---- what the screen shows: changed by commands only, drawn by the view layer ---- */
+
+enum layout { LAYOUT_TRIO, LAYOUT_DUO, LAYOUT_SINGLE, LAYOUT_STACK, LAYOUT_QUAD, LAYOUT_PLOT, LAYOUT_LOG };
+
+extern const struct catalog layout_catalog; /* struct layout_row at the enum's place */
+
+struct layout_row {
+    struct row row;
+    int width, height;   /* [cell] of a screen that has room for it */
+    enum layout smaller; /* drawn on another one */
+};
+
+static inline const struct layout_row *layout_row(enum layout layout)
+{
+    return (const struct layout_row *)(const void *)catalog_row(&layout_catalog, (size_t)layout);
+}
+
+/* What a screen of that size shows of it. */
+enum layout layout_drawn(enum layout layout, int width, int height);
+
+enum pane {
+    PANE_POSITION,
+    PANE_ENERGY,
+    PANE_PHASE,
+    PANE_VELOCITY,
+    PANE_ERROR,
+    PANE_RESIDUAL,
+    PANE_SPECTRUM,
+    PANE_ORBIT,
+    PANE_COUNT
+};
+
+/* What a pane is drawn of. */
+enum pane_of {
+    PANE_OF_SERIES,    /* a run or a recording */
+    PANE_OF_MECHANICS, /* velocities */
+    PANE_OF_PHASE,
+    PANE_OF_ORBIT,    /* a second coordinate */
+    PANE_OF_EXACT,    /* an exact solution */
+    PANE_OF_RESIDUAL, /* a recording and what was fitted to it, or a run beside it */
+};
+
+/* A pane is a kind of plot. */
+struct pane_row {
+    struct row row; /* name, unit of the vertical axis, brief */
+    enum pane_of of;
+};
+
+
+extern const struct catalog pane_catalog; /* at the enum's place */
+
+enum snap { SNAP_CROSSING, SNAP_PEAK, SNAP_SAMPLE, SNAP_NONE };
+
+extern const struct catalog snap_catalog; /* struct row at the enum's place */
+
+struct cursors {
+    bool shown;   /* the two cursors stand on the plot */
+    bool on_data; /* they stand on the recording, else on the current run */
+    int active;   /* 0: A, 1: B */
+    bool locked;  /* both move together */
+    struct {
+        bool set;
+        double t, t_uncertainty, y; /* [s] [s] SI */
+        int crossing;               /* number of the up-crossing, 0: not on one */
+        double amplitude;           /* of the motion there; NAN: not known */
+    } at[2];
+    enum snap snap;
+    double periods;           /* between A and B, as counted; NAN: not known */
+    char of[LIMIT_NAME + 16]; /* what they stand on: "run 2", "data swing3" */
+    size_t samples;           /* it had then */
+    enum quantity quantity;   /* of y */
+};
+
+
+#define LIMIT_OVERLAY 4 /* as many as have marks of their own */
+
+struct view {
+    enum layout layout;
+    enum pane focus;            /* the pane that commands and zooming act on */
+    bool full;                  /* the focused pane alone */
+    double x[2], y[2];          /* fixed ranges of the focused pane (time [s], SI); NAN: automatic */
+    double window;              /* [s] of time shown; 0: automatic */
+    double trail;               /* periods of the phase trail; HUGE_VAL: all */
+    int scroll;                 /* rows the log is scrolled up */
+    bool paging;                /* the live view sweeps, then pages; otherwise it scrolls by whole cells */
+    int overlay[LIMIT_OVERLAY]; /* numbers of the runs drawn besides the present one; those that are gone are passed
+                                   over */
+    int overlays;
+    struct cursors cursors;
+};
+
+/* The last lines that commands said, for the log pane. A ring: line `first` is the oldest. */
+#define LIMIT_LOG 2000
+
+struct log {
+    char **line; /* [LIMIT_LOG], allocated when the first line comes; each made safe, without newline */
+    int first, count;
+};
+
+void log_add(struct log *log, struct text text);    /* one or more lines; without memory they are dropped */
+const char *log_line(const struct log *log, int i); /* i = 0: the newest */
+/*
+ * The row of a line that begins at byte *from, as it stands in a pane of that width [cell]: whole words, unless one is
+ * longer than a row. *indent [cell] goes before it; 0 in the first row. *from is then where the next row begins:
+ * line.len after the last.
+ */
+struct text log_row(struct text line, size_t *from, int width, int *indent);
+int log_rows(struct text line, int width); /* how many the line takes: 1 at least */
+void log_clear(struct log *log);
+
+/* A run that goes on while a person watches. */
+enum live_state { LIVE_IDLE, LIVE_RUNNING, LIVE_PAUSED, LIVE_DIVERGED };
+
+struct live {
+    enum live_state state;
+    double speed;     /* simulated seconds a second; HUGE_VAL: as fast as possible */
+    double achieved;  /* the same, measured over the last second; below speed: "RUNNING 0.4x (CPU)" */
+    double fraction;  /* of the way to the target, < 0: unknown */
+    double marks[32]; /* [s] the latest times at which parameters were changed during the run */
+    int mark_count;
+    bool pausing;                /* asked to pause at the next look */
+    bool changing;               /* private: the present command changes the current run */
+    struct buffer record, typed; /* private: what `record` writes instead of the present statement, and after it */
+};
+
+struct snapshot; /* private: undo, redo, checkpoints */
+
+enum front_change { FRONT_PANES, FRONT_PLAIN, FRONT_REDRAW };
+
+/* What the front end offers; the session only calls it. Every callback may be NULL. */
+struct front {
+    bool interactive; /* a person types: prefixes of names are accepted, long runs are asked about instead of refused */
+    bool utf8, color; /* what the output can show */
+    int width, height; /* [cell] of the output, 0: 80x24 */
+    const struct cancel *cancel;
+    void *context;
+    bool (*confirm)(void *context, const char *question);
+    void (*progress)(void *context, const struct run *run,
+                     double fraction); /* between slices; fraction < 0: unknown; > 1: over, erase; run NULL: a study */
+    void (*clear)(void *context);
+    /*
+     * Live runs. `watched`: a person watches a screen of panes. Then run and continue advance in slices of at most 10
+     * ms and call `slice` between them: it polls the terminal, executes what was typed (command_exec may be called
+     * again from inside; what would disturb the run is refused) and draws. It returns at the latest at `until`
+     * [clock_ns]; false: pause.
+     */
+    bool watched;
+    bool (*slice)(void *context, struct session *session, int64_t until);
+    /* Draws the present screen into a file, as ncurses would show it (batch: of front.width x height). */
+    bool (*screenshot)(void *context, const struct session *session, const char *path, struct write_policy policy,
+                       struct error *error);
+    /* The same as lines of text, for `screenshot` without a file. */
+    bool (*screen)(void *context, const struct session *session, struct buffer *text, struct error *error);
+    /* [s] from, to of the time axis on that screen; false: it has none. */
+    bool (*time_shown)(void *context, const struct session *session, double span[2]);
+    /* Changes of the front end itself; false: not possible here, with the reason. */
+    bool (*change)(void *context, enum front_change change, struct error *error);
+};
+
+/* What `adopt` took last: the scene as it became, and covariances of what is uncertain in it. */
+struct adopted_fit {
+    struct scene scene;                                     /* model NULL: nothing was adopted */
+    int place[CURVE_PARAMETERS], count;                     /* of the parameters */
+    double covariance[CURVE_PARAMETERS * CURVE_PARAMETERS]; /* [count][count] */
+    struct exact_names exact;
+    char of[LIMIT_NAME + 16]; /* "data swing3": what was fitted */
+};
+
+/* The band of an adopted fit about a run, for the panes. */
+struct fit_band {
+    int run; /* its number; 0: none was looked for */
+    size_t rows;
+    double end;             /* [s] rows and end of the run when it was */
+    struct adopted_fit of;
+    size_t n;               /* 0: it has none */
+    int variables;
+    double from, step;      /* [s] */
+    double *half;           /* [variables][n] half the width */
+};
+
+struct session {
+    struct front front;
+    struct setup setup;
+    struct typed_models *models; /* all that the user has typed: set-up, runs and undo point there */
+    struct events *events;      /* likewise, the newest first */
+    struct held_run *run[LIMIT_RUNS];
+    int runs, current_run; /* index, -1: none */
+    int next_run;          /* number of the next run */
+    bool told_method;      /* that nobody has chosen one */
+    bool told_assumed;     /* which duration and tolerance this scene gets */
+    struct held_recording *recording[LIMIT_RECORDINGS];
+    int recordings, current_recording; /* index, -1: none */
+    bool data_is_latest;               /* the recording is more recent than the run: measure acts on it */
+
+    struct named_value result[LIMIT_RESULTS]; /* of measurements and fits */
+    int results;
+    bool has_fit;
+    struct fit fit;
+    char fit_of[LIMIT_NAME + 16]; /* "data swing3", "run 2" */
+    double fit_zero;              /* of the recording at that time: its offset counts from there */
+    /* Where the last fit was one of the scene or of a formula: */
+    double *fit_curve[2]; /* [fit_samples] its times and values; NULL: fit_value() */
+    size_t fit_samples;
+    struct scene fit_scene; /* as fitted; model NULL: it was no fit of the scene */
+    bool fit_free[PARAM_MAX]; /* what was fitted there */
+    struct adopted_fit adopted;
+    struct fit_band band;
+    int fit_modes;            /* so many damped sines at once; 0: it was no fit of modes */
+    struct measurement *measurement;
+    int measurements;
+    struct kept_fit *kept_fit;
+    int kept_fits;
+    struct precision *precision; /* the last study, for `plot precision` and `export FILE table`; NULL: none */
+    int precision_runs;          /* next_run at that time: a later run makes the table of the runs the latest one */
+
+    struct references references; /* of the scenes that were studied last */
+    struct sweep *sweep; /* the last one, for `export FILE table`; NULL: none */
+    struct sweep_measure sweep_measure[SWEEP_MEASURES];
+    struct scene sweep_scene;
+    int sweep_runs; /* as precision_runs; the later of both has precision_runs -1 or not */
+
+    struct snapshot *undo[LIMIT_UNDO], *redo[LIMIT_UNDO];
+    int undos, redos;
+    struct snapshot *checkpoint[LIMIT_CHECKPOINTS];
+    int checkpoints;
+
+    char **history; /* lines executed, oldest first */
+    int histories;
+    struct buffer story; /* statements that lead here, as a script (private: story.h) */
+    bool story_fails;    /* one of them ends in an error, as it did: a run that diverged */
+    bool confirmed;      /* the present statement was asked about, and allowed */
+    char *record_path; /* file that executed lines are appended to, NULL: none */
+    int record_fd;
+    bool keep_going;  /* option -k */
+    bool safe;        /* option --safe: write only below the current directory */
+    bool quit;        /* the user asked to leave */
+    int status;       /* exit status so far */
+    uint64_t changes; /* counts changes: autosave compares it */
+    int commands;     /* statements executed */
+    bool typed;       /* the statement being executed was typed by a person */
+    int nesting;      /* command_exec inside command_exec */
+    bool halted;      /* a run was paused: what stands after it on the line and in the file is not executed */
+    bool reacting;    /* commands of an event are executed: part of the statement that ran into it */
+    bool passing;     /* the run goes on after them: what they set is not told each time */
+
+    struct view view;
+    struct log log;
+    struct live live;
+};
+
+/* A new session with the lab's defaults. NULL: no memory. */
+struct session *session_create(const struct front *front);
+void session_destroy(struct session *session);
+/* Appends the commands that recreate the set-up; sourcing them gives the same state. */
+void session_save(const struct session *session, struct buffer *text);
+/*
+ * The same with recordings by absolute path, the runs and the view: sourcing it in a new session gives the same
+ * exports. Runs that took 2 s or more of computing, and those that stopped at a condition on names that are not saved,
+ * are only mentioned in a comment. Measurements are not kept.
+ */
+void session_autosave(const struct session *session, struct buffer *text);
+/* The parameter says where a run starts, and nothing else. */
+bool param_is_start(const struct scene *scene, int place);
+/* A short description of the scene holds it: m and k of an oscillator, of its many others those that the user or the
+ * scene has set; of other models all that act; none that is 0. */
+bool param_matters(const struct scene *scene, int place);
+/* Of a new run: dt, tol (0 unless the method adapts), drag, recording. */
+struct run_settings session_run_settings(const struct session *session);
+/* [s] of methods that adapt: the setting dt where the user has set it, else the scene's own. */
+double session_first_step(const struct session *session);
+/* Short state for a prompt or a state line: "spring m=200 g k=15 N/m | euler dt=10 ms | t=9.6 s". */
+void session_state_line(const struct session *session, struct buffer *text);
+
+static inline struct run *session_run(const struct session *session)
+{
+    return session->current_run >= 0 ? session->run[session->current_run]->run : NULL;
+}
+
+static inline struct recording *session_recording(const struct session *session)
+{
+    return session->current_recording >= 0 ? session->recording[session->current_recording]->recording : NULL;
+}
+
+enum charset session_charset(const struct session *session);
+
+/* ---- the session ---- */
+
+void session_changed(struct session *session);
+/* Takes the run over (also when it fails: then it is destroyed) and makes it the current one. */
+bool session_add_run(struct session *session, struct run *run, struct error *error);
+bool session_add_recording(struct session *session, struct recording *recording, const char *options,
+                           struct error *error);
+void session_drop_band(struct session *session);
+void session_drop_run(struct session *session, int place);
+void session_drop_recording(struct session *session, int place);
+void held_run_release(struct held_run *held);
+void held_recording_release(struct held_recording *held);
+int session_find_run(const struct session *session, struct text name);       /* number or name; -1: none */
+int session_find_recording(const struct session *session, struct text name); /* -1: none */
+/* The latest one of each model, recording or run, and window; without memory it is only not in the report. */
+/* Values of the last fit at n ascending times [s]; NAN: outside of what it was fitted to. */
+void session_fit_values(const struct session *session, const double *t, size_t n, double *value);
+void session_keep_fit(struct session *session, const struct kept_fit *fit);
+void session_set_result(struct session *session, const char *name, struct measured value, enum quantity quantity);
+struct write_policy session_policy(const struct session *session, bool force);
+void session_default_settings(struct settings *settings);
+/* Whether the user has set it; what he has not may follow the scene: settings_of_scene(). */
+bool setting_is_given(const struct setting *setting, const struct settings *settings);
+void setting_give(const struct setting *setting, bool given, struct settings *settings);
+/* What a tolerance below 10 eps is really taken as; nothing for others. */
+void put_tol_floor(struct buffer *text, double tol);
+/* Duration and tolerance of the scene, unless they were set. */
+void settings_of_scene(struct settings *settings, const struct preset *preset);
+/* Those that only show become as in `from`: no undo, no run depends on them. */
+void settings_display(struct settings *settings, const struct settings *from);
+void session_size(const struct session *session, int *width, int *height);
+
+struct snapshot *snapshot_take(const struct session *session, const char *label); /* NULL: no memory */
+void snapshot_free(struct snapshot *snapshot);
+void run_unmark(struct held_run *held); /* forget how undo entries last saw it */
+/* Whether going back to it would change anything. */
+bool undo_matters(const struct session *session, const struct snapshot *before);
+void undo_push(struct session *session, struct snapshot *before);
+void undo_clear(struct session *session);
+
+/* ---- live runs ---- */
+
+/*
+ * Advances to the target in slices of at most 10 ms, with a look at the front end between them; `clocked`: simulated
+ * time follows the clock. Back when it is there, or paused: then run->stop is STOP_CANCELLED.
+ */
+void live_advance(struct session *session, struct run *run, const struct run_target *target, bool clocked);
+/* State and marks of session->live follow from the current run. */
+void live_refresh(struct session *session);
+/*
+ * A parameter of the scene has changed: takes it over into the run that goes on, is paused, or is to be changed. *from
+ * [s]: since when, NAN: there is no such run. The run is unchanged on error.
+ */
+bool live_bind(struct session *session, int param, double *from, struct error *error);
+/* Gives a variable of the current run's state, which there is, another value. */
+bool live_kick(struct session *session, int variable, double value, struct error *error);
+/* " from t = 3.2 s on", nothing where `from` is NAN. */
+void buffer_since(struct buffer *text, double from);
+
+
+/* ---- values of settings ---- */
+
+void setting_show(const struct setting *setting, const struct settings *settings, struct buffer *text);
+/* As a command that reads back exactly. */
+void setting_exact(const struct setting *setting, const struct settings *settings, struct buffer *text);
+
+extern const struct catalog charset_choice_catalog, color_choice_catalog, phase_axes_catalog, turning_catalog;
+extern const struct catalog opinion_catalog;
+
+#endif

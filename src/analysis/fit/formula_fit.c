@@ -1,0 +1,245 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Fitting a formula, with starts that are looked for: what it is linear in is projected out, the rest is tried on the
+ * scales of the series; the best trials are refined.
+ */
+#include "analysis/fit/formula.h"
+#include "analysis/fit/projection.h"
+
+#include <gsl/gsl_errno.h>
+#include <string.h>
+
+enum { THIN = 400, TRIALS = 3000, REFINED = 12, SCALES_MOST = 40 };
+
+struct search {
+    struct formula formula; /* with its columns thinned like the series */
+    struct series thin;
+    struct fit_curve curve;
+    struct projection projection;            /* of these */
+    int unknown[CURVE_PARAMETERS], unknowns; /* neither linear nor given */
+    double scale[SCALES_MOST];
+    int scales;
+    uint64_t state;
+};
+
+struct trial {
+    double x[CURVE_PARAMETERS], rss;
+};
+
+static double uniform(struct search *s)
+{
+    return random_fraction(&s->state);
+}
+
+/* Every so many samples one, at an uneven place, so that no frequency hides between them. */
+static bool thin_out(struct search *s, const struct series *series, struct arena *arena)
+{
+    size_t n = series->n < THIN ? series->n : THIN, columns = (size_t)s->formula.columns;
+    double *t = arena_array(arena, n, sizeof *t), *y = arena_array(arena, n, sizeof *y);
+    double *values = arena_array(arena, n * (columns + 1), sizeof *values);
+    struct formula_column *column = arena_array(arena, columns + 1, sizeof *column);
+    if (!t || !y || !values || !column)
+        return false;
+    for (size_t i = 0; i < n; i++) {
+        size_t from = series->n * i / n, to = series->n * (i + 1) / n;
+        size_t at = from + (size_t)(uniform(s) * (double)(to - from));
+        t[i] = series->t[at];
+        y[i] = series->y[at];
+        for (size_t k = 0; k < columns; k++)
+            values[k * n + i] = s->formula.column[k].value ? s->formula.column[k].value[at] : t[i];
+    }
+    for (size_t k = 0; k < columns; k++)
+        column[k] = (struct formula_column){s->formula.column[k].name, values + k * n};
+    s->formula.column = column;
+    s->thin = (struct series){.t = t, .y = y, .n = n, .quantity = series->quantity};
+    s->curve = (struct fit_curve){s->formula.parameters, s->formula.name, &s->formula, formula_evaluate};
+    return projection_init(&s->projection, &s->curve, s->formula.linear, &s->thin, arena);
+}
+
+/* Sizes that parameters of curves through these samples tend to have. */
+static void find_scales(struct search *s, const struct series *series, struct arena *arena)
+{
+    double low = HUGE_VAL, high = -HUGE_VAL, first = HUGE_VAL, last = -HUGE_VAL;
+    for (size_t i = 0; i < series->n; i++) {
+        low = fmin(low, series->y[i]);
+        high = fmax(high, series->y[i]);
+        first = fmin(first, series->t[i]);
+        last = fmax(last, series->t[i]);
+    }
+    double span = last - first, omega = series->n >= 8 ? series_peak_frequency(series, arena) : NAN;
+    const double sizes[] = {1,
+                            2,
+                            0.5,
+                            omega,
+                            omega / TWO_PI,
+                            TWO_PI / omega,
+                            0.1 / span,
+                            1 / span,
+                            3 / span,
+                            10 / span,
+                            30 / span,
+                            100 / span,
+                            0.1 * span,
+                            0.3 * span,
+                            span,
+                            3 * span,
+                            first,
+                            last,
+                            high,
+                            high - low,
+                            low,
+                            0.5 * (first + last)};
+    for (size_t i = 0; i < COUNT_OF(sizes); i++)
+        if (isfinite(sizes[i]) && sizes[i] != 0)
+            s->scale[s->scales++] = sizes[i];
+}
+
+/* A value to try: a scale of the series or any size, of either sign, within the bounds. */
+static double pick(struct search *s, int j)
+{
+    double low = s->formula.low[j], high = s->formula.high[j];
+    if (isfinite(low) && isfinite(high))
+        return low + (high - low) * uniform(s);
+    double size = uniform(s) < 0.6 ? s->scale[(size_t)(uniform(s) * s->scales)] : pow(10, 8 * uniform(s) - 5);
+    size = uniform(s) < 0.3 ? -size : size;
+    return isfinite(low) ? low + fabs(size) : isfinite(high) ? high - fabs(size) : size;
+}
+
+/* The best trials, the best first. Returns how many there are. */
+static int try_scales(struct search *s, const struct cancel *cancel, const double *given, struct trial *best)
+{
+    int kept = 0, trials = s->unknowns > 0 ? TRIALS : 1;
+    for (int k = 0; k < trials && !cancelled(cancel); k++) {
+        struct trial trial;
+        memcpy(trial.x, given, sizeof trial.x);
+        for (int i = 0; i < s->unknowns; i++)
+            trial.x[s->unknown[i]] = pick(s, s->unknown[i]);
+        if (!project(&s->projection, trial.x, NULL, NULL, &trial.rss))
+            continue;
+        int at = kept;
+        while (at > 0 && best[at - 1].rss > trial.rss)
+            at--;
+        bool twin = at > 0 && best[at - 1].rss >= trial.rss * (1 - 1e-9);
+        if (at == REFINED || twin)
+            continue;
+        kept = kept < REFINED ? kept + 1 : kept;
+        memmove(best + at + 1, best + at, (size_t)(kept - at - 1) * sizeof *best);
+        best[at] = trial;
+    }
+    return kept;
+}
+
+/* A converged answer before one that is not, then the smaller sum of squares. */
+static bool better(const struct curve_fit *a, const struct curve_fit *b)
+{
+    return a->converged != b->converged ? a->converged : a->rss < b->rss;
+}
+
+struct refining {
+    const struct formula *formula;
+    const struct series *series;
+    const struct curve_options *options;
+    struct arena *arena;
+    struct curve_fit *fit;
+    int spent;           /* iterations that led to the start */
+    bool found;          /* fit holds an answer */
+    struct error *error; /* why there is none; also of what ends everything: cancelled, no memory */
+};
+
+/* A fit from x; kept if it is better than what there is. False: everything ends. */
+static bool refine(struct refining *r, const double *x)
+{
+    struct formula whole = *r->formula;
+    struct fit_curve curve = {whole.parameters, whole.name, &whole, formula_evaluate};
+    struct curve_fit trial;
+    struct error local = {0};
+    if (!curve_fit(&curve, r->series, x, r->options, r->arena, &trial, &local)) {
+        *r->error = r->found && local.code == ERROR_COMMAND ? *r->error : local;
+        return local.code == ERROR_COMMAND;
+    }
+    trial.iterations += r->spent;
+    if (!r->found || better(&trial, r->fit))
+        *r->fit = trial;
+    r->found = true;
+    return true;
+}
+
+/* The same in the other parameters alone, the linear ones always solved for, then all together. */
+static bool refine_projected(struct refining *r, const double *x)
+{
+    struct projection projection;
+    double start[CURVE_PARAMETERS], all[CURVE_PARAMETERS], rss;
+    struct curve_fit reduced;
+    struct error local = {0};
+    struct curve_options plain = {.iterations = r->options->iterations, .cancel = r->options->cancel};
+    struct formula formula = *r->formula;
+    const struct fit_curve whole = {formula.parameters, formula.name, &formula, formula_evaluate};
+    if (!projection_init(&projection, &whole, formula.linear, r->series, r->arena))
+        return error_memory(r->error);
+    if (projection.linears == 0 || projection.others == 0)
+        return true;
+    struct fit_curve curve = {projection.others, projection.name, &projection, projection_evaluate};
+    for (int k = 0; k < projection.others; k++)
+        start[k] = x[projection.other[k]];
+    if (!curve_fit(&curve, r->series, start, &plain, r->arena, &reduced, &local)) {
+        *r->error = local.code == ERROR_COMMAND ? *r->error : local;
+        return local.code == ERROR_COMMAND;
+    }
+    for (int k = 0; k < projection.others; k++)
+        all[projection.other[k]] = reduced.value[k].value;
+    if (!project(&projection, all, NULL, NULL, &rss))
+        return true;
+    r->spent = reduced.iterations;
+    bool on = refine(r, all);
+    r->spent = 0;
+    return on;
+}
+
+bool formula_fit(const struct formula *formula, const struct series *series, const struct curve_options *options,
+                 struct arena *arena, struct curve_fit *fit, struct error *error)
+{
+    static const struct curve_options none;
+    struct curve_options o = options ? *options : none;
+    struct search s = {.formula = *formula, .state = 20180920};
+    struct refining r = {formula, series, &o, arena, fit, 0, false, error};
+    struct trial best[REFINED + 1];
+    double answer[CURVE_PARAMETERS];
+    bool all = true;
+    o.low = formula->low;
+    o.high = formula->high;
+    o.bootstrap = 0;
+    if (!enough_samples(series, formula->parameters, error))
+        return false;
+    gsl_set_error_handler_off(); /* GSL's default ends the program; statuses are checked here */
+    for (int j = 0; j < formula->parameters; j++) {
+        all = all && formula->given[j];
+        if (!formula->linear[j] && !formula->given[j])
+            s.unknown[s.unknowns++] = j;
+    }
+    /* The start that was asked for comes first: the minimum it leads to is what was asked for. */
+    if (all && !refine(&r, formula->start))
+        return false;
+    if (!(r.found && fit->converged)) {
+        if (!thin_out(&s, series, arena))
+            return error_memory(error);
+        find_scales(&s, series, arena);
+        int kept = try_scales(&s, o.cancel, formula->start, best);
+        for (int k = 0; k < kept; k++)
+            if (!refine_projected(&r, best[k].x) || !refine(&r, best[k].x))
+                return false;
+    }
+    if (cancelled(o.cancel))
+        return error_set(error, ERROR_CANCELLED, "the fit was stopped");
+    if (!r.found && error->code == ERROR_NONE)
+        error_set(error, ERROR_COMMAND, "no start was found from which the formula has finite values everywhere");
+    if (!r.found)
+        return error_hint(error, "give starts: fit 'a*exp(-b*t)' a=5 b=0.1");
+    *error = (struct error){0};
+    if (!options || options->bootstrap <= 0 || !fit->converged)
+        return true;
+    for (int j = 0; j < formula->parameters; j++)
+        answer[j] = fit->value[j].value;
+    o.bootstrap = options->bootstrap;
+    r.found = false;
+    return refine(&r, answer);
+}

@@ -1,0 +1,368 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "analysis/period/track.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { COLUMNS = 5, WINDOW_SAMPLES = 10, CANDIDATES = 15, PERIODS_MOST = 32, FEW = 2, MANY = 8, PART = 4096 };
+
+#define BEAT_LEAST 0.6   /* [beats with the sampling] cosine and sine differ too little over less */
+#define CLEAR_AT 5.0     /* explained over residual variance, per degree of freedom */
+#define PIVOT_LEAST 1e-8 /* squared sine of the angle between a column and those before it */
+#define FOLLOW 0.5       /* how much of a window's news about the frequency is believed at once */
+#define FILLED 0.6       /* of a window: less is beside a gap, too short for a phase */
+#define STRAY 0.35       /* relative: so far the frequency may be from where it started */
+
+/* Of the columns 1, s, s^2, cos, sin and y. */
+struct moments {
+    double gram[COLUMNS + 1][COLUMNS + 1]; /* lower triangle; the last row belongs to y */
+    size_t used;
+};
+
+static inline void add_sample(double gram[COLUMNS + 1][COLUMNS + 1], double x, double c, double d, double y)
+{
+    const double column[COLUMNS + 1] = {1, x, x * x, c, d, y};
+#pragma GCC unroll 8
+    for (int i = 0; i <= COLUMNS; i++) {
+#pragma GCC unroll 8
+        for (int j = 0; j <= i; j++) {
+            gram[i][j] += column[i] * column[j];
+        }
+    }
+}
+
+static struct moments collect(const struct samples *x, const struct track_window *w, double half)
+{
+    struct moments m = {.used = 0};
+    double gram[COLUMNS + 1][COLUMNS + 1] = {{0}}; /* on its own, so that it can stay in registers */
+    const double scale = 1 / half;
+    const double first = w->omega * (x->t[w->from] - w->t), y0 = x->y[w->from];
+    double c = cos(first), d = sin(first), re = cos(w->omega * x->dt), im = sin(w->omega * x->dt);
+    for (size_t i = w->from; i < w->to; i++) {
+        const double s = x->t[i] - w->t;
+        if (!x->uniform) {
+            c = cos(w->omega * s);
+            d = sin(w->omega * s);
+        }
+        if (x->use[i]) {
+            add_sample(gram, s * scale, c, d, x->y[i] - y0);
+            m.used++;
+        }
+        const double next = c * re - d * im;
+        d = c * im + d * re;
+        c = next;
+    }
+    memcpy(m.gram, gram, sizeof gram);
+    return m;
+}
+
+/* In place: the Cholesky factor; false where a column is hardly independent of those before it. */
+static bool factorise(struct moments *m)
+{
+    for (int i = 0; i <= COLUMNS; i++) {
+        const double before = m->gram[i][i];
+        for (int j = 0; j <= i; j++) {
+            double sum = m->gram[i][j];
+            for (int k = 0; k < j; k++) {
+                sum -= m->gram[i][k] * m->gram[j][k];
+            }
+            if (j < i) {
+                m->gram[i][j] = sum / m->gram[j][j];
+            } else if (i < COLUMNS && !(sum > PIVOT_LEAST * before)) {
+                return false;
+            } else {
+                m->gram[i][i] = sqrt(fmax(sum, 0));
+            }
+        }
+    }
+    return true;
+}
+
+/* Amplitude and phase at the middle with w->omega; the phase in (-pi, pi]. */
+static void fit_window(const struct samples *x, struct track_window *w)
+{
+    if (cancelled(x->cancel)) {
+        return;
+    }
+    const double half = 0.5 * (x->t[w->to - 1] - x->t[w->from]);
+    struct moments m = {.used = 0};
+    w->clear = false;
+    w->amplitude = w->explained = w->rss = 0;
+    w->sigma = w->off = NAN;
+    if (half > 0) {
+        m = collect(x, w, half);
+    }
+    w->used = m.used;
+    if (m.used < COLUMNS + 2 || !factorise(&m)) {
+        return;
+    }
+    w->mean = x->y[w->from] + m.gram[COLUMNS][0] / m.gram[0][0];
+    const double *r = m.gram[COLUMNS], pc = r[3], pd = r[4];
+    const double q = pd / m.gram[4][4], p = (pc - m.gram[4][3] * q) / m.gram[3][3];
+    const double freedom = (double)(m.used - COLUMNS), tiny = 1e-13 * (m.gram[COLUMNS][0] * m.gram[COLUMNS][0]);
+    w->explained = pc * pc + pd * pd;
+    w->rss = m.gram[COLUMNS][COLUMNS] * m.gram[COLUMNS][COLUMNS];
+    w->amplitude = hypot(p, q);
+    w->phase = atan2(-q, p);
+    const double variance = w->rss / freedom, spread = 0.5 * (1 / (m.gram[3][3] * m.gram[3][3]) +
+                                                             1 / (m.gram[4][4] * m.gram[4][4]));
+    w->sigma = w->amplitude > 0 ? sqrt(variance * spread) / w->amplitude : NAN;
+    w->clear = w->explained > 2 * CLEAR_AT * variance && w->explained > tiny && w->amplitude > 0;
+}
+
+/* Times of equal width; at least so many samples each. */
+static bool divide(const struct samples *x, double width, struct arena *arena, struct track *track)
+{
+    const double span = x->t[x->n - 1] - x->t[0];
+    const size_t count = (size_t)fmax(1, floor(span / width + 0.1));
+    track->window = arena_array(arena, count, sizeof *track->window);
+    if (!track->window) {
+        return false;
+    }
+    size_t at = 0;
+    for (size_t k = 0; k < count; k++) {
+        struct track_window w = {.from = at};
+        const double end = x->t[0] + span * (double)(k + 1) / (double)count;
+        const size_t to = k + 1 < count ? samples_index(x, end) : x->n;
+        if (to < at + COLUMNS + 2 || x->t[to - 1] - x->t[at] < FILLED * span / (double)count) {
+            at = to;
+            continue; /* a gap */
+        }
+        w.to = at = to;
+        w.t = 0.5 * (x->t[w.from] + x->t[w.to - 1]);
+        track->window[track->windows++] = w;
+    }
+    return true;
+}
+
+/* The window that a sine of this frequency describes best; windows: none does. */
+static size_t best_window(const struct samples *x, double omega, struct track *track)
+{
+    size_t best = track->windows;
+    double most = 0;
+    for (size_t k = 0; k < track->windows; k++) {
+        struct track_window *w = &track->window[k];
+        w->omega = omega;
+        fit_window(x, w);
+        const double merit = w->clear ? w->explained * w->explained / (w->explained + w->rss) : 0;
+        if (merit > most) {
+            most = merit;
+            best = k;
+        }
+    }
+    return best;
+}
+
+/* From one window on in one direction, each with the frequency that those before it had. */
+static void follow(const struct samples *x, struct track *track, size_t start, int direction, double omega)
+{
+    const double least = (1 - STRAY) * omega, most = (1 + STRAY) * omega;
+    struct track_window *before = &track->window[start];
+    size_t lost = 0;
+    for (size_t k = start + (size_t)direction; k < track->windows; k += (size_t)direction) {
+        struct track_window *w = &track->window[k];
+        w->omega = omega;
+        fit_window(x, w);
+        const double step = w->t - before->t, expected = before->phase + omega * step;
+        const double off = remainder(w->phase - expected, TWO_PI);
+        w->phase = expected + off;
+        if (!w->clear) {
+            lost++;
+            continue;
+        }
+        w->off = off;
+        omega = fmin(fmax(omega + FOLLOW * off / step, least), most);
+        if (lost > 0) {
+            lost = 0;
+        }
+        before = w;
+    }
+}
+
+/* Mean frequency by the phases, coherence, and what is explained. */
+static void conclude_track(struct track *track)
+{
+    double weight = 0, cosine = 0, explained = 0, rss = 0;
+    const struct track_window *first = NULL, *last = NULL;
+    for (size_t k = 0; k < track->windows; k++) {
+        const struct track_window *w = &track->window[k];
+        if (!w->clear) {
+            continue;
+        }
+        first = first ? first : w;
+        last = w;
+        track->clear++;
+        if (isfinite(w->off)) {
+            weight += w->amplitude;
+            cosine += w->amplitude * cos(w->off);
+        }
+    }
+    for (const struct track_window *w = first; w && w <= last; w++) {
+        explained += w->explained;
+        rss += w->rss;
+    }
+    track->coherence = weight > 0 ? cosine / weight : 0;
+    track->explained = explained;
+    track->share = explained > 0 ? explained / (explained + rss) : 0;
+    track->omega = first && last > first ? (last->phase - first->phase) / (last->t - first->t)
+                   : first               ? first->omega
+                                         : NAN;
+}
+
+/* Width of the windows [s]. */
+static double window_width(const struct samples *x, double omega, double periods)
+{
+    const double beat = 0.5 - omega * x->dt / TWO_PI; /* [1/sample] from the Nyquist frequency */
+    return fmax(periods * TWO_PI / omega, fmax(WINDOW_SAMPLES, BEAT_LEAST / fmax(beat, 1e-3)) * x->dt);
+}
+
+bool track_from(const struct samples *x, double omega, double periods, double at, struct arena *arena,
+                struct track *track)
+{
+    *track = (struct track){.omega = NAN, .periods = periods};
+    if (!divide(x, window_width(x, omega, periods), arena, track)) {
+        return false;
+    }
+    size_t start = 0;
+    while (start + 1 < track->windows && track->window[start + 1].t <= at) {
+        start++;
+    }
+    if (track->windows > 0) {
+        track->window[start].omega = omega;
+        fit_window(x, &track->window[start]);
+        follow(x, track, start, 1, omega);
+        follow(x, track, start, -1, omega);
+    }
+    conclude_track(track);
+    return true;
+}
+
+/* The frequency between the best window and those beside it; what was given where these are not clear. */
+static double refined(const struct track *track, size_t start, double omega)
+{
+    double sum = 0, count = 0;
+    for (size_t k = start > 0 ? start - 1 : 0; k + 1 < track->windows && k <= start; k++) {
+        const struct track_window *a = &track->window[k], *b = a + 1;
+        if (a->clear && b->clear) {
+            sum += (b->phase - a->phase) / (b->t - a->t);
+            count++;
+        }
+    }
+    return count > 0 && fabs(sum / count / omega - 1) < STRAY ? sum / count : omega;
+}
+
+bool track_follow(const struct samples *x, double omega, double periods, struct arena *arena,
+                  struct track *track)
+{
+    *track = (struct track){.omega = NAN, .periods = periods};
+    if (!divide(x, window_width(x, omega, periods), arena, track)) {
+        return false;
+    }
+    const size_t start = best_window(x, omega, track);
+    for (int pass = 0; pass < 2 && start < track->windows; pass++) {
+        follow(x, track, start, 1, omega);
+        follow(x, track, start, -1, omega);
+        const double better = refined(track, start, omega);
+        if (better == omega) {
+            break;
+        }
+        omega = better;
+        track->window[start].omega = omega;
+        fit_window(x, &track->window[start]);
+    }
+    if (start < track->windows) {
+        follow(x, track, start, 1, omega);
+        follow(x, track, start, -1, omega);
+    }
+    conclude_track(track);
+    return true;
+}
+
+/*
+ * An oscillation keeps its phase from window to window. Where a few windows are all there is, hardly anything else may
+ * be in them; thousands of bumps, steps, exponentials and random walks stay well below (tests/unit/analysis_detect.c).
+ */
+bool track_is_oscillation(const struct track *track)
+{
+    const bool all = track->clear >= FEW && track->coherence > 0.9 && track->share > 0.9;
+    return all || (track->clear >= MANY && track->coherence > 0.85 && track->share > 0.2);
+}
+
+/* Of an oscillation with strong harmonics the fundamental, if it is followed as well. */
+static bool is_fundamental(const struct track *of, const struct track *harmonic)
+{
+    const double ratio = harmonic->omega / of->omega;
+    return of->clear >= FEW && of->coherence > 0.9 && of->explained > 0.3 * harmonic->explained &&
+           (fabs(ratio - 2) < 0.05 || fabs(ratio - 3) < 0.05);
+}
+
+bool track_find(const struct samples *x, struct arena *arena, struct track *track)
+{
+    double omega[CANDIDATES];
+    bool memory;
+    const int count = spectrum_candidates(x, arena, omega, CANDIDATES, &memory);
+    struct track best = {.omega = NAN};
+    for (int pass = 0; pass < 2 && memory; pass++) {
+        for (int i = 0; i < count && memory; i++) {
+            for (int periods = 2; periods <= PERIODS_MOST && memory; periods *= 2) {
+                struct track trial;
+                memory = track_follow(x, omega[i], periods, arena, &trial);
+                const bool found = memory && (pass == 0 ? track_is_oscillation(&trial) : is_fundamental(&trial, &best));
+                if (found && (pass == 1 || !(trial.explained * trial.coherence <= best.explained * best.coherence))) {
+                    best = trial;
+                }
+                if (found) {
+                    break;
+                }
+            }
+        }
+    }
+    *track = best;
+    return memory;
+}
+
+/* ---- long recordings ---- */
+
+/* Means of so many neighbours each. False: no memory. */
+static bool average(const struct samples *x, size_t of, struct arena *arena, struct samples *out)
+{
+    const size_t n = x->n / of;
+    double *t = arena_array(arena, n, sizeof *t), *y = arena_array(arena, n, sizeof *y);
+    if (!t || !y) {
+        return false;
+    }
+    for (size_t k = 0; k < n; k++) {
+        double sum = 0, time = 0;
+        for (size_t i = k * of; i < (k + 1) * of; i++) {
+            sum += x->y[i];
+            time += x->t[i];
+        }
+        t[k] = time / (double)of;
+        y[k] = sum / (double)of;
+    }
+    const struct series series = {.t = t, .y = y, .n = n};
+    return samples_init(out, &series, arena);
+}
+
+static double power(const struct track *track, const struct samples *x)
+{
+    return track->omega > 0 ? track->explained / (double)x->n : 0;
+}
+
+bool track_long(const struct samples *x, struct arena *arena, struct track *track)
+{
+    struct samples coarse, part = samples_part(x, (x->n - PART) / 2, (x->n + PART) / 2);
+    struct track fast, slow;
+    *track = (struct track){.omega = NAN};
+    if (!average(x, x->n / PART, arena, &coarse) || !track_find(&part, arena, &fast) ||
+        !track_find(&coarse, arena, &slow)) {
+        return false;
+    }
+    const struct track *best = power(&fast, &part) > power(&slow, &coarse) ? &fast : &slow;
+    const struct track_window *at = NULL;
+    for (size_t k = 0; k < best->windows && best->omega > 0; k++) {
+        const struct track_window *w = &best->window[k];
+        at = w->clear && (!at || w->explained * at->rss > at->explained * w->rss) ? w : at;
+    }
+    return !at || track_from(x, at->omega, best->periods, at->t, arena, track);
+}

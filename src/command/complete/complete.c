@@ -1,0 +1,216 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Completion: what can stand at the cursor, by the description of the arguments. Nothing is executed and no expression
+ * is evaluated. */
+#include "command/complete/complete.h"
+#include "command/internal.h"
+
+#include <string.h>
+
+struct text last_word(struct text before)
+{
+    before = text_trim(before);
+    size_t from = before.len;
+    while (from > 0 && before.at[from - 1] != ' ' && before.at[from - 1] != '\t')
+        from--;
+    return (struct text){before.at + from, before.len - from};
+}
+
+int count_words(struct text text)
+{
+    int count = 0;
+    for (struct text word; (text = text_trim(text)).len > 0; count++) {
+        word = peek_word(text, "");
+        const size_t used = word.len ? word.len : 1;
+        text = (struct text){text.at + used, text.len - used};
+    }
+    return count;
+}
+
+static const struct argument *find_by_form(const struct command *command, enum argument_form form, struct text name)
+{
+    for (int i = 0; i < command->arguments; i++)
+        if (command->argument[i].form == form && text_is(name, command->argument[i].name))
+            return &command->argument[i];
+    return NULL;
+}
+
+/* Can it have an expression that goes on over blanks? */
+static bool takes_values(const struct command *command)
+{
+    for (int i = 0; i < command->arguments; i++)
+        if (command->argument[i].type >= TYPE_VALUE && command->argument[i].type <= TYPE_EXPR &&
+            command->argument[i].type != TYPE_INTEGER)
+            return true;
+    return false;
+}
+
+void complete_next(struct completion *c, const struct command *command, struct text before)
+{
+    /* After `of` only what it leads to. */
+    const struct text last = last_word(before);
+    bool led = false;
+    for (int i = 0; i < command->arguments; i++)
+        if (command->argument[i].lead && text_is(last, command->argument[i].lead)) {
+            if (command->argument[i].form == FORM_PLACE)
+                complete_item(c, &command->argument[i], TEXT(""));
+            else
+                complete_offer(c, command->argument[i].name, "");
+            led = true;
+        }
+    if (led)
+        return;
+    int places = count_words(before);
+    const char *lead = "";
+    const struct argument *place = NULL;
+    for (int i = 0; i < command->arguments; i++) {
+        const struct argument *argument = &command->argument[i];
+        if (argument->form == FORM_PLACE && !place && (places-- == 0 || (argument->flags & ARG_MANY)))
+            place = argument;
+        if (argument->form == FORM_WORD && argument->name[0] != '>' && !argument->lead)
+            complete_offer(c, argument->name, "");
+        else if (argument->form == FORM_KEY && argument->type != TYPE_START)
+            complete_affixed(c, "", argument->name, "=", "");
+        else if (argument->form == FORM_OPTION)
+            complete_affixed(c, "--", argument->name, "", "");
+        if (argument->lead && strcmp(argument->lead, lead) != 0)
+            complete_offer(c, argument->lead, "");
+        lead = argument->lead ? argument->lead : lead;
+    }
+    if (place)
+        complete_item(c, place, before);
+    else if (ends_in_digit(before) && command->arguments > 0 && takes_values(command))
+        complete_units(c, command->argument[0].type == TYPE_VALUE ? command->argument[0].quantity : QUANTITY_OTHER);
+}
+
+static bool goes_on(const struct command *command, struct text before)
+{
+    const struct text t = text_trim(before);
+    const bool compares = find_by_form(command, FORM_WORD, TEXT("until")) && t.len > 0 && strchr("<>", t.at[t.len - 1]);
+    return takes_values(command) && (compares || value_is_open(before));
+}
+
+static void complete_arguments(struct completion *c, const struct command *command, struct text before)
+{
+    const struct text last = last_word(before);
+    const char *name = command->row.name;
+    if (strcmp(name, "sweep") == 0) {
+        complete_sweep(c, command, before);
+        return;
+    }
+    /* NAME=item, also after commas: the word being completed begins behind the last = or comma. */
+    if (before.len > 0 && (before.at[before.len - 1] == '=' || before.at[before.len - 1] == ',')) {
+        const struct argument *key = find_by_form(command, FORM_KEY, peek_name(last));
+        if (key) {
+            complete_item(c, key, TEXT(""));
+            return;
+        }
+    }
+    /* NAME=5 and a blank: the unit. */
+    size_t equals = before.len;
+    while (equals > 0 && before.at[equals - 1] != '=')
+        equals--;
+    if (equals > 0 && ends_in_digit(before)) {
+        const struct argument *key = find_by_form(command, FORM_KEY, last_word((struct text){before.at, equals - 1}));
+        if (key && key->type == TYPE_VALUE) {
+            complete_units(c, key->quantity);
+            return;
+        }
+    }
+    if (goes_on(command, before)) {
+        complete_value(c, TEXT(""), QUANTITY_OTHER, complete_operands);
+        return;
+    }
+    const struct argument *word = find_by_form(command, FORM_WORD, last);
+    const struct argument *option =
+        last.len > 2 ? find_by_form(command, FORM_OPTION, (struct text){last.at + 2, last.len - 2}) : NULL;
+    if (word && word->type != TYPE_NONE)
+        complete_item(c, word, TEXT(""));
+    else if (option && option->type != TYPE_NONE)
+        complete_item(c, option, TEXT(""));
+    else if (strcmp(name, "help") == 0)
+        complete_topics(c);
+    else if (strcmp(name, "atol") == 0)
+        complete_atol(c, count_words(before) > 0);
+    else if (strcmp(name, "show") == 0) {
+        complete_catalog(c, &show_catalog);
+        complete_names(c);
+    } else if ((strcmp(name, "set") == 0 || strcmp(name, "let") == 0 || strcmp(name, "change") == 0) &&
+               count_words(before) > 0)
+        complete_set(c, peek_name(text_trim(before)), before);
+    else
+        complete_next(c, command, before);
+}
+
+/* The command of a statement that defines a scene or an event, and what stands behind its name; NULL: another one. */
+static const struct command *formula_command(struct text statement, struct text *rest)
+{
+    text_skip_blanks(&statement);
+    const struct text name = peek_name(statement);
+    const struct command *command = command_at(catalog_find(&command_catalog, name));
+    *rest = (struct text){statement.at + name.len, statement.len - name.len};
+    if (name.len > 0 && rest->len > 0 && rest->at[0] == '\'')
+        return command_at(catalog_find(&command_catalog, TEXT("equation")));
+    const bool formula =
+        command && command->arguments > 0 && command->argument[command->arguments - 1].type == TYPE_FORMULA;
+    return formula && rest->len > 0 && strchr(" \t", rest->at[0]) ? command : NULL;
+}
+
+/* Where the commands of an unfinished event begin; NULL: it is another string. */
+static const char *event_string(struct text statement)
+{
+    text_skip_blanks(&statement);
+    if (!text_is(peek_name(statement), "event"))
+        return NULL;
+    for (size_t i = 0; i + 3 < statement.len; i++)
+        if (strncmp(statement.at + i, " do ", 4) == 0) {
+            struct text rest = {statement.at + i + 4, statement.len - i - 4};
+            text_skip_blanks(&rest);
+            return rest.len > 0 && strchr("'\"", rest.at[0]) ? rest.at + 1 : NULL;
+        }
+    return NULL;
+}
+
+bool command_complete(struct session *session, struct text line, size_t cursor, size_t *start,
+                      void (*offer_to)(void *context, const char *candidate, const char *brief), void *context)
+{
+    struct text rest = {line.at, cursor < line.len ? cursor : line.len}, statement = rest;
+    struct error ignored;
+    while (rest.len > 0) {
+        statement = rest;
+        if (!next_statement(&rest, &statement, &ignored)) {
+            const char *inside = event_string(statement), *end = line.at + cursor;
+            if (!inside || inside > end)
+                return true; /* inside a string */
+            const struct text commands = {inside, (size_t)(end - inside)};
+            const bool names = command_complete(session, commands, commands.len, start, offer_to, context);
+            *start += (size_t)(inside - line.at);
+            return names;
+        }
+        if (rest.len == 0 && rest.at > line.at && rest.at[-1] == ';')
+            statement = rest;
+        else if (rest.len == 0)
+            statement.len = (size_t)(rest.at - statement.at); /* with the blanks at its end */
+    }
+    size_t word = statement.len;
+    while (word > 0 && !strchr(" \t=,;:", statement.at[word - 1]))
+        word--;
+    struct completion c = {session, {statement.at + word, statement.len - word}, offer_to, context, false};
+    struct text before = {statement.at, word}, behind;
+    const struct command *formula = formula_command(before, &behind);
+    text_skip_blanks(&before);
+    const struct text name = peek_name(before);
+    struct text after = {before.at + name.len, before.len - name.len};
+    text_skip_blanks(&after);
+    const struct command *command = command_at(catalog_find(&command_catalog, name));
+    if (before.len == 0) {
+        complete_catalog(&c, &command_catalog);
+        complete_settable(&c);
+    } else if (formula)
+        complete_formula(&c, formula, behind);
+    else if (after.len > 0 && after.at[0] == '=')
+        complete_set(&c, name, before);
+    else if (command)
+        complete_arguments(&c, command, (struct text){before.at + name.len, before.len - name.len});
+    *start = (size_t)(c.word.at - line.at);
+    return !c.wants_file;
+}

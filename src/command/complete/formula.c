@@ -1,0 +1,187 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Completion inside of expressions, and of the lines that define scenes and events. */
+#include "command/complete/complete.h"
+#include "command/internal.h"
+
+#include <string.h>
+
+/* ---- expressions ---- */
+
+static char last_of(struct text text)
+{
+    const struct text t = text_trim(text);
+    return t.len > 0 ? t.at[t.len - 1] : 0;
+}
+
+bool value_is_open(struct text value)
+{
+    const char last = last_of(value);
+    int depth = 0;
+    for (size_t i = 0; i < value.len; i++)
+        depth += (value.at[i] == '(') - (value.at[i] == ')');
+    return depth > 0 || (last && strchr("+-*/^", last));
+}
+
+static bool is_operator(char c)
+{
+    return strchr("+-*/^()<>,", c);
+}
+
+static void count_offer(void *context, const char *candidate, const char *brief)
+{
+    int *count = context;
+    (void)candidate;
+    (void)brief;
+    ++*count;
+}
+
+/* Where the operand begins that is being typed. A hyphen may belong to a name: phase-error. */
+static size_t operand(const struct completion *c, void (*names)(struct completion *c))
+{
+    const struct text word = c->word;
+    size_t from = word.len;
+    while (from > 0 && !is_operator(word.at[from - 1]))
+        from--;
+    if (from < 2 || word.at[from - 1] != '-' || is_operator(word.at[from - 2]))
+        return from;
+    size_t first = from - 1;
+    int count = 0;
+    while (first > 0 && !is_operator(word.at[first - 1]))
+        first--;
+    struct completion whole = {c->session, {word.at + first, word.len - first}, count_offer, &count, false};
+    names(&whole);
+    return count > 0 ? first : from;
+}
+
+void complete_value(struct completion *c, struct text value, enum quantity quantity,
+                    void (*names)(struct completion *c))
+{
+    if (text_starts(c->word, TEXT("--"))) /* an option */
+        return;
+    const size_t from = operand(c, names);
+    const char last = last_of(value);
+    c->word = (struct text){c->word.at + from, c->word.len - from};
+    if (from > 0 || !last || strchr("<>=:,", last) || value_is_open(value))
+        names(c);
+    else if (last >= '0' && last <= '9')
+        complete_units(c, quantity);
+}
+
+/* ---- lines of a scene ---- */
+
+/* The names of the scene are there whatever runs have been made. */
+static void offer_names(struct completion *c)
+{
+    const struct model *model = c->session->setup.scene.model;
+    for (int i = 0; i < model->n; i++)
+        complete_offer(c, model->variable[i].name, quantity_name(model->variable[i].quantity));
+    for (int i = 0; i < model_observed(model); i++)
+        complete_offer(c, model_observed_variable(model, i).name, "observed");
+    complete_catalog(c, scene_params(&c->session->setup.scene));
+    complete_catalog(c, &function_catalog);
+}
+
+/* Those that were typed: a line of the same name takes its place. */
+static void offer_lines(struct completion *c, enum typed_kind kind)
+{
+    const struct model *model = c->session->setup.scene.model;
+    for (int i = 0; i < typed_lines(model); i++) {
+        const struct typed_line *line = typed_line(model, i);
+        char name[LIMIT_NAME + 1] = "";
+        if (line->kind != kind || line->name.len > LIMIT_NAME)
+            continue;
+        memcpy(name, line->name.at, line->name.len);
+        complete_offer(c, name, "as typed before");
+    }
+}
+
+static bool has_line(const struct completion *c, enum typed_kind kind)
+{
+    const struct model *model = c->session->setup.scene.model;
+    for (int i = 0; i < typed_lines(model); i++)
+        if (typed_line(model, i)->kind == kind)
+            return true;
+    return false;
+}
+
+/* What stands behind the first '='; false: there is none. */
+static bool behind_equals(struct text text, struct text *value)
+{
+    const char *equals = memchr(text.at, '=', text.len);
+    if (equals)
+        *value = (struct text){equals + 1, (size_t)(text.at + text.len - equals - 1)};
+    return equals;
+}
+
+void complete_events(struct completion *c)
+{
+    const struct events *events = c->session->setup.events;
+    for (int i = 0; events && i < events->count; i++)
+        complete_offer(c, events->line[i].name, events->line[i].when);
+}
+
+/* NAME when EXPR [rising|falling|touching] do stop|record|COMMANDS */
+static void complete_event(struct completion *c, struct text rest)
+{
+    const int words = count_words(rest);
+    if (words == 0) {
+        complete_events(c);
+        complete_offer(c, "off", "drop all");
+        return;
+    }
+    if (words == 1) {
+        complete_offer(c, "when", "");
+        complete_offer(c, "off", "drop it");
+        return;
+    }
+    text_skip_blanks(&rest);
+    struct text word = peek_word(rest, ""), value = {word.at + word.len, rest.len - word.len};
+    text_skip_blanks(&value);
+    if (!text_is(peek_word(value, ""), "when"))
+        return;
+    value = (struct text){value.at + 4, value.len - 4};
+    struct text last = {0}, left = value;
+    while (text_skip_blanks(&left), left.len > 0) {
+        last = peek_word(left, "");
+        const size_t used = last.len ? last.len : 1;
+        left = (struct text){left.at + used, left.len - used};
+        if (text_is(last, "do") && text_trim(left).len > 0)
+            return;
+    }
+    const bool turned = text_is(last, "rising") || text_is(last, "falling") || text_is(last, "touching");
+    if (text_is(last, "do")) {
+        complete_offer(c, "stop", "the run stops there");
+        complete_offer(c, "record", "a row of 'list events'");
+        return;
+    }
+    if (!turned)
+        complete_value(c, value, QUANTITY_OTHER, offer_names);
+    if (last.len == 0 || value_is_open(value) || strchr("<>", last_of(value)))
+        return;
+    if (!turned) {
+        complete_offer(c, "rising", "from below");
+        complete_offer(c, "falling", "from above");
+        complete_offer(c, "touching", "also where it only touches 0");
+    }
+    complete_offer(c, "do", "");
+}
+
+void complete_formula(struct completion *c, const struct command *command, struct text rest)
+{
+    const char *name = command->row.name;
+    const bool var = strcmp(name, "var") == 0, param = strcmp(name, "param") == 0,
+               observe = strcmp(name, "observe") == 0;
+    const bool bare = strcmp(name, "force") == 0 || strcmp(name, "potential") == 0;
+    struct text value = rest;
+    if (strcmp(name, "event") == 0) {
+        complete_event(c, rest);
+    } else if (behind_equals(rest, &value) || bare) {
+        if (bare && text_trim(rest).len == 0 && has_line(c, strcmp(name, "force") == 0 ? TYPED_FORCE : TYPED_POTENTIAL))
+            complete_offer(c, "off", "take it away");
+        complete_value(c, value, var || param ? QUANTITY_OTHER : QUANTITY_COUNT, offer_names);
+    } else if (count_words(rest) == 0) {
+        offer_lines(c, param ? TYPED_PARAM : observe ? TYPED_OBSERVE : TYPED_VAR);
+    } else if ((var || param || observe) && count_words(rest) == 1) {
+        complete_offer(c, "off", "take it away");
+    }
+}

@@ -1,0 +1,179 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* From the covariances of a fit to those of the scene's parameters, to first order. */
+#include "command/data/adopted.h"
+#include "command/internal.h"
+
+#include <math.h>
+#include <string.h>
+
+/* What a fit of an oscillation can set. */
+enum target { STIFFNESS, CUBIC, LINEAR, QUADRATIC, DRY, POSITION, VELOCITY, LENGTH, ANGLE, TURNING, TARGETS };
+
+static const char *const names[TARGETS] = {"k", "k3", "gamma", "C", "friction", "y0", "v0", "length", "theta0", "rate0"};
+
+static void start_in_motion(const struct fit *fit, int n, struct measured start[2])
+{
+    if (fit->drag.candidates > 0) {
+        start[0] = fit->drag.start;
+        start[1] = fit->drag.speed;
+        return;
+    }
+    /* Each derivative of A exp(-gamma t/2) cos(omega t + phi) is the same, larger by `growth` and
+     * earlier by `turn`. */
+    const double half = isfinite(fit->gamma.value) ? 0.5 * fit->gamma.value : 0,
+                 omega = fit->omega.value;
+    const double growth = hypot(half, omega), turn = atan2(omega, -half);
+    const double A = fit->amplitude.value / pow(growth, n), phi = fit->phase.value - n * turn;
+    const double spread = fit->amplitude.uncertainty / pow(growth, n),
+                 angle = A * fit->phase.uncertainty;
+    start[0] = (struct measured){A * cos(phi), hypot(spread * cos(phi), angle * sin(phi))};
+    start[1] = (struct measured){A * (-half * cos(phi) - omega * sin(phi)),
+                                 omega * hypot(spread * sin(phi), angle * cos(phi))};
+}
+
+void adopted_start(const struct fit *fit, int n, bool at_rest, struct measured start[2])
+{
+    start_in_motion(fit, n, start);
+    if (!at_rest)
+        return;
+    const double half = isfinite(fit->gamma.value) ? 0.5 * fit->gamma.value : 0;
+    const double growth = pow(hypot(half, fit->omega.value), n);
+    start[0] =
+        (struct measured){fit->amplitude.value / growth, fit->amplitude.uncertainty / growth};
+    start[1] = (struct measured){0, 0};
+}
+
+/* Of a law the equation's parameter i, else that of the damped sine. */
+static void shift(struct fit *fit, int i, double by)
+{
+    const double half = isfinite(fit->gamma.value) ? 0.5 * fit->gamma.value : 0;
+    struct drag_fit *drag = &fit->drag;
+    if (drag->candidates == 0) {
+        struct measured *const sine[SINE_PARAMETERS] = {&fit->amplitude, &fit->phase, &fit->omega,
+                                                        &fit->gamma};
+        sine[i]->value += by;
+    } else if (i < EQUATION_OMEGA) {
+        (i == EQUATION_START ? &drag->start : &drag->speed)->value += by;
+    } else if (i == EQUATION_OMEGA) { /* the fit's omega is the damped one */
+        const double omega = hypot(fit->omega.value, half) + by;
+        fit->omega.value = sqrt(omega * omega - half * half);
+    } else if (i == EQUATION_CUBIC) {
+        drag->cubic.value += by;
+    } else {
+        drag->candidate[drag->best - 1].rate[i - EQUATION_RATE].value += by;
+        if (i == EQUATION_RATE) { /* omega0 stays */
+            const double omega = hypot(fit->omega.value, half), now = half + 0.5 * by;
+            fit->gamma.value = 2 * now;
+            fit->omega.value = sqrt(omega * omega - now * now);
+        }
+    }
+}
+
+static void values_of(const struct scene *scene, const struct fit *fit, int n, bool at_rest,
+                      double out[TARGETS])
+{
+    const double m = param_value(scene, "m");
+    const double drag = param_value(scene, "rho") * param_value(scene, "area") / m;
+    const struct drag_candidate *law =
+        fit->drag.candidates ? &fit->drag.candidate[fit->drag.best - 1] : NULL;
+    struct measured start[2];
+    adopted_start(fit, n, at_rest, start);
+    out[STIFFNESS] = fit_stiffness(fit, (struct measured){m, 0}).value;
+    out[CUBIC] = fit->drag.cubic.value * m;
+    out[LINEAR] = law ? law->rate[0].value : fit->gamma.value;
+    out[QUADRATIC] = law && drag > 0 ? law->rate[1].value / drag : 0;
+    const double w = fit_stiffness(fit, (struct measured){1, 0}).value;
+    out[LENGTH] = is_pendulum(scene) ? param_value(scene, "g") / w : 0;
+    out[DRY] = law ? law->rate[2].value * m * (is_pendulum(scene) ? out[LENGTH] : 1) : 0;
+    out[POSITION] = start[0].value - m * param_value(scene, "g") / out[STIFFNESS];
+    out[ANGLE] = start[0].value;
+    out[VELOCITY] = out[TURNING] = start[1].value;
+}
+
+static void scale_measured(struct measured *m, double by)
+{
+    m->value *= by;
+    m->uncertainty *= fabs(by);
+}
+
+void adopted_scale(struct fit *fit, double scale)
+{
+    struct drag_fit *drag = &fit->drag;
+    const bool law = drag->candidates > 0;
+    double by[CURVE_PARAMETERS];
+    for (int i = 0; i < CURVE_PARAMETERS; i++)
+        by[i] = 1;
+    by[law ? EQUATION_START : SINE_AMPLITUDE] = scale;
+    if (law) {
+        by[EQUATION_SPEED] = scale;
+        by[EQUATION_RATE + 1] = 1 / scale; /* y'' = -b |y'| y' */
+        by[EQUATION_RATE + 2] = scale;     /* y'' = -f */
+        by[EQUATION_CUBIC] = 1 / (scale * scale);
+        scale_measured(&drag->start, scale);
+        scale_measured(&drag->speed, scale);
+        scale_measured(&drag->cubic, by[EQUATION_CUBIC]);
+        for (int k = 0; k < drag->candidates; k++)
+            for (int r = 0; r < DRAG_RATES; r++)
+                scale_measured(&drag->candidate[k].rate[r], by[EQUATION_RATE + r]);
+    }
+    scale_measured(&fit->amplitude, scale);
+    scale_measured(&fit->offset, scale);
+    scale_measured(&fit->drift, scale);
+    fit->rms *= fabs(scale);
+    for (int i = 0; i < fit->covariance.n; i++)
+        for (int j = 0; j < fit->covariance.n; j++)
+            fit->covariance.at[i][j] *= by[i] * by[j];
+}
+
+/* Derivative of all targets by one parameter of the fit. */
+static void slope_of(const struct scene *scene, const struct fit *fit, int i, int n, bool at_rest,
+                     double slope[TARGETS])
+{
+    const double deviation = sqrt(fit->covariance.at[i][i]), by = 1e-2 * deviation;
+    double side[2][TARGETS];
+    for (int s = 0; s < 2; s++) {
+        struct fit moved = *fit;
+        shift(&moved, i, s ? by : -by);
+        values_of(scene, &moved, n, at_rest, side[s]);
+    }
+    for (int k = 0; k < TARGETS; k++)
+        slope[k] = by > 0 ? (side[1][k] - side[0][k]) / (2 * by) : 0;
+}
+
+void adopted_motion(struct adopted_fit *adopted, const struct fit *fit, int n, bool at_rest,
+                    bool starts)
+{
+    const int most = starts ? TARGETS : POSITION;
+    const struct fit_covariance *covariance = &fit->covariance;
+    double slope[CURVE_PARAMETERS][TARGETS];
+    int target[TARGETS];
+    for (int i = 0; i < covariance->n; i++)
+        slope_of(&adopted->scene, fit, i, n, at_rest, slope[i]);
+    for (int k = 0; k < most && covariance->n > 0; k++) {
+        const int place = scene_param(&adopted->scene, names[k]);
+        double size = 0;
+        for (int i = 0; i < covariance->n; i++)
+            size += fabs(slope[i][k]) * covariance->at[i][i];
+        if (place < 0 || !(size > 0))
+            continue;
+        target[adopted->count] = k;
+        adopted->place[adopted->count++] = place;
+    }
+    for (int k = 0; k < adopted->count; k++)
+        for (int l = 0; l < adopted->count; l++)
+            for (int i = 0; i < covariance->n; i++)
+                for (int j = 0; j < covariance->n; j++)
+                    adopted->covariance[k * adopted->count + l] +=
+                        slope[i][target[k]] * covariance->at[i][j] * slope[j][target[l]];
+}
+
+void adopted_free(struct adopted_fit *adopted, const bool *is_free,
+                  const struct fit_covariance *covariance)
+{
+    for (int i = 0; i < PARAM_MAX && adopted->count < covariance->n; i++)
+        if (is_free[i])
+            adopted->place[adopted->count++] = i;
+    for (int k = 0; k < adopted->count; k++)
+        for (int l = 0; l < adopted->count; l++)
+            adopted->covariance[k * adopted->count + l] = covariance->at[k][l];
+}

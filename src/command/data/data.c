@@ -1,0 +1,358 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* load, data */
+#ifndef COMMAND_ROWS
+#include "command/internal.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* The description as lines, its warnings as warnings. */
+static void reply_description(const struct recording *recording, struct reply *reply)
+{
+    struct buffer text = {0};
+    recording_describe(recording, &text);
+    struct text rest = buffer_text(&text), line;
+    while (text_split(&rest, '\n', &line))
+        if (line.len > 0 && !text_starts(line, TEXT("warning: ")))
+            reply_text(reply, line);
+    buffer_free(&text);
+    for (int i = 0; i < recording->warnings; i++) {
+        struct buffer safe = {0};
+        safe_text(&safe, text_of(recording->warning[i]), false);
+        reply_warning(reply, "%s", buffer_view(&safe));
+        buffer_free(&safe);
+    }
+}
+
+static void reply_part(const struct recording *recording, struct reply *reply)
+{
+    const enum quantity quantity = recording->column[recording->value].quantity;
+    struct buffer zero = {0};
+    buffer_measured(&zero, (struct measured){recording->zero, 0}, quantity, 6);
+    reply_line(reply, "%s: window %.6g..%.6g s, zero %s", recording->name, recording->window[0], recording->window[1],
+               buffer_view(&zero));
+    buffer_free(&zero);
+}
+
+static const char *word_of(const struct catalog *catalog, const char *letters, char letter)
+{
+    const char *at = strchr(letters, letter);
+    return at && letter ? catalog_row(catalog, (size_t)(at - letters))->name : NULL;
+}
+
+static void reply_recording(const struct recording *recording, struct reply *reply)
+{
+    reply_begin(reply, "recording");
+    reply_string(reply, "name", recording->name);
+    reply_string(reply, "file", recording->path);
+    reply_string(reply, "format", recording->format);
+    reply_int(reply, "rows", (int64_t)recording->rows);
+    reply_int(reply, "dropped", (int64_t)recording->dropped);
+    reply_real(reply, "t_start", recording->t[0]);
+    reply_real(reply, "t_end", recording->t[recording->rows - 1]);
+    reply_real(reply, "dt", recording->dt);
+    reply_array(reply, "columns");
+    for (int i = 0; i < recording->columns; i++) {
+        reply_object(reply, NULL);
+        reply_string(reply, "name", recording->column[i].name);
+        reply_string(reply, "unit", recording->column[i].unit);
+        reply_close(reply);
+    }
+    reply_close(reply);
+    reply_string(reply, "time", recording->time >= 0 ? recording->column[recording->time].name : NULL);
+    reply_string(reply, "value", recording->column[recording->value].name);
+    reply_int(reply, "header_lines", recording->header_lines);
+    reply_string(reply, "separator", word_of(&separator_catalog, separator_letters, recording->separator));
+    reply_string(reply, "decimal", word_of(&decimal_catalog, decimal_letters, recording->decimal));
+    reply_array(reply, "window");
+    reply_real(reply, NULL, recording->window[0]);
+    reply_real(reply, NULL, recording->window[1]);
+    reply_close(reply);
+    reply_real(reply, "zero", recording->zero);
+    reply_bool(reply, "cleaned", recording->cleaned);
+    reply_int(reply, "masked", recording->cleaned ? (int64_t)recording->findings->masked : 0);
+    reply_measured(reply, "mass", recording->mass.value > 0 ? recording->mass : (struct measured){NAN, NAN},
+                   QUANTITY_MASS);
+    reply_string(reply, "velocity", recording->velocity[0] ? recording->velocity : NULL);
+    reply_array(reply, "warnings");
+    for (int i = 0; i < recording->warnings; i++)
+        reply_string(reply, NULL, recording->warning[i]);
+    reply_close(reply);
+    reply_end(reply);
+}
+
+/* The options as they have to stand to load the file again in the same way. */
+static void put_options(const struct arguments *given, struct buffer *out)
+{
+    static const char *const keys[] = {"t", "y", "run", "unit", "tunit", "rate", "decimal", "sep", "as"};
+    for (size_t i = 0; i < COUNT_OF(keys); i++) {
+        const struct given *key = given_for(given, keys[i]);
+        if (key->count == 0)
+            continue;
+        buffer_format(out, " %s=", keys[i]);
+        if (strcmp(keys[i], "rate") == 0)
+            buffer_real(out, key->item->value.value);
+        else
+            buffer_word(out, key->item->text);
+    }
+}
+
+static struct text text_given(const struct arguments *given, const char *name)
+{
+    const struct given *one = given_for(given, name);
+    return one->count ? one->item->text : (struct text){NULL, 0};
+}
+
+static const struct unit *unit_given(const struct arguments *given, const char *name)
+{
+    return is_given(given, name) ? given_for(given, name)->item->unit : NULL;
+}
+
+static char letter_given(const struct arguments *given, const char *name, const char *letters)
+{
+    return is_given(given, name) ? letters[given_for(given, name)->item->index] : 0;
+}
+
+#define PREVIEW_ROWS 5
+
+/* The first rows as they were understood. Nothing is kept. */
+static void reply_preview(const struct recording *recording, struct arena *arena, struct reply *reply)
+{
+    const struct column *value = &recording->column[recording->value];
+    struct text_table table = {.arena = arena, .columns = 3, .gap = 2, .indent = 2};
+    struct buffer head = {0}, text = {0};
+    reply_line(reply, "format %s%s%s: %s", recording->format, recording->container ? ", out of " : "",
+               recording->container ? recording->container : "",
+               catalog_find(&format_catalog, text_of(recording->format))->brief);
+    cell_text(&table, "line");
+    cell_text(&table, "t [s]");
+    buffer_format(&head, "%s [%s]", value->name, value->quantity == QUANTITY_OTHER ? "as in the file"
+                                                                                     : quantity_unit(value->quantity));
+    cell_take(&table, &head);
+    for (size_t i = 0; i < recording->rows && i < PREVIEW_ROWS; i++) {
+        struct buffer t = {0}, y = {0};
+        cell_count(&table, recording->line[i]);
+        buffer_short(&t, recording->t[i], 9);
+        buffer_short(&y, recording->y[i], 9);
+        cell_take(&table, &t);
+        cell_take(&table, &y);
+    }
+    text_table_put(&table, &text);
+    reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+    reply_line(reply, "nothing was loaded: the same line without --preview does it");
+}
+
+HANDLER(load)
+{
+    const struct given *file = given_for(given, "FILE");
+    const struct load_options options = {.time = text_given(given, "t"),
+                                         .value = text_given(given, "y"),
+                                         .run = text_given(given, "run"),
+                                         .unit = unit_given(given, "unit"),
+                                         .time_unit = unit_given(given, "tunit"),
+                                         .rate =
+                                             is_given(given, "rate") ? given_for(given, "rate")->item->value.value : 0,
+                                         .decimal = letter_given(given, "decimal", decimal_letters),
+                                         .separator = letter_given(given, "sep", separator_letters),
+                                         .name = text_given(given, "as")};
+    if (options.name.len > 0 && (options.name.len > LIMIT_NAME || peek_name(options.name).len != options.name.len))
+        return error_at(error, options.name, "a name is a letter, then letters, digits, _ and -, at most %d of them",
+                        LIMIT_NAME);
+    char *path = arena_text(given->arena, file->item->text);
+    struct recording *recording = path ? recording_load(path, &options, error) : NULL;
+    if (!recording) {
+        if (!path)
+            return error_memory(error);
+        if (!error->where.at)
+            error->where = file->item->text;
+        return false;
+    }
+    if (is_given(given, "preview")) {
+        reply_description(recording, reply);
+        reply_preview(recording, given->arena, reply);
+        reply_recording(recording, reply);
+        recording_destroy(recording);
+        return true;
+    }
+    struct buffer kept = {0};
+    put_options(given, &kept);
+    const int same = session_find_recording(session, text_of(recording->name));
+    if (same >= 0)
+        session_drop_recording(session, same);
+    const bool ok = session_add_recording(session, recording, buffer_view(&kept), error);
+    buffer_free(&kept);
+    if (!ok)
+        return false;
+    reply_description(recording, reply);
+    reply_recording(recording, reply);
+    return true;
+}
+
+static void list_recordings(const struct session *session, struct reply *reply)
+{
+    if (session->recordings == 0)
+        reply_line(reply, "no recordings");
+    for (int i = 0; i < session->recordings; i++) {
+        const struct recording *recording = session->recording[i]->recording;
+        const struct column *value = &recording->column[recording->value];
+        reply_line(reply, "%c %-16s %s [%s], %zu rows, %.6g..%.6g s, window %.6g..%.6g s",
+                   i == session->current_recording ? '*' : ' ', recording->name, value->name, value->unit,
+                   recording->rows, recording->t[0], recording->t[recording->rows - 1], recording->window[0],
+                   recording->window[1]);
+        reply_recording(recording, reply);
+    }
+}
+
+static bool set_zero(struct session *session, struct recording *recording, const struct arguments *given,
+                     struct error *error)
+{
+    const struct item *item = given_for(given, "zero")->item;
+    const enum quantity quantity = recording->column[recording->value].quantity;
+    if (item->unit && quantity != QUANTITY_OTHER && item->quantity != quantity)
+        return error_at(error, item->text, "zero needs %s %s, as the recording holds, got '%.*s' (%s)",
+                        quantity_article(quantity), quantity_name(quantity), (int)item->text.len, item->text.at, quantity_name(item->quantity));
+    recording->zero = item->value.value;
+    session_changed(session);
+    return true;
+}
+
+static bool set_window(struct recording *recording, const struct given *window, struct error *error)
+{
+    const double *range = window->item->range;
+    if (recording_window(recording, isnan(range[0]) ? recording->t[0] : range[0],
+                         isnan(range[1]) ? recording->t[recording->rows - 1] : range[1], error))
+        return true;
+    error->where = window->item->text;
+    return false;
+}
+
+/* The sensor's own velocities instead of differences of the positions. */
+static bool join(const struct session *session, struct recording *recording, const struct given *given,
+                 struct error *error)
+{
+    const struct recording *velocity = session->recording[given->item->index]->recording;
+    const enum quantity own = recording->column[recording->value].quantity,
+                        its = velocity->column[velocity->value].quantity;
+    if (velocity == recording || its != QUANTITY_VELOCITY || own != QUANTITY_LENGTH) {
+        error_at(error, given->item->text, "join takes a recording of velocities to the current one of positions");
+        return error_hint(error, "load position.txt as=y; load velocity.txt as=v; data use y; data join v");
+    }
+    snprintf(recording->velocity, sizeof recording->velocity, "%s", velocity->name);
+    return true;
+}
+
+static void reply_joined(const struct recording *recording, struct reply *reply)
+{
+    if (recording->mass.value > 0) {
+        struct buffer mass = {0};
+        buffer_measured(&mass, recording->mass, QUANTITY_MASS, 6);
+        reply_line(reply, "%s: mass %s", recording->name, buffer_view(&mass));
+        buffer_free(&mass);
+    }
+    if (recording->velocity[0])
+        reply_line(reply, "%s: velocities from %s", recording->name, recording->velocity);
+}
+
+static bool change(struct session *session, struct recording *recording, const struct arguments *given,
+                   struct error *error)
+{
+    if (is_given(given, "window") && !set_window(recording, given_for(given, "window"), error))
+        return false;
+    if (is_given(given, "zero") && !set_zero(session, recording, given, error))
+        return false;
+    if (is_given(given, "join") && !join(session, recording, given_for(given, "join"), error))
+        return false;
+    if (is_given(given, "mass"))
+        recording->mass = given_for(given, "mass")->item->value;
+    if (is_given(given, "restore"))
+        recording_restore(recording);
+    session_changed(session);
+    return true;
+}
+
+static bool nothing_given(const struct arguments *given)
+{
+    for (int i = 0; i < given->command->arguments; i++)
+        if (given->given[i].count)
+            return false;
+    return true;
+}
+
+HANDLER(data)
+{
+    struct recording *recording = session_recording(session);
+    const struct given *use = given_for(given, "use"), *drop = given_for(given, "drop");
+    if (is_given(given, "apply") && !is_given(given, "clean"))
+        return error_at(error, given_for(given, "apply")->where, "'apply' stands after 'clean': data clean apply");
+    if (drop->count) {
+        session_drop_recording(session, drop->item->index);
+        list_recordings(session, reply);
+        return true;
+    }
+    if (is_given(given, "list") || nothing_given(given)) {
+        list_recordings(session, reply);
+        return true;
+    }
+    if (use->count) {
+        session->current_recording = use->item->index;
+        session->data_is_latest = true;
+        recording = session_recording(session);
+    }
+    if (!recording) {
+        error_set(error, ERROR_COMMAND, "there is no recording yet");
+        return error_hint(error, "type: load FILE");
+    }
+    if (is_given(given, "clean")) {
+        if (!find_faults(recording, given->arena, error))
+            return false;
+        if (is_given(given, "apply")) {
+            recording_clean(recording);
+            session_changed(session);
+        }
+        reply_findings(recording, given->arena, reply);
+        return true;
+    }
+    if (!change(session, recording, given, error))
+        return false;
+    reply_part(recording, reply);
+    reply_joined(recording, reply);
+    reply_recording(recording, reply);
+    return true;
+}
+#endif
+
+COMMAND(load, .row = {"load", "", "read a recording from a file", "", NULL}, .group = "DATA",
+        .text = "Finds the table, its separator, decimal mark, columns and units by itself and says what it found; "
+                "every finding can be\n"
+                "overruled. A file without times needs rate=. A recording of the same name is replaced. Of several "
+                "tables in a file or archive\n"
+                "run= takes one. --preview shows the first rows as they were understood and loads nothing.",
+        .examples = "load disk.txt --preview\nload disk.txt y=2 unit=cm as=disk", .see = "data fit measure plot",
+        .flags = COMMAND_CHANGES,
+        ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED), KEY("t", TYPE_TEXT), KEY("y", TYPE_TEXT),
+                  KEY("run", TYPE_TEXT), KEY("unit", TYPE_UNIT),
+                  KEY("tunit", TYPE_UNIT, .quantity = QUANTITY_TIME),
+                  KEY("rate", TYPE_VALUE, .quantity = QUANTITY_FREQUENCY),
+                  KEY("decimal", TYPE_CHOICE, .choices = &decimal_catalog),
+                  KEY("sep", TYPE_CHOICE, .choices = &separator_catalog), KEY("as", TYPE_TEXT), OPTION("preview", TYPE_NONE)))
+
+COMMAND(data, .row = {"data", "", "list recordings, choose one, clean it, choose the part in use", "", NULL},
+        .group = "DATA",
+        .text = "window: the part that fit, measure and plot use; zero: subtracted from the values. clean shows "
+                "what is wrong (missed and\n"
+                "double echoes, flat tops, a stuck sensor, gaps, rest and release, sway) and what would be done; "
+                "'clean apply' leaves the bad\n"
+                "samples out and sets the window; restore: the whole file, every sample, zero 0. mass: what hung on "
+                "the spring. join: the\n"
+                "sensor's own velocities from another recording, by time, for the plots of velocity, phase and energy.",
+        .examples = "load disk.txt; data clean; data clean apply\ndata mass 199.9 +- 0.1 g", .see = "load fit measure",
+        .flags = COMMAND_CHANGES,
+        ARGUMENTS(WORD("list", TYPE_NONE, .group = 1), WORD("use", TYPE_RECORDING, .group = 1),
+                  WORD("window", TYPE_RANGE, .quantity = QUANTITY_TIME, .group = 1),
+                  WORD("zero", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_OTHER, .group = 1),
+                  WORD("clean", TYPE_NONE, .group = 1), WORD("apply", TYPE_NONE),
+                  WORD("restore", TYPE_NONE, .group = 1),
+                  WORD("mass", TYPE_VALUE, .quantity = QUANTITY_MASS, .group = 1),
+                  WORD("join", TYPE_RECORDING, .group = 1), WORD("drop", TYPE_RECORDING, .group = 1)))

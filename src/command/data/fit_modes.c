@@ -1,0 +1,162 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* fit modes: several damped sines, as lines and as keys of the record. */
+#include "command/data/fit_text.h"
+#include "command/internal.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#define MODES_USUAL 2
+
+static void put(struct buffer *text, const char *name, struct measured value,
+                enum quantity quantity)
+{
+    buffer_put(text, text_of(name));
+    buffer_measured(text, value, quantity, 6);
+}
+
+static struct measured inverse(struct measured f)
+{
+    return (struct measured){1 / f.value, f.uncertainty / (f.value * f.value)};
+}
+
+static void put_coupling(const struct told_fit *told, struct buffer *text)
+{
+    const struct modes_fit *modes = told->modes;
+    put(text, "\n  splitting ", modes->splitting, QUANTITY_FREQUENCY);
+    put(text, "   beats every ", inverse(modes->splitting), QUANTITY_TIME);
+    put(text, "\n  as two equal oscillators: coupling kc/k = ", modes->coupling, QUANTITY_NUMBER);
+    if (isfinite(told->k.value))
+        put(text, "   kc = ", told->k, QUANTITY_STIFFNESS);
+    buffer_put(
+        text,
+        TEXT("\n  (k/m is the square of the slower omega0, (k + 2 kc)/m that of the faster)"));
+}
+
+void put_modes(const struct told_fit *told, struct buffer *text)
+{
+    const struct modes_fit *modes = told->modes;
+    const enum quantity quantity = told->subject->series.quantity;
+    for (int k = 0; k < modes->modes; k++) {
+        const struct normal_mode *mode = &modes->mode[k];
+        buffer_format(text, "\n  mode %d: f = ", k + 1);
+        buffer_measured(text, mode->frequency, QUANTITY_FREQUENCY, 6);
+        put(text, "   T = ", inverse(mode->frequency), QUANTITY_TIME);
+        put(text, "\n    gamma = ", mode->gamma, QUANTITY_RATE);
+        put(text, "   A = ", mode->amplitude, quantity);
+        put(text, "   phase = ", mode->phase, QUANTITY_ANGLE);
+    }
+    if (modes->modes == 2)
+        put_coupling(told, text);
+    buffer_put(text, TEXT("\n  rms "));
+    buffer_quantity(text, modes->fit.rms, quantity, 3);
+    put(text, "   offset ", modes->fit.offset, quantity);
+    buffer_format(text, "   (phases and offset at t = %.6g s)", modes->fit.t0);
+}
+
+void reply_modes(const struct told_fit *told, struct reply *reply)
+{
+    const struct modes_fit *modes = told->modes;
+    const enum quantity quantity = told->subject->series.quantity;
+    reply_array(reply, "modes");
+    for (int k = 0; k < modes->modes; k++) {
+        const struct normal_mode *mode = &modes->mode[k];
+        reply_object(reply, NULL);
+        reply_measured(reply, "frequency", mode->frequency, QUANTITY_FREQUENCY);
+        reply_measured(reply, "gamma", mode->gamma, QUANTITY_RATE);
+        reply_measured(reply, "amplitude", mode->amplitude, quantity);
+        reply_measured(reply, "phase", mode->phase, QUANTITY_ANGLE);
+        reply_close(reply);
+    }
+    reply_close(reply);
+    if (modes->modes == 2) {
+        reply_measured(reply, "splitting", modes->splitting, QUANTITY_FREQUENCY);
+        reply_measured(reply, "coupling", modes->coupling, QUANTITY_NUMBER);
+    } else {
+        reply_null(reply, "splitting");
+        reply_null(reply, "coupling");
+    }
+    if (isfinite(told->k.value))
+        reply_measured(reply, "kc", told->k, QUANTITY_STIFFNESS);
+    else
+        reply_null(reply, "kc");
+}
+
+/* fit_frequency1, fit_gamma1 … and the like: results that expressions can use. */
+static void keep_results(struct session *session, const struct modes_fit *modes,
+                         enum quantity quantity)
+{
+    for (int k = 0; k < modes->modes; k++) {
+        const struct normal_mode *mode = &modes->mode[k];
+        const struct {
+            const char *name;
+            struct measured value;
+            enum quantity quantity;
+        } results[] = {{"fit_f", mode->frequency, QUANTITY_FREQUENCY},
+                       {"fit_gamma", mode->gamma, QUANTITY_RATE},
+                       {"fit_amplitude", mode->amplitude, quantity},
+                       {"fit_phase", mode->phase, QUANTITY_ANGLE}};
+        for (size_t i = 0; i < COUNT_OF(results); i++) {
+            char name[LIMIT_NAME + 1];
+            snprintf(name, sizeof name, "%s%d", results[i].name, k + 1);
+            session_set_result(session, name, results[i].value, results[i].quantity);
+        }
+    }
+    if (modes->modes == 2) {
+        session_set_result(session, "fit_splitting", modes->splitting, QUANTITY_FREQUENCY);
+        session_set_result(session, "fit_coupling", modes->coupling, QUANTITY_NUMBER);
+    }
+    session_set_result(session, "fit_offset", modes->fit.offset, quantity);
+    session_set_result(session, "fit_rms", (struct measured){modes->fit.rms, 0}, quantity);
+}
+
+static int modes_of(const struct arguments *given, struct error *error)
+{
+    const struct given *count = given_for(given, "COUNT");
+    const double modes = count->count ? count->item->value.value : MODES_USUAL;
+    if (modes >= 1 && modes <= MODES_MOST)
+        return (int)modes;
+    error_at(error, count->where, "fit modes takes 1 to %d of them", MODES_MOST);
+    return 0;
+}
+
+/* kc, where the mass of one oscillator is known. */
+static struct measured coupling_spring(const struct modes_fit *modes, const struct measured *mass)
+{
+    if (!mass || modes->modes != 2)
+        return (struct measured){NAN, NAN};
+    const double kc = mass->value * modes->stiffness.value;
+    return (struct measured){kc, hypot(mass->value * modes->stiffness.uncertainty,
+                                       mass->uncertainty * modes->stiffness.value)};
+}
+
+bool fit_the_modes(const struct asked_fit *asked, const struct measured *mass, struct error *error)
+{
+    struct modes_fit modes;
+    struct session *session = asked->session;
+    struct arena *arena = asked->given->arena;
+    const struct series *series = &asked->subject->series;
+    const int count = modes_of(asked->given, error);
+    if (count == 0 || !series_modes(series, count, arena, session->front.cancel, &modes, error))
+        return false;
+    struct told_fit told = {.subject = asked->subject,
+                            .model = "modes",
+                            .motion = &modes.fit,
+                            .modes = &modes,
+                            .k = coupling_spring(&modes, mass)};
+    if (modes.fit.converged) {
+        if (!session_keep_curve(asked, modes.residual, &modes.fit, error))
+            return false;
+        session->fit_modes = modes.modes;
+        keep_results(session, &modes, series->quantity);
+    }
+    for (int i = 0; i < modes.fit.warnings; i++)
+        fit_tell_warning(&told, "%s", modes.fit.warning[i]);
+    fit_tell_window(&told, WINDOW_LAW_SINE, arena);
+    reply_fit(&told, arena, asked->reply);
+    if (modes.fit.converged)
+        return true;
+    error_set(error, ERROR_NUMERICAL, "the fit did not converge in %d iterations",
+              modes.fit.iterations);
+    return error_hint(error, "choose a window where the motion is regular, or fit fewer modes");
+}

@@ -1,0 +1,414 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A fit as lines and as a record. */
+#include "command/data/fit_text.h"
+#include "command/internal.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#define STRONG 0.95    /* correlation of two parameters from which it is named */
+#define SAME 0.999999  /* from which the data cannot tell them apart */
+#define CORRELATED 0.3 /* of neighbouring residuals */
+#define EXACT_DIGITS 12 /* what a measurement is uncertain by is shown down to here; a simulation's is rounding */
+
+void fit_tell_warning(struct told_fit *told, const char *format, ...)
+{
+    if (told->warnings == FIT_WARNINGS)
+        return;
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(told->warning[told->warnings++], sizeof told->warning[0], format, arguments);
+    va_end(arguments);
+}
+
+void fit_tell_window(struct told_fit *told, enum window_law law, struct arena *arena)
+{
+    struct window_advice advice;
+    advise_window(told->subject, law, arena, &advice);
+    if (advice.text[0])
+        fit_tell_warning(told, "%s", advice.text);
+}
+
+void fit_tell_residuals(struct told_fit *told)
+{
+    const struct curve_fit *curve = told->curve;
+    if (curve->autocorrelation > CORRELATED)
+        fit_tell_warning(told,
+                         "neighbouring residuals are alike (correlation %.2f): the curve leaves something out, or the "
+                         "recording sways; the uncertainties are widened for it",
+                         curve->autocorrelation);
+    for (int i = 0; i < curve->parameters; i++)
+        for (int j = 0; j < i; j++)
+            if (fabs(curve->correlation[i][j]) > SAME)
+                fit_tell_warning(told, "%s and %s change the curve alike: the data cannot tell them apart, hold one",
+                                 told->name[j], told->name[i]);
+    for (int j = 0; j < curve->parameters; j++)
+        if (curve->bound[j])
+            fit_tell_warning(told, "%s lies on the edge of what is allowed: it has no uncertainty", told->name[j]);
+}
+
+void put_value(struct buffer *text, const char *name, struct measured value, enum quantity quantity, bool measured)
+{
+    buffer_format(text, "%s = ", name);
+    if (isfinite(value.value))
+        buffer_measured(text, value, quantity, measured && value.uncertainty > 0 ? EXACT_DIGITS : 6);
+    else
+        buffer_put(text, TEXT("unknown"));
+}
+
+static struct measured quotient(double numerator, struct measured x)
+{
+    return (struct measured){numerator / x.value, fabs(numerator / x.value) * fabs(x.uncertainty / x.value)};
+}
+
+static struct measured quality(const struct fit *fit)
+{
+    const double q = fit->omega.value / fit->gamma.value;
+    return (struct measured){q, q * fabs(fit->gamma.uncertainty / fit->gamma.value)};
+}
+
+static void put_head(const struct told_fit *told, struct buffer *text)
+{
+    const struct series *series = &told->subject->series;
+    const size_t used = told->motion ? told->motion->used : told->curve->used;
+    const size_t rejected = told->motion ? told->motion->rejected : told->curve->rejected;
+    buffer_format(text, "fit %s to %s, %.6g..%.6g s: %zu samples used, %zu rejected", told->model,
+                  told->subject->name, series->t[0], series->t[series->n - 1], used, rejected);
+}
+
+/* ---- an oscillation ---- */
+
+static void cell_rate(struct text_table *table, struct measured value, const char *unit, bool measured)
+{
+    struct buffer cell = {0};
+    if (!isfinite(value.value) || (value.value == 0 && !(value.uncertainty > 0)))
+        buffer_char(&cell, '-');
+    else
+        buffer_measured(&cell, value, QUANTITY_OTHER, measured && value.uncertainty > 0 ? EXACT_DIGITS : 4);
+    if (cell.len > 1)
+        buffer_format(&cell, " %s", unit);
+    cell_take(table, &cell);
+}
+
+/* Of a position in metres b is in 1/m and f in m/s^2; of angles and plain numbers without the metre. */
+static const char *rate_unit(const struct told_fit *told, int k)
+{
+    const enum quantity quantity = told->subject->series.quantity;
+    const bool metres =
+        quantity == QUANTITY_LENGTH || quantity == QUANTITY_VELOCITY || quantity == QUANTITY_ACCELERATION;
+    return metres ? drag_rates[k].unit : drag_rates[k].bare;
+}
+
+/* Which force pulls back, where that was asked. */
+static void put_forces(const struct told_fit *told, struct buffer *text)
+{
+    const struct drag_fit *drag = &told->motion->drag;
+    if (drag->forces == 0)
+        return;
+    const bool decided = drag->forces_remaining == 1u << drag->force;
+    buffer_format(text, "\n  restoring force: %s%s",
+                  decided ? "" : "not distinguishable: ", restoring_name(drag->force));
+    for (int i = 0; i < drag->forces && !decided; i++)
+        if (i != (int)drag->force && drag->forces_remaining >> i & 1)
+            buffer_format(text, " or %s", restoring_name((enum restoring_force)i));
+    buffer_put(text, TEXT(" (BIC"));
+    for (int i = 0; i < drag->forces; i++)
+        if (drag->restoring[i].converged)
+            buffer_format(text, " %s %.1f", restoring_name((enum restoring_force)i), drag->restoring[i].bic);
+    buffer_put(text, TEXT(")"));
+    if (drag->force == RESTORING_CUBIC) {
+        put_value(text, ", beta", drag->cubic, QUANTITY_OTHER, told->subject->recording);
+        buffer_put(text, TEXT(" (SI)"));
+    }
+    if (drag->force != RESTORING_LINEAR)
+        buffer_put(text, TEXT("\n  T and omega are those of small amplitudes"));
+}
+
+static void put_laws(const struct told_fit *told, struct arena *arena, struct buffer *text)
+{
+    static const char *const heads[] = {"law", "gamma", "b of b|v|v", "friction f", "BIC", ""};
+    const struct drag_fit *drag = &told->motion->drag;
+    struct text_table table = {.arena = arena, .columns = COUNT_OF(heads), .gap = 2, .indent = 2};
+    for (size_t i = 0; i < COUNT_OF(heads); i++)
+        cell_text(&table, heads[i]);
+    for (int i = 0; i < drag->candidates; i++) {
+        const struct drag_candidate *c = &drag->candidate[i];
+        struct buffer bic = {0};
+        cell_text(&table, drag_law_name(c->law));
+        for (int k = 0; k < DRAG_RATES; k++)
+            cell_rate(&table, c->rate[k], rate_unit(told, k), told->subject->recording);
+        buffer_format(&bic, isfinite(c->bic) ? "%.1f" : "-", c->bic);
+        cell_take(&table, &bic);
+        cell_text(&table, !c->converged                         ? "did not converge"
+                          : c->law == told->motion->preferred   ? "preferred"
+                          : c->law == told->motion->drag.best   ? "best"
+                                                                : "");
+    }
+    buffer_char(text, '\n');
+    text_table_put(&table, text);
+    while (text->len && text->data[text->len - 1] == '\n')
+        text->len--;
+    buffer_format(text, "\n  %s", drag->said);
+    put_forces(told, text);
+}
+
+static void put_motion(const struct told_fit *told, struct arena *arena, struct buffer *text)
+{
+    const struct fit *fit = told->motion;
+    const enum quantity quantity = told->subject->series.quantity;
+    put_value(text, "\n  T", fit->period, QUANTITY_TIME, told->subject->recording);
+    put_value(text, "   omega", fit->omega, QUANTITY_ANGULAR_FREQUENCY, told->subject->recording);
+    if (isfinite(fit->gamma.value)) {
+        put_value(text, "\n  gamma", fit->gamma, QUANTITY_RATE, told->subject->recording);
+        buffer_put(text, TEXT("   (amplitude falls as exp(-gamma t/2), energy as exp(-gamma t))\n  "));
+        if (fit->gamma.value > 0) {
+            put_value(text, "tau", quotient(2, fit->gamma), QUANTITY_TIME, told->subject->recording);
+            put_value(text, "   Q", quality(fit), QUANTITY_NUMBER, told->subject->recording);
+        } else {
+            const bool decays = fit->drag.best & (LAW_QUADRATIC | LAW_DRY);
+            buffer_put(text, decays ? TEXT("no linear damping: the law below has another term") : TEXT("no decay"));
+        }
+    }
+    put_value(text, "\n  A", fit->amplitude, quantity, told->subject->recording);
+    put_value(text, "   phase", fit->phase, QUANTITY_ANGLE, told->subject->recording);
+    buffer_format(text, " at t = %.6g s", fit->t0);
+    put_value(text, "   offset", fit->offset, quantity, told->subject->recording);
+    if (isfinite(told->k.value))
+        put_value(text, "\n  k", told->k, QUANTITY_STIFFNESS, told->subject->recording);
+    buffer_put(text, isfinite(told->k.value) ? TEXT("   rms ") : TEXT("\n  rms "));
+    buffer_quantity(text, fit->rms, quantity, 3);
+    if (isfinite(fit->halves[0].value) && isfinite(fit->halves[1].value)) {
+        put_value(text, "\n  halves: gamma", fit->halves[0], QUANTITY_RATE, told->subject->recording);
+        buffer_put(text, TEXT(" and "));
+        buffer_measured(text, fit->halves[1], QUANTITY_RATE, 4);
+    }
+    if (fit->drag.candidates > 0)
+        put_laws(told, arena, text);
+    inputs_put(&told->inputs, text);
+    if (!isfinite(told->k.value) && told->spring)
+        buffer_put(text, TEXT("\n  (set the mass, for example m = 200 g, to get k)"));
+}
+
+/* ---- a curve ---- */
+
+static void put_parameters(const struct told_fit *told, struct arena *arena, struct buffer *text)
+{
+    const struct curve_fit *curve = told->curve;
+    struct text_table table = {.arena = arena, .columns = 3, .gap = 3, .indent = 2};
+    static const char *const heads[] = {"parameter", "value", "95 % interval"};
+    for (size_t i = 0; i < COUNT_OF(heads); i++)
+        cell_text(&table, heads[i]);
+    for (int j = 0; j < curve->parameters; j++) {
+        const double *range = curve->interval[j], half = 0.5 * (range[1] - range[0]);
+        /* Two digits of the half width, as of the uncertainty; that of a run is rounding. */
+        const double size = fmax(fabs(range[0]), fabs(range[1]));
+        const int digits = told->subject->recording && half > 0 && size > half
+                               ? (int)fmin(fmax(3 + floor(log10(size / half)), 6), 15) : 6;
+        struct buffer value = {0}, interval = {0};
+        buffer_measured(&value, curve->value[j], told->quantity[j], told->subject->recording ? EXACT_DIGITS : 8);
+        if (curve->bound[j]) {
+            buffer_put(&interval, TEXT("on its bound"));
+        } else if (!curve->determined[j]) {
+            buffer_put(&interval, TEXT("not determined"));
+        } else {
+            buffer_quantity(&interval, range[0], told->quantity[j], digits);
+            buffer_put(&interval, TEXT(" .. "));
+            buffer_quantity(&interval, range[1], told->quantity[j], digits);
+        }
+        cell_text(&table, told->name[j]);
+        cell_take(&table, &value);
+        cell_take(&table, &interval);
+    }
+    buffer_char(text, '\n');
+    text_table_put(&table, text);
+    while (text->len && text->data[text->len - 1] == '\n')
+        text->len--;
+}
+
+static bool strong(const struct curve_fit *curve, int i, int j)
+{
+    return curve->determined[i] && curve->determined[j] && fabs(curve->correlation[i][j]) > STRONG;
+}
+
+static void put_curve(const struct told_fit *told, struct arena *arena, struct buffer *text)
+{
+    const struct curve_fit *curve = told->curve;
+    put_parameters(told, arena, text);
+    buffer_put(text, TEXT("\n  residuals: standard deviation "));
+    buffer_quantity(text, curve->sigma, told->subject->series.quantity, 3);
+    buffer_format(text, ", correlation of neighbours %.2f; %s", curve->autocorrelation, curve->said);
+    if (curve->bootstrapped > 0)
+        buffer_format(text, "\n  intervals from %d synthetic recordings", curve->bootstrapped);
+    const char *before = "\n  correlated: ";
+    for (int i = 0; i < curve->parameters; i++)
+        for (int j = 0; j < i; j++)
+            if (strong(curve, i, j)) {
+                buffer_format(text, "%s%s and %s %.3f", before, told->name[j], told->name[i], curve->correlation[i][j]);
+                before = ", ";
+            }
+    if (told->held)
+        buffer_format(text, "\n  held: %s", told->held);
+    inputs_put(&told->inputs, text);
+}
+
+/* ---- the record ---- */
+
+static struct measured parameter(const struct told_fit *told, const char *name)
+{
+    for (int j = 0; told->curve && j < told->curve->parameters; j++)
+        if (told->quantity[j] != QUANTITY_OTHER && strcmp(told->name[j], name) == 0)
+            return told->curve->value[j];
+    return (struct measured){NAN, NAN};
+}
+
+static void reply_known(struct reply *reply, const char *key, struct measured value, enum quantity quantity)
+{
+    if (isfinite(value.value))
+        reply_measured(reply, key, value, quantity);
+    else
+        reply_null(reply, key);
+}
+
+static void reply_parameters(const struct told_fit *told, struct reply *reply)
+{
+    const struct curve_fit *curve = told->curve;
+    reply_array(reply, "parameters");
+    for (int j = 0; curve && j < curve->parameters; j++) {
+        reply_object(reply, NULL);
+        reply_string(reply, "name", told->name[j]);
+        reply_real(reply, "value", curve->value[j].value);
+        reply_real(reply, "uncertainty", curve->value[j].uncertainty);
+        reply_string(reply, "unit", told->quantity[j] == QUANTITY_OTHER ? NULL : quantity_unit(told->quantity[j]));
+        reply_real(reply, "low", curve->determined[j] ? curve->interval[j][0] : NAN);
+        reply_real(reply, "high", curve->determined[j] ? curve->interval[j][1] : NAN);
+        reply_close(reply);
+    }
+    reply_close(reply);
+    reply_array(reply, "correlated");
+    for (int i = 0; curve && i < curve->parameters; i++)
+        for (int j = 0; j < i; j++)
+            if (strong(curve, i, j)) {
+                reply_object(reply, NULL);
+                reply_string(reply, "a", told->name[j]);
+                reply_string(reply, "b", told->name[i]);
+                reply_real(reply, "r", curve->correlation[i][j]);
+                reply_close(reply);
+            }
+    reply_close(reply);
+}
+
+static void reply_rates(const struct told_fit *told, const struct drag_candidate *c, struct reply *reply)
+{
+    for (int k = 0; k < DRAG_RATES; k++)
+        if (c->law >> k & 1)
+            reply_in_unit(reply, drag_rates[k].name, c->rate[k], rate_unit(told, k));
+}
+
+static void reply_laws(const struct told_fit *told, struct reply *reply)
+{
+    const struct drag_fit *drag = told->motion ? &told->motion->drag : NULL;
+    reply_array(reply, "laws");
+    for (int i = 0; drag && i < drag->candidates; i++) {
+        const struct drag_candidate *c = &drag->candidate[i];
+        reply_object(reply, NULL);
+        reply_string(reply, "name", drag_law_name(c->law));
+        reply_bool(reply, "converged", c->converged);
+        reply_real(reply, "bic", c->bic);
+        reply_object(reply, "parameters");
+        reply_rates(told, c, reply);
+        reply_close(reply);
+        reply_real(reply, "rms", c->rms);
+        reply_close(reply);
+    }
+    reply_close(reply);
+    const bool compared = drag && drag->candidates > 0;
+    reply_array(reply, "remaining");
+    for (int i = 0; compared && i < drag->candidates; i++)
+        if (drag->remaining >> i & 1)
+            reply_string(reply, NULL, drag_law_name(drag->candidate[i].law));
+    reply_close(reply);
+    const bool known = compared && (drag->forces == 0 || drag->forces_remaining == 1u << drag->force);
+    reply_string(reply, "restoring", known ? restoring_name(drag->force) : NULL);
+    if (compared && drag->force == RESTORING_CUBIC)
+        reply_measured(reply, "beta", drag->cubic, QUANTITY_OTHER);
+    else
+        reply_null(reply, "beta");
+    reply_real(reply, "delta", compared ? drag->delta : NAN);
+    reply_real(reply, "p_value", compared ? drag->p_value : NAN);
+}
+
+static void reply_record(const struct told_fit *told, struct reply *reply)
+{
+    static const struct measured none = {NAN, NAN};
+    const struct fit unknown = {.model = told->model,
+                                .period = none,
+                                .omega = none,
+                                .amplitude = none,
+                                .phase = none,
+                                .gamma = parameter(told, "gamma"),
+                                .offset = parameter(told, "offset"),
+                                .halves = {none, none}};
+    const struct fit *fit = told->motion ? told->motion : &unknown;
+    const struct series *series = &told->subject->series;
+    reply_begin(reply, "fit");
+    reply_string(reply, "model", told->model);
+    reply_string(reply, "of", told->subject->name);
+    reply_known(reply, "period", fit->period, QUANTITY_TIME);
+    reply_known(reply, "omega", fit->omega, QUANTITY_ANGULAR_FREQUENCY);
+    reply_known(reply, "gamma", fit->gamma, QUANTITY_RATE);
+    reply_known(reply, "amplitude", fit->amplitude, series->quantity);
+    reply_known(reply, "phase", fit->phase, QUANTITY_ANGLE);
+    reply_known(reply, "offset", fit->offset, series->quantity);
+    reply_known(reply, "k", told->curve ? parameter(told, "k") : told->modes ? none : told->k, QUANTITY_STIFFNESS);
+    reply_real(reply, "rms", told->motion ? fit->rms : told->curve->sigma);
+    reply_int(reply, "used", (int64_t)(told->motion ? fit->used : told->curve->used));
+    reply_int(reply, "rejected", (int64_t)(told->motion ? fit->rejected : told->curve->rejected));
+    reply_array(reply, "window");
+    reply_real(reply, NULL, series->t[0]);
+    reply_real(reply, NULL, series->t[series->n - 1]);
+    reply_close(reply);
+    reply_object(reply, "halves");
+    reply_array(reply, "gamma");
+    reply_real(reply, NULL, fit->halves[0].value);
+    reply_real(reply, NULL, fit->halves[1].value);
+    reply_close(reply);
+    reply_close(reply);
+    const bool decided = told->motion && fit->preferred < LAW_UNDECIDED;
+    reply_string(reply, "preferred", decided ? drag_law_name(fit->preferred) : NULL);
+    if (told->motion && fit->drag.candidates > 0) {
+        reply_object(reply, "parameters");
+        reply_rates(told, &fit->drag.candidate[fit->drag.best - 1], reply);
+        reply_close(reply);
+        reply_array(reply, "correlated");
+        reply_close(reply);
+    } else {
+        reply_parameters(told, reply);
+    }
+    reply_laws(told, reply);
+    if (told->modes)
+        reply_modes(told, reply);
+    reply_bool(reply, "converged", told->motion ? fit->converged : told->curve->converged);
+    inputs_reply(&told->inputs, reply);
+    reply_array(reply, "warnings");
+    for (int i = 0; i < told->warnings; i++)
+        reply_string(reply, NULL, told->warning[i]);
+    reply_close(reply);
+    reply_end(reply);
+}
+
+void reply_fit(const struct told_fit *told, struct arena *arena, struct reply *reply)
+{
+    struct buffer text = {0};
+    put_head(told, &text);
+    if (told->modes)
+        put_modes(told, &text);
+    else
+        (told->motion ? put_motion : put_curve)(told, arena, &text);
+    reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+    reply_record(told, reply);
+    for (int i = 0; i < told->warnings; i++)
+        reply_warning(reply, "%s", told->warning[i]);
+}

@@ -1,0 +1,487 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* measure */
+#ifndef COMMAND_ROWS
+#include "command/data/fit_text.h"
+#include "command/internal.h"
+#include "command/data/measuring.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define PI 3.14159265358979323846
+
+/* ---- what every measurement leaves behind: a record, a result, a row of the list ---- */
+
+static struct measurement *latest(const struct measuring *m)
+{
+    return &m->session->measurement[m->session->measurements - 1];
+}
+
+static bool keep(struct measuring *m, const char *name, struct measured value, enum quantity unit, double periods)
+{
+    if (!session_keep_measurement(m->session, name, m->subject.name, value, unit, periods, m->error))
+        return false;
+    latest(m)->energy = m->subject.energy;
+    return true;
+}
+
+static void begin(struct measuring *m, struct measured value, enum quantity unit, double periods)
+{
+    measure_begin(m, m->quantity, value, unit, periods);
+}
+
+/* What else entered the latest measurement: for the text, the open record, the report. */
+static void tell_inputs(struct measuring *m, const struct inputs *inputs, struct buffer *text)
+{
+    inputs_put(inputs, text);
+    inputs_reply(inputs, m->reply);
+    inputs_keep(inputs, &latest(m)->exact);
+}
+
+static void put(struct buffer *text, const char *name, struct measured value, enum quantity unit)
+{
+    put_measured(text, name, value, unit);
+}
+
+/* "   theory 1.9390 s (-0.09 %)" */
+static void put_theory(struct buffer *text, double value, double theory, enum quantity unit)
+{
+    if (!isfinite(theory))
+        return;
+    buffer_put(text, TEXT("   theory "));
+    buffer_measured(text, (struct measured){theory, 0}, unit, 5);
+    const double percent = 100 * (value - theory) / theory;
+    buffer_format(text, " (%+.2f %%)", fabs(percent) < 0.005 ? 0.0 : percent);
+}
+
+/* Of a recording only where the scene is its own: k was set or adopted. */
+static double theory_period(const struct measuring *m)
+{
+    const struct scene *scene = subject_scene(m->session, m->subject.run);
+    const bool known = scene && (m->subject.run || param_given(scene, "k"));
+    const bool driven = scene && fabs(param_value(scene, "F0")) > 0; /* then it follows the drive */
+    const bool narrows = scene && scene->model != &oscillator_model && fabs(param_value(scene, "gamma")) > 0;
+    return known && !driven && !narrows ? scene_period(scene) : NAN;
+}
+
+static bool say(struct measuring *m, struct buffer *text)
+{
+    reply_text(m->reply, buffer_text(text));
+    buffer_free(text);
+    return true;
+}
+
+/* ---- the quantities ---- */
+
+static struct measured inverse(struct measured x)
+{
+    return (struct measured){1 / x.value, x.uncertainty / (x.value * x.value)};
+}
+
+static bool measure_period(struct measuring *m)
+{
+    const struct given *windows = given_for(m->given, "windows");
+    struct period p;
+    struct measured alike = {NAN, NAN};
+    struct buffer text = {0};
+    if (windows->count) {
+        if (measure_periods(m, (int)windows->item->value.value, &text))
+            return say(m, &text);
+        buffer_free(&text);
+        return false;
+    }
+    if (!series_period(&m->subject.series, m->given->arena, &p, m->error) ||
+        !keep(m, m->quantity, p.period, QUANTITY_TIME, p.periods))
+        return false;
+    put_value(&text, "T", p.period, QUANTITY_TIME, m->subject.recording);
+    buffer_format(&text, " (%g period%s, %s)", p.periods, p.periods == 1 ? "" : "s", p.how);
+    if (!m->subject.energy && !m->subject.column)
+        put_theory(&text, p.period.value, theory_period(m), QUANTITY_TIME);
+    if (m->subject.recording && series_correlation_period(&m->subject.series, &p, m->given->arena, &alike))
+        put_value(&text, "\nautocorrelation: T", alike, QUANTITY_TIME, true);
+    begin(m, p.period, QUANTITY_TIME, p.periods);
+    reply_string(m->reply, "how", p.how);
+    if (m->subject.recording)
+        reply_measured(m->reply, "autocorrelation", alike, QUANTITY_TIME);
+    reply_end(m->reply);
+    if (p.warning[0])
+        reply_warning(m->reply, "%s", p.warning);
+    return say(m, &text);
+}
+
+static bool measure_frequency(struct measuring *m)
+{
+    struct period p;
+    if (!series_period(&m->subject.series, m->given->arena, &p, m->error))
+        return false;
+    const struct measured f = inverse(p.period);
+    if (!keep(m, m->quantity, f, QUANTITY_FREQUENCY, p.periods))
+        return false;
+    struct buffer text = {0};
+    put(&text, "f", f, QUANTITY_FREQUENCY);
+    put(&text, "   omega", (struct measured){2 * PI * f.value, 2 * PI * f.uncertainty}, QUANTITY_ANGULAR_FREQUENCY);
+    buffer_format(&text, " (%g periods)", p.periods);
+    if (!m->subject.energy && !m->subject.column)
+        put_theory(&text, f.value, 1 / theory_period(m), QUANTITY_FREQUENCY);
+    begin(m, f, QUANTITY_FREQUENCY, p.periods);
+    reply_end(m->reply);
+    return say(m, &text);
+}
+
+/* Times to read at: those given, or the middles of so many equal parts, or the start. */
+static bool reading_times(struct measuring *m, double **at, int *count)
+{
+    const struct given *times = given_for(m->given, "at"), *windows = given_for(m->given, "windows");
+    const struct series *s = &m->subject.series;
+    *count = times->count ? times->count : windows->count ? (int)windows->item->value.value : 1;
+    if (*count > LIMIT_TOKENS)
+        return error_at(m->error, windows->where, "at most %d readings", LIMIT_TOKENS);
+    *at = arena_array(m->given->arena, (size_t)*count, sizeof **at);
+    if (!*at)
+        return error_memory(m->error);
+    const double from = s->t[0], width = s->t[s->n - 1] - from;
+    for (int i = 0; i < *count; i++)
+        (*at)[i] = times->count ? times->item[i].value.value : from + (windows->count ? (i + 0.5) / *count : 0) * width;
+    return true;
+}
+
+static bool measure_amplitude(struct measuring *m)
+{
+    const enum quantity unit = m->subject.series.quantity;
+    double *at;
+    int count;
+    if (!reading_times(m, &at, &count))
+        return false;
+    struct reading *readings = arena_array(m->given->arena, (size_t)count, sizeof *readings);
+    if (!readings)
+        return error_memory(m->error);
+    if (!series_amplitudes(&m->subject.series, m->given->arena, at, count, 0, readings, m->error))
+        return false;
+    struct buffer text = {0};
+    for (int i = 0; i < count; i++) {
+        if (!keep(m, m->quantity, readings[i].amplitude, unit, NAN)) {
+            buffer_free(&text);
+            return false;
+        }
+        latest(m)->at = readings[i].t;
+        put(&text, i ? "\nA" : "A", readings[i].amplitude, unit);
+        buffer_format(&text, " at t = %.6g s", readings[i].t);
+        begin(m, readings[i].amplitude, unit, NAN);
+        reply_real(m->reply, "t", readings[i].t);
+        reply_end(m->reply);
+    }
+    measure_fall(m, readings, count, &text);
+    return say(m, &text);
+}
+
+static bool measure_decay(struct measuring *m)
+{
+    const struct given *windows = given_for(m->given, "windows");
+    const int readings = windows->count ? (int)windows->item->value.value : 0;
+    const enum quantity unit = m->subject.series.quantity;
+    struct decay d;
+    if (readings > (int)COUNT_OF(d.reading) || (windows->count && readings < 3))
+        return error_at(m->error, windows->where, "the decay needs 3 to %zu readings", COUNT_OF(d.reading));
+    if (!series_decay(&m->subject.series, m->given->arena, m->subject.energy ? &m->subject.noise : NULL, readings, &d,
+                      m->error) ||
+        !keep(m, "decay", d.gamma, QUANTITY_RATE, NAN))
+        return false;
+    session_set_result(m->session, "measured_gamma", d.gamma, QUANTITY_RATE);
+    session_set_result(m->session, "measured_tau", d.tau, QUANTITY_TIME);
+    session_set_result(m->session, "measured_Q", d.quality, QUANTITY_NUMBER);
+    struct buffer text = {0};
+    put(&text, "gamma", d.gamma, QUANTITY_RATE);
+    buffer_format(&text, " (%s; %d readings)",
+                  m->subject.energy ? "energy falls as exp(-gamma t)" : "amplitude falls as exp(-gamma t/2)",
+                  d.readings);
+    const struct scene *scene = subject_scene(m->session, m->subject.run);
+    const double gamma = scene ? param_value(scene, "gamma") : 0;
+    if (gamma != 0) /* nothing is said where it is NAN */
+        put_theory(&text, d.gamma.value, gamma, QUANTITY_RATE);
+    put(&text, "\n1/e time of the amplitude tau", d.tau, QUANTITY_TIME);
+    put(&text, "   decrement", d.decrement, QUANTITY_NUMBER);
+    put(&text, "   Q", d.quality, QUANTITY_NUMBER);
+    put(&text, m->subject.energy ? "   E at the start" : "   A at the start", d.initial, unit);
+    if (isfinite(d.halves[0]) && isfinite(d.halves[1])) {
+        buffer_put(&text, TEXT("\nhalves: gamma = "));
+        buffer_quantity(&text, d.halves[0], QUANTITY_RATE, 3);
+        buffer_put(&text, TEXT(" and "));
+        buffer_quantity(&text, d.halves[1], QUANTITY_RATE, 3);
+    }
+    begin(m, d.gamma, QUANTITY_RATE, NAN);
+    reply_measured(m->reply, "tau", d.tau, QUANTITY_TIME);
+    reply_measured(m->reply, "decrement", d.decrement, QUANTITY_NUMBER);
+    reply_measured(m->reply, "Q", d.quality, QUANTITY_NUMBER);
+    reply_measured(m->reply, "initial", d.initial, unit);
+    reply_array(m->reply, "halves");
+    reply_real(m->reply, NULL, d.halves[0]);
+    reply_real(m->reply, NULL, d.halves[1]);
+    reply_close(m->reply);
+    reply_array(m->reply, "readings");
+    for (int i = 0; i < d.readings; i++) {
+        reply_object(m->reply, NULL);
+        reply_real(m->reply, "t", d.reading[i].t);
+        reply_real(m->reply, "value", d.reading[i].amplitude.value);
+        reply_real(m->reply, "uncertainty", d.reading[i].amplitude.uncertainty);
+        reply_close(m->reply);
+    }
+    reply_end(m->reply);
+    for (int i = 0; i < d.readings; i++) {
+        buffer_format(&text, "\n  t = %.6g s   ", d.reading[i].t);
+        put(&text, m->subject.energy ? "E" : "A", d.reading[i].amplitude, unit);
+    }
+    return say(m, &text);
+}
+
+/* Mean over time (trapezoids), so that uneven samples count by how long they stand. */
+static struct measured mean_over_time(const struct series *s)
+{
+    double area = 0, square = 0;
+    for (size_t i = 1; i < s->n; i++) {
+        const double dt = s->t[i] - s->t[i - 1];
+        area += 0.5 * dt * (s->y[i] + s->y[i - 1]);
+    }
+    const double span = s->t[s->n - 1] - s->t[0], mean = area / span;
+    for (size_t i = 1; i < s->n; i++) {
+        const double a = s->y[i] - mean, b = s->y[i - 1] - mean;
+        square += 0.5 * (s->t[i] - s->t[i - 1]) * (a * a + b * b);
+    }
+    return (struct measured){mean, sqrt(square / span)};
+}
+
+static bool measure_energy(struct measuring *m)
+{
+    const struct series *s = &m->subject.series;
+    const struct measured mean = mean_over_time(s);
+    if (!keep(m, m->quantity, mean, s->quantity, NAN))
+        return false;
+    const double first = s->y[0], last = s->y[s->n - 1];
+    struct buffer text = {0};
+    const bool kinetic = m->subject.run && !m->subject.run->system.energy;
+    put(&text, kinetic ? "Ekin" : "E", mean, s->quantity);
+    buffer_format(&text, " (mean and spread over %.6g..%.6g s)   from ", s->t[0], s->t[s->n - 1]);
+    buffer_measured(&text, (struct measured){first, 0}, s->quantity, 6);
+    buffer_put(&text, TEXT(" to "));
+    buffer_measured(&text, (struct measured){last, 0}, s->quantity, 6);
+    buffer_put(&text, TEXT(", a factor of "));
+    buffer_short(&text, last / first, 6);
+    if (m->subject.how[0])
+        buffer_format(&text, "\n%s", m->subject.how);
+    begin(m, mean, s->quantity, NAN);
+    reply_real(m->reply, "first", first);
+    reply_real(m->reply, "last", last);
+    reply_string(m->reply, "from", m->subject.how[0] ? m->subject.how : NULL);
+    struct inputs inputs = {.exacts = 0};
+    if (m->subject.recording) {
+        inputs_use(&inputs, "m", m->subject.mass);
+        inputs_use(&inputs, "k", m->subject.k);
+    }
+    tell_inputs(m, &inputs, &text);
+    reply_end(m->reply);
+    return say(m, &text);
+}
+
+static bool measure_drift(struct measuring *m)
+{
+    struct ledger ledger;
+    if (!m->subject.run)
+        return error_set(m->error, ERROR_COMMAND,
+                         "drift is the error of the energy balance of a run, not of a recording");
+    run_ledger(m->subject.run, &ledger);
+    const struct measured drift = {ledger.error, 0};
+    if (!isfinite(ledger.error))
+        return error_set(m->error, ERROR_COMMAND, "%s has no energy to balance", m->subject.name);
+    if (!keep(m, m->quantity, drift, QUANTITY_NUMBER, NAN))
+        return false;
+    struct buffer text = {0};
+    buffer_put(&text, TEXT("dE/E0 = "));
+    buffer_short(&text, ledger.error, 4);
+    buffer_put(&text, TEXT(" at the end, max "));
+    buffer_short(&text, ledger.error_max, 4);
+    buffer_format(&text, "   (%s)", m->subject.run->plan.ledger ? "of the balance E - E0 - work" : "of E - E0");
+    begin(m, drift, QUANTITY_NUMBER, NAN);
+    reply_real(m->reply, "max", ledger.error_max);
+    reply_end(m->reply);
+    return say(m, &text);
+}
+
+/* The largest speed: of a run as recorded, of a recording from amplitude and period, else what the scene will start
+ * with. */
+static bool largest_speed(struct measuring *m, struct measured *speed)
+{
+    const struct series *s = &m->subject.series;
+    if (!m->subject.run && !m->subject.recording) {
+        struct named_value amplitude, omega0; /* without a run these are the derived quantities of the scene */
+        if (names_value(m->session, TEXT("amplitude"), &amplitude) && names_value(m->session, TEXT("omega0"), &omega0))
+            *speed = (struct measured){amplitude.value * omega0.value, 0};
+        return isfinite(speed->value) ||
+               error_set(m->error, ERROR_COMMAND, "the scene does not oscillate (k > 0 is needed)");
+    }
+    if (m->subject.run) {
+        const struct run *run = m->subject.run;
+        *speed = (struct measured){0, 0};
+        for (size_t i = 0; i < trace_count(run->trace); i++)
+            if (trace_time(run->trace, i) >= s->t[0] && trace_time(run->trace, i) <= s->t[s->n - 1])
+                speed->value = fmax(speed->value, fabs(trace_state(run->trace, i)[run->system.n / 2]));
+        return run->system.order == 2 || error_set(m->error, ERROR_COMMAND, "%s has no velocity", m->subject.name);
+    }
+    struct period p;
+    struct reading a;
+    if (s->quantity != QUANTITY_LENGTH)
+        return error_set(m->error, ERROR_COMMAND, "the Reynolds number needs positions, %s holds another quantity",
+                         m->subject.name);
+    if (!series_period(s, m->given->arena, &p, m->error) ||
+        !series_amplitudes(s, m->given->arena, &s->t[0], 1, 0, &a, m->error))
+        return false;
+    speed->value = a.amplitude.value * 2 * PI / p.period.value;
+    speed->uncertainty =
+        speed->value * hypot(a.amplitude.uncertainty / a.amplitude.value, p.period.uncertainty / p.period.value);
+    return true;
+}
+
+static bool measure_reynolds(struct measuring *m)
+{
+    struct measured speed = {NAN, 0};
+    const struct scene *scene = m->subject.run ? &m->subject.run->scene : &m->session->setup.scene;
+    if (!needs_spring(scene, "the Reynolds number", m->error) || !largest_speed(m, &speed))
+        return false;
+    struct inputs inputs = {.exacts = 0};
+    inputs_use_params(&inputs, scene, "rho length eta");
+    const struct measured re = inputs_widen(
+        &inputs, (struct measured){scene_reynolds(scene, speed.value), scene_reynolds(scene, speed.uncertainty)});
+    if (!keep(m, m->quantity, re, QUANTITY_NUMBER, NAN))
+        return false;
+    struct buffer text = {0};
+    put(&text, "Re", re, QUANTITY_NUMBER);
+    buffer_format(&text, " (%s) at the largest speed ", reynolds_regime(re.value));
+    buffer_measured(&text, speed, QUANTITY_VELOCITY, 4);
+    buffer_put(&text, TEXT("; rho, length and eta are those of the scene"));
+    begin(m, re, QUANTITY_NUMBER, NAN);
+    reply_string(m->reply, "regime", reynolds_regime(re.value));
+    reply_measured(m->reply, "speed", speed, QUANTITY_VELOCITY);
+    tell_inputs(m, &inputs, &text);
+    reply_end(m->reply);
+    return say(m, &text);
+}
+
+/* k = m (omega^2 + gamma^2/4), gamma from the decay where it can be measured. */
+static bool measure_k(struct measuring *m)
+{
+    const struct scene *scene = m->subject.run ? &m->subject.run->scene : &m->session->setup.scene;
+    struct period p;
+    struct decay d;
+    struct error ignored;
+    if (!needs_spring(scene, "k", m->error))
+        return false;
+    const int index = scene_param(scene, "m");
+    const struct recording *recording = m->subject.recording;
+    const bool own = recording && recording->mass.value > 0;
+    const double mass = own ? recording->mass.value : scene->value[index],
+                 u = own ? recording->mass.uncertainty : scene->uncertainty[index];
+    if (!series_period(&m->subject.series, m->given->arena, &p, m->error))
+        return false;
+    const double omega = 2 * PI / p.period.value;
+    const double gamma = series_decay(&m->subject.series, m->given->arena, NULL, 0, &d, &ignored) ? d.gamma.value : 0;
+    struct measured k = {.value = mass * (omega * omega + gamma * gamma / 4)};
+    struct inputs inputs = {.exacts = 0};
+    inputs_use(&inputs, "m", (struct measured){mass, u});
+    k.uncertainty = k.value * 2 * p.period.uncertainty / p.period.value;
+    k = inputs_widen(&inputs, k);
+    if (!keep(m, m->quantity, k, QUANTITY_STIFFNESS, p.periods))
+        return false;
+    struct buffer text = {0};
+    put(&text, "k", k, QUANTITY_STIFFNESS);
+    put(&text, " (m", (struct measured){mass, u}, QUANTITY_MASS);
+    put(&text, ", T", p.period, QUANTITY_TIME);
+    buffer_char(&text, ')');
+    if (m->subject.run)
+        put_theory(&text, k.value, param_value(scene, "k"), QUANTITY_STIFFNESS);
+    else if (!own && !scene->given[index])
+        reply_warning(m->reply, "the mass is the default of the scene: set it, for example m = 200 g");
+    begin(m, k, QUANTITY_STIFFNESS, p.periods);
+    tell_inputs(m, &inputs, &text);
+    reply_end(m->reply);
+    return say(m, &text);
+}
+
+static bool measure_spectrum(struct measuring *m)
+{
+    struct spectrum_peak found[PEAKS_EACH];
+    struct figure_peaks peaks = {0};
+    const int count = series_peaks(&m->subject.series, m->given->arena, found, PEAKS_EACH);
+    if (count == 0)
+        return error_set(m->error, ERROR_COMMAND, "no line stands out in the spectrum of %s", m->subject.name);
+    if (!keep(m, "frequency", found[0].frequency, QUANTITY_FREQUENCY, NAN))
+        return false;
+    for (; peaks.count < count; peaks.count++)
+        peaks.peak[peaks.count] =
+            (struct figure_peak){m->subject.name, found[peaks.count], m->subject.series.quantity};
+    spectrum_report(&peaks, 1, m->reply);
+    return true;
+}
+
+HANDLER(measure)
+{
+    static bool (*const measures[])(struct measuring *) = {
+        [MEASURE_PERIOD] = measure_period,       [MEASURE_FREQUENCY] = measure_frequency,
+        [MEASURE_AMPLITUDE] = measure_amplitude, [MEASURE_DECAY] = measure_decay,
+        [MEASURE_ENERGY] = measure_energy,       [MEASURE_DRIFT] = measure_drift,
+        [MEASURE_REYNOLDS] = measure_reynolds,   [MEASURE_K] = measure_k,
+        [MEASURE_SPRING] = measure_spring,     [MEASURE_SPECTRUM] = measure_spectrum,
+        [MEASURE_REPEAT] = measure_repeat};
+    const struct item *quantity = given_for(given, "QUANTITY")->item;
+    const enum measurable which = (enum measurable)quantity->index;
+    const bool energy = is_given(given, "energy") || which == MEASURE_ENERGY;
+    const struct given *column = given_for(given, "COLUMN");
+    if (column->count && (energy || which > MEASURE_DECAY) && which != MEASURE_SPECTRUM)
+        return error_at(error, column->where, "period, frequency, amplitude, decay and spectrum are measured of a column");
+    struct measuring m = {session, given, reply, {.run = NULL}, quantity->row->name, error};
+    /* The Reynolds number can be asked for before anything has moved. */
+    if (which == MEASURE_REYNOLDS && session->runs == 0 && session->recordings == 0) {
+        snprintf(m.subject.name, sizeof m.subject.name, "the scene");
+        return measures[which](&m);
+    }
+    if (which == MEASURE_SPRING || which == MEASURE_REPEAT)
+        return measures[which](&m);
+    const struct given *named = given_for(given, "RECORDING");
+    if (named->count > 1)
+        return error_at(error, named->where, "only 'measure repeat' takes several recordings");
+    if (is_given(given, "what"))
+        return error_at(error, given_for(given, "what")->where, "what= belongs to 'measure repeat'");
+    if (!subject_open(session, given_for(given, "run"), named->count ? named : given_for(given, "data"),
+                      given_for(given, "window"), energy, 2, given->arena, &m.subject, error) ||
+        (column->count && !subject_column(&m.subject, column, given_for(given, "window"), given->arena, error)) ||
+        !measures[which](&m))
+        return false;
+    if (m.subject.recording && which != MEASURE_SPECTRUM)
+        reply_advice(&m.subject, given->arena, reply);
+    return true;
+}
+#endif
+
+COMMAND(measure, .row = {"measure", "", "measure a quantity of a run or a recording", "", NULL}, .group = "MEASURE",
+        .text = "Acts on the position (or first value) of the most recent run or recording unless told; 'period of "
+                "NAME' on another column of a\n"
+                "run. The period comes from line fits at the up-crossings and is given with its standard uncertainty. "
+                "at= or windows= choose where the amplitude is read; from three readings gamma follows.\n"
+                "'period windows=N' tells whether T depends on the amplitude. 'spring' takes every recording whose "
+                "mass is known ('data\n"
+                "mass'): T^2 against m gives k and the effective mass of the spring, and each k is held against the "
+                "first. 'spectrum' gives the lines that stand out.\n"
+                "'repeat NAME NAME ..', or 'repeat NAME windows=N', compares the scatter of T (what= frequency, "
+                "amplitude, decay, k) with what each states, and says what to quote.\n"
+                "Records (--format json, csv) of a period also have how, the way it was found: 'up-crossings', "
+                "'phases' or 'one damped sine'; and of a recording autocorrelation, the period by that alone.",
+        .examples = "load disk.txt; measure amplitude windows=6\nload bare.txt; load disk.txt; measure repeat bare disk",
+        .see = "fit list plot",
+        .flags = COMMAND_ANYTIME,
+        ARGUMENTS(PLACE("QUANTITY", TYPE_CHOICE, .flags = ARG_REQUIRED, .choices = &quantity_catalog),
+                  WORD("run", TYPE_RUN, .lead = "of", .group = 1),
+                  WORD("data", TYPE_RECORDING, .lead = "of", .group = 1), WORD("energy", TYPE_NONE, .lead = "of"),
+                  KEY("window", TYPE_RANGE, .quantity = QUANTITY_TIME),
+                  KEY("at", TYPE_VALUE, .flags = ARG_MANY | ARG_NEGATIVE, .quantity = QUANTITY_TIME),
+                  KEY("windows", TYPE_INTEGER), KEY("what", TYPE_CHOICE, .choices = &quantity_catalog),
+                  PLACE("RECORDING", TYPE_RECORDING, .flags = ARG_MANY, .lead = "of"),
+                  PLACE("COLUMN", TYPE_COLUMN, .lead = "of")))

@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* panes, plain, redraw: requests that the front end carries out */
+#ifndef COMMAND_ROWS
+#include "command/internal.h"
+
+static bool change_front(const struct session *session, enum front_change change, struct error *error)
+{
+    if (session->front.change)
+        return session->front.change(session->front.context, change, error);
+    return change == FRONT_REDRAW ||
+           error_set(error, ERROR_COMMAND, "there is no terminal to show panes or a prompt on");
+}
+
+HANDLER(panes)
+{
+    UNUSED(given);
+    UNUSED(reply);
+    return change_front(session, FRONT_PANES, error);
+}
+
+HANDLER(plain)
+{
+    UNUSED(given);
+    UNUSED(reply);
+    return change_front(session, FRONT_PLAIN, error);
+}
+
+HANDLER(redraw)
+{
+    UNUSED(given);
+    UNUSED(reply);
+    return change_front(session, FRONT_REDRAW, error);
+}
+#endif
+
+COMMAND(panes, .row = {"panes", "", "show the panes", "", NULL}, .group = "SESSION", .text = "Where the terminal can.",
+        .examples = "panes\nplain; panes", .see = "plain layout", .flags = COMMAND_ANYTIME | COMMAND_UNRECORDED)
+
+COMMAND(plain, .row = {"plain", "", "a prompt without panes", "", NULL}, .group = "SESSION",
+        .text = "Results as text; plots are drawn as figures.", .examples = "plain\nplain; plot position",
+        .see = "panes", .flags = COMMAND_UNRECORDED)
+
+COMMAND(redraw, .row = {"redraw", "", "paint the screen again", "", NULL}, .group = "SESSION",
+        .text = "After another program wrote over it.", .examples = "redraw\nclear; redraw", .see = "clear",
+        .flags = COMMAND_ANYTIME | COMMAND_UNRECORDED)

@@ -1,0 +1,159 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* report */
+#ifndef COMMAND_ROWS
+#include "command/internal.h"
+#include <hooke/report/lab.h>
+
+#include <stdio.h>
+#include <string.h>
+
+static void put_script(const struct session *session, struct buffer *out)
+{
+    buffer_put(out, TEXT("# The session of this report, by hooke " HOOKE_VERSION ". Run where the names of its "
+                         "recordings hold,\n# it gives the same numbers again:\n"));
+    buffer_format(out, "#   hooke %s-f session.hk -c 'report NEW'\n",
+                  session->story_fails ? "--keep-going " : "");
+    buffer_put(out, session->story_fails ? TEXT("# One of its commands ends in an error, as it did.\n") : TEXT(""));
+    buffer_put(out, buffer_text(&session->story));
+}
+
+static void put_end(struct report *report, const struct buffer *script)
+{
+    struct document *document = &report->document;
+    static const char *const files[][2] = {
+        {"values.csv", "every value with all its digits, uncertainty and unit"},
+        {"session.hk", "the session as commands, which give the same numbers again"},
+    };
+    document_put(document, BLOCK_PART, "Files");
+    document_open(document, BLOCK_LIST);
+    for (size_t i = 0; i < COUNT_OF(files); i++) {
+        document_open(document, BLOCK_ITEM);
+        document_link(document, files[i][0], files[i][0]);
+        document_say(document, ": %s", files[i][1]);
+        document_close(document, BLOCK_ITEM);
+    }
+    if (report->session->runs > 0) {
+        document_open(document, BLOCK_ITEM);
+        document_link(document, "runs.csv", "runs.csv");
+        document_say(document, ": a row for each run; the samples of those shown are in run-N.csv");
+        document_close(document, BLOCK_ITEM);
+    }
+    for (int i = 0; i < report->session->recordings; i++) {
+        char name[64];
+        snprintf(name, sizeof name, "recording-%d.csv", i + 1);
+        if (!report->recording_shown[i])
+            continue;
+        document_open(document, BLOCK_ITEM);
+        document_link(document, name, name);
+        document_say(document, ": the recording ");
+        document_name(document, text_of(report->session->recording[i]->recording->name));
+        document_close(document, BLOCK_ITEM);
+    }
+    document_close(document, BLOCK_LIST);
+    if (report->no_pictures[0]) {
+        document_open(document, BLOCK_PARAGRAPH);
+        document_say(document, "The figures are text only: %s.", report->no_pictures);
+        document_close(document, BLOCK_PARAGRAPH);
+    }
+    document_put(document, BLOCK_PART, "The session");
+    document_code(document, buffer_text(script));
+    document_end(document);
+}
+
+bool report_write(struct report *report, struct error *error)
+{
+    struct document *document = &report->document;
+    struct buffer script = {0};
+    put_script(report->session, &script);
+    script.failed |= report->session->story.failed;
+    document_begin(document, report->session->recordings || report->session->setup.scene.model == &oscillator_model
+                                 ? "Numerical integration of a spring and mass"
+                                 : "Numerical integration");
+    document_put(document, BLOCK_PARAGRAPH, "Name:");
+    document_put(document, BLOCK_PARAGRAPH, "Date:");
+    bool ok = collect_values(report, error) && write_sections(report, error) && write_tables(report, error);
+    if (ok)
+        put_end(report, &script);
+    ok = ok && report_put(report, "session.hk", &script, error) &&
+         report_put(report, "report.md", &document->md, error) &&
+         report_put(report, "report.html", &document->html, error);
+    buffer_free(&script);
+    return ok;
+}
+
+static void say_missing(void *context, const char *what)
+{
+    struct reply *reply = context;
+    if (reply->depth > 0)
+        reply_string(reply, NULL, what);
+    else
+        reply_line(reply, "  not in it: %s", what);
+}
+
+static void tell(const struct report *report, const struct item *folder, const char *path, struct reply *reply)
+{
+    const struct session *session = report->session;
+    const bool lab = session->recordings || session->setup.scene.model == &oscillator_model;
+    struct buffer shown = {0};
+    safe_text(&shown, folder->text, false);
+    reply_line(reply, "report written to %s: %d figure%s, %d values, %d files; open report.html or report.md",
+               buffer_view(&shown), report->figures, report->figures == 1 ? "" : "s", report->values, report->files);
+    if (lab)
+        report_missing(report, say_missing, reply);
+    reply_begin(reply, "report");
+    reply_string(reply, "folder", path);
+    reply_int(reply, "figures", report->figures);
+    reply_int(reply, "values", report->values);
+    reply_int(reply, "files", report->files);
+    reply_bool(reply, "pictures", !report->no_pictures[0]);
+    reply_array(reply, "missing");
+    if (lab)
+        report_missing(report, say_missing, reply);
+    reply_close(reply);
+    reply_end(reply);
+    if (report->no_pictures[0])
+        reply_warning(reply, "the figures are text only: %s", report->no_pictures);
+    buffer_free(&shown);
+}
+
+HANDLER(report)
+{
+    const struct item *item = given_for(given, "DIR")->item;
+    const char *path = arena_text(given->arena, item->text);
+    struct report *report = arena_alloc(given->arena, sizeof *report);
+    struct session *view = arena_alloc(given->arena, sizeof *view);
+    struct folder folder;
+    if (!path || !report || !view)
+        return error_memory(error);
+    if (session->runs == 0 && session->recordings == 0) {
+        error_set(error, ERROR_COMMAND, "there is nothing to report yet: no run and no recording");
+        return error_hint(error, "type: run, or: load FILE");
+    }
+    *view = *session;
+    *report = (struct report){.session = session, .view = view, .arena = given->arena, .folder = &folder};
+    bool ok = folder_open(&folder, path, session_policy(session, is_given(given, "force")), report_owns, error);
+    if (ok && !report_write(report, error)) {
+        folder_abandon(&folder);
+        ok = false;
+    }
+    ok = ok && folder_commit(&folder, error);
+    document_free(&report->document);
+    if (ok)
+        tell(report, item, path, reply);
+    else if (!error->where.at)
+        error->where = item->text;
+    return ok;
+}
+#endif
+
+COMMAND(report, .row = {"report", "", "write what the lab asks to hand in into a new folder", "", NULL},
+        .group = "OUTPUT",
+        .text = "Figures, values with their uncertainties, methods compared, the data as CSV and the session as a "
+                "script that gives the same\n"
+                "numbers again, as report.html and report.md with a place for the answer to each question. It holds "
+                "what the session has, and\n"
+                "says what is missing. --force replaces an older report; what was written into that one is lost, so "
+                "answer under another name.",
+        .examples = "load bare.txt; m = 200 g; fit damped; report first\nreport second --force",
+        .see = "plot measure fit export save",
+        ARGUMENTS(PLACE("DIR", TYPE_FILE, .flags = ARG_REQUIRED), OPTION("force", TYPE_NONE)))

@@ -1,0 +1,431 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* layout, focus, range, zoom, pan, window, trail, scroll, screenshot */
+#ifndef COMMAND_ROWS
+#include "command/internal.h"
+
+#include <math.h>
+#include <string.h>
+
+#define ZOOM_MOST 1e6 /* a window is never shorter than the whole span divided by this */
+
+static bool changed(struct session *session)
+{
+    session_changed(session);
+    return true;
+}
+
+static void free_ranges(struct view *view)
+{
+    view->x[0] = view->x[1] = view->y[0] = view->y[1] = NAN;
+}
+
+/* ---- layout, focus ---- */
+
+/* What it has, and what is drawn of it where the screen is too small. */
+static void describe_layout(const struct session *session, struct buffer *text)
+{
+    const struct view *view = &session->view;
+    const int width = session->front.width ? session->front.width : 80,
+              height = session->front.height ? session->front.height : 24;
+    const enum layout drawn = layout_drawn(view->layout, width, height);
+    const struct layout_row *row = layout_row(view->layout);
+    /* A pane that no layout has takes the first place of each. */
+    const bool guest = view->focus > PANE_VELOCITY && view->focus != PANE_ORBIT && view->layout != LAYOUT_LOG;
+    buffer_format(text, "layout %s: %s%s%s", row->row.name, row->row.brief,
+                  guest ? "; first, until 'focus position': " : "",
+                  guest ? catalog_row(&pane_catalog, (size_t)view->focus)->name : "");
+    if (drawn == view->layout)
+        return;
+    buffer_format(text, "\nit needs %d columns", row->width);
+    if (row->height)
+        buffer_format(text, " and %d rows", row->height);
+    buffer_format(text, ": at %dx%d %s is drawn, %s", width, height, layout_row(drawn)->row.name,
+                  layout_row(drawn)->row.brief);
+}
+
+HANDLER(layout)
+{
+    UNUSED(error);
+    const struct given *name = given_for(given, "NAME");
+    struct view *view = &session->view;
+    if (name->count)
+        view->layout = (enum layout)name->item->index;
+    else if (is_given(given, "next"))
+        view->layout = (enum layout)(((size_t)view->layout + 1) % layout_catalog.count);
+    if (name->count || is_given(given, "next"))
+        view->full = false;
+    struct buffer text = {0};
+    describe_layout(session, &text);
+    reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+    return changed(session);
+}
+
+HANDLER(focus)
+{
+    const struct given *pane = given_for(given, "PANE");
+    struct view *view = &session->view;
+    const enum pane wanted = pane->count ? (enum pane)pane->item->index : view->focus;
+    const struct pane_row *row = (const struct pane_row *)(const void *)catalog_row(&pane_catalog, (size_t)wanted);
+    if (pane->count && !pane_offered(session, wanted)) {
+        struct buffer offered = {0};
+        error_at(error, pane->item->text, "there is nothing to show in the pane %s: %s", row->row.name, row->row.brief);
+        for (size_t i = 0; i < pane_catalog.count; i++) {
+            const struct pane_row *other = (const struct pane_row *)(const void *)catalog_row(&pane_catalog, i);
+            if (pane_offered(session, (enum pane)i))
+                buffer_format(&offered, "%s%s", offered.len ? ", " : "", other->row.name);
+        }
+        error_hint(error, offered.len ? "now there are: %s" : "type: run, or: load FILE%s", buffer_view(&offered));
+        buffer_free(&offered);
+        return false;
+    }
+    if (wanted != view->focus)
+        free_ranges(view); /* they were those of the other pane */
+    view->focus = wanted;
+    if (is_given(given, "full") || is_given(given, "shared"))
+        view->full = is_given(given, "full");
+    reply_line(reply, "focus %s%s: %s", row->row.name, view->full ? " full" : "", row->row.brief);
+    return changed(session);
+}
+
+/* ---- ranges ---- */
+
+static const struct row axes[] = {{"x", "", "horizontal axis", "", NULL}, {"y", "", "vertical axis", "", NULL}};
+const struct catalog axis_catalog = CATALOG("axis", axes);
+
+static enum quantity axis_quantity(const struct session *session, bool x)
+{
+    const struct run *run = session_run(session);
+    const struct model *model = run ? run->system.model : session->setup.scene.model;
+    const enum quantity first = model->variable[0].quantity;
+    const enum pane pane = session->view.focus;
+    const bool plane = pane == PANE_PHASE || pane == PANE_ORBIT;
+    if (x)
+        return plane ? first : pane == PANE_SPECTRUM ? QUANTITY_FREQUENCY : QUANTITY_TIME;
+    if (pane == PANE_ENERGY)
+        return first == QUANTITY_NUMBER ? QUANTITY_NUMBER : QUANTITY_ENERGY;
+    /* The phase plot of a spring has v/omega0. */
+    const bool raw = pane == PANE_PHASE && (session->setup.settings.phase_axes == PHASE_RAW ||
+                                            (run && !(run->system.oscillator.stiffness > 0)));
+    return pane == PANE_VELOCITY || raw ? model->variable[model->n / 2].quantity : first;
+}
+
+static void reply_range(const struct session *session, bool x, struct reply *reply)
+{
+    const double *range = x ? session->view.x : session->view.y;
+    const char *pane = catalog_row(&pane_catalog, (size_t)session->view.focus)->name;
+    struct buffer text = {0};
+    buffer_format(&text, "range %s of %s: ", x ? "x" : "y", pane);
+    if (isnan(range[0])) {
+        buffer_put(&text, TEXT("auto"));
+    } else {
+        buffer_measured(&text, (struct measured){range[0], 0}, axis_quantity(session, x), 6);
+        buffer_put(&text, TEXT(" to "));
+        buffer_measured(&text, (struct measured){range[1], 0}, axis_quantity(session, x), 6);
+    }
+    reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+}
+
+HANDLER(range)
+{
+    const bool x = given_for(given, "AXIS")->item->index == 0;
+    const struct given *value = given_for(given, "FROM:TO");
+    double *range = x ? session->view.x : session->view.y;
+    if (value->count && text_is(text_trim(value->item->text), "auto")) {
+        range[0] = range[1] = NAN;
+    } else if (value->count) {
+        struct parser parser = {session, given->scope, given->arena, value->item->text};
+        struct item item = {0};
+        if (!parse_range(&parser, "range", axis_quantity(session, x), &item, error) ||
+            !refuse_rest(&parser, &item, error))
+            return false;
+        if (isnan(item.range[0]) || isnan(item.range[1]))
+            return error_at(error, value->item->text, "both ends of the range are needed, or auto");
+        memcpy(range, item.range, sizeof item.range);
+    }
+    reply_range(session, x, reply);
+    return changed(session);
+}
+
+/* All the time there is: of the current run and recording together. */
+static bool whole_span(const struct session *session, double span[2])
+{
+    const struct run *run = session_run(session);
+    const struct recording *recording = session_recording(session);
+    span[0] = HUGE_VAL;
+    span[1] = -HUGE_VAL;
+    if (run) {
+        const double a = trace_time(run->trace, 0), b = run->t;
+        span[0] = fmin(a, b);
+        span[1] = fmax(a, b);
+    }
+    if (recording) {
+        span[0] = fmin(span[0], recording->window[0]);
+        span[1] = fmax(span[1], recording->window[1]);
+    }
+    return span[1] > span[0];
+}
+
+static bool on_screen(const struct session *session, double span[2])
+{
+    const struct front *front = &session->front;
+    return front->time_shown && front->time_shown(front->context, session, span);
+}
+
+/*
+ * The time axis as it is shown: what a screen says, else fixed, or the last window, or everything. Beside a phase plot
+ * in focus stand others that have one.
+ */
+static bool shown_span(struct session *session, double shown[2], double whole[2], struct error *error)
+{
+    struct view *view = &session->view;
+    if (axis_quantity(session, true) != QUANTITY_TIME && view->full) {
+        error_set(error, ERROR_COMMAND, "the pane %s has no time axis",
+                  catalog_row(&pane_catalog, (size_t)view->focus)->name);
+        return error_hint(error, "type: focus position, or: range x FROM:TO");
+    }
+    if (!whole_span(session, whole)) {
+        error_set(error, ERROR_COMMAND, "there is nothing to look at: no run and no recording");
+        return error_hint(error, "type: run, or: load FILE");
+    }
+    if (axis_quantity(session, true) != QUANTITY_TIME) {
+        free_ranges(view);
+        view->focus = PANE_POSITION;
+    }
+    if (on_screen(session, shown))
+        return true;
+    memcpy(shown, isnan(view->x[0]) ? whole : view->x, 2 * sizeof *shown);
+    if (isnan(view->x[0]) && view->window > 0)
+        shown[0] = fmax(shown[0], shown[1] - view->window);
+    return true;
+}
+
+/* Into the whole span; all of it means: automatic, where that shows all of it. */
+static void set_span(struct session *session, double from, double width, const double whole[2])
+{
+    struct view *view = &session->view;
+    const double most = whole[1] - whole[0];
+    if (!(width < most)) {
+        double shown[2];
+        view->x[0] = view->x[1] = NAN;
+        if (on_screen(session, shown) && shown[1] - shown[0] < most * (1 - 1e-9))
+            memcpy(view->x, whole, sizeof view->x);
+        return;
+    }
+    width = fmax(width, most / ZOOM_MOST);
+    from = fmin(fmax(from, whole[0]), whole[1] - width);
+    view->x[0] = from;
+    view->x[1] = from + width;
+}
+
+HANDLER(zoom)
+{
+    const double factor = given_for(given, "FACTOR")->item->value.value;
+    struct view *view = &session->view;
+    double shown[2], whole[2];
+    if (!shown_span(session, shown, whole, error))
+        return false;
+    /* About the cursor that moves, where it is in sight. */
+    const double t = view->cursors.at[view->cursors.active].t;
+    const bool about =
+        view->cursors.shown && view->cursors.at[view->cursors.active].set && t > shown[0] && t < shown[1];
+    const double centre = about ? t : 0.5 * (shown[0] + shown[1]);
+    set_span(session, centre - (centre - shown[0]) / factor, (shown[1] - shown[0]) / factor, whole);
+    reply_range(session, true, reply);
+    return changed(session);
+}
+
+HANDLER(pan)
+{
+    const double by = given_for(given, "TIME")->item->value.value;
+    double shown[2], whole[2];
+    if (!shown_span(session, shown, whole, error))
+        return false;
+    set_span(session, shown[0] + by, shown[1] - shown[0], whole);
+    reply_range(session, true, reply);
+    return changed(session);
+}
+
+HANDLER(window)
+{
+    UNUSED(error);
+    const struct given *value = given_for(given, "TIME");
+    if (value->count || is_given(given, "auto"))
+        session->view.window = value->count ? value->item->value.value : 0;
+    struct buffer text = {0};
+    buffer_put(&text, TEXT("window "));
+    if (session->view.window > 0)
+        buffer_measured(&text, (struct measured){session->view.window, 0}, QUANTITY_TIME, 6);
+    else
+        buffer_put(&text, TEXT("auto"));
+    reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+    return changed(session);
+}
+
+HANDLER(overlay)
+{
+    const struct given *runs = given_for(given, "run");
+    struct view *view = &session->view;
+    int number[LIMIT_OVERLAY] = {0}, count = 0;
+    for (int r = 0; r < session->runs; r++) {
+        bool wanted = false;
+        for (int i = 0; i < runs->count; i++)
+            wanted |= runs->item[i].index < 0 || runs->item[i].index == r;
+        if (!wanted || r == session->current_run)
+            continue;
+        if (count == LIMIT_OVERLAY)
+            return error_at(error, runs->where, "at most %d runs can be laid over the present one", LIMIT_OVERLAY);
+        number[count++] = session->run[r]->run->number;
+    }
+    if (runs->count || is_given(given, "off")) {
+        memcpy(view->overlay, number, sizeof number);
+        view->overlays = count;
+    }
+    struct buffer text = {0};
+    buffer_put(&text, TEXT("overlay"));
+    for (int i = 0; i < view->overlays; i++)
+        buffer_format(&text, "%s %d", i ? "" : " run", view->overlay[i]);
+    if (view->overlays == 0)
+        buffer_put(&text, TEXT(" off"));
+    reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+    return changed(session);
+}
+
+HANDLER(trail)
+{
+    UNUSED(error);
+    const struct given *value = given_for(given, "PERIODS");
+    if (value->count || is_given(given, "all"))
+        session->view.trail = value->count ? value->item->value.value : HUGE_VAL;
+    struct buffer text = {0};
+    buffer_put(&text, TEXT("trail "));
+    if (isinf(session->view.trail)) {
+        buffer_put(&text, TEXT("all"));
+    } else {
+        buffer_short(&text, session->view.trail, 6);
+        buffer_put(&text, TEXT(" periods"));
+    }
+    reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+    return changed(session);
+}
+
+HANDLER(scroll)
+{
+    UNUSED(reply);
+    UNUSED(error);
+    const struct given *rows = given_for(given, "ROWS");
+    const int width = session->front.width ? session->front.width : 80;
+    int most = 0;
+    for (int i = 0; i < session->log.count; i++)
+        most += log_rows(text_of(log_line(&session->log, i)), width);
+    most -= most > 0;
+    double scroll = is_given(given, "home") ? most : is_given(given, "end") ? 0 : session->view.scroll;
+    if (rows->count)
+        scroll += rows->item->value.value;
+    session->view.scroll = scroll < 0 ? 0 : scroll > most ? most : (int)scroll;
+    return true;
+}
+
+/* ---- screenshot ---- */
+
+HANDLER(screenshot)
+{
+    const struct given *file = given_for(given, "FILE");
+    const struct front *front = &session->front;
+    const bool possible = file->count ? front->screenshot != NULL : front->screen != NULL;
+    if (!possible) {
+        error_set(error, ERROR_COMMAND, "this front end draws no screen");
+        return error_hint(error, "'plot position' draws a figure, 'plot position > figure.txt' writes one");
+    }
+    if (file->count) {
+        const struct text name = file->item->text;
+        const char *path = arena_text(given->arena, name);
+        if (!path)
+            return error_memory(error);
+        if (!front->screenshot(front->context, session, path, session_policy(session, is_given(given, "force")),
+                               error)) {
+            error->where = error->where.at ? error->where : name;
+            return false;
+        }
+        struct buffer shown = {0};
+        safe_text(&shown, name, false);
+        reply_line(reply, "screen written to %s", buffer_view(&shown));
+        buffer_free(&shown);
+        return true;
+    }
+    struct buffer text = {0};
+    const bool ok = front->screen(front->context, session, &text, error);
+    if (ok)
+        reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+    return ok;
+}
+#endif
+
+COMMAND(layout, .row = {"layout", "", "choose which panes are shown", "", NULL}, .group = "PLOT",
+        .text = "Without a name it says which it is; next: the one after it. Panes that make no sense for the scene "
+                "are left out. How the\n"
+                "screen looks is not undone; it is saved only where it differs from a new session.",
+        .examples = "layout duo\nlayout next", .see = "focus range window screenshot", .flags = COMMAND_ANYTIME,
+        ARGUMENTS(WORD("next", TYPE_NONE, .group = 1),
+                  PLACE("NAME", TYPE_CHOICE, .choices = &layout_catalog, .group = 1)))
+
+COMMAND(focus, .row = {"focus", "", "choose the pane that range, zoom and pan act on", "", NULL}, .group = "PLOT",
+        .text = "full shows it alone, shared together with the others again. Panes: position, energy, phase, velocity, "
+                "orbit (of two\n"
+                "coordinates), error (where an exact solution is known), residual (where a recording has a fit or "
+                "overlaps the run),\n"
+                "spectrum.",
+        .examples = "run; focus phase\nrun; focus energy full", .see = "layout range zoom", .flags = COMMAND_ANYTIME,
+        ARGUMENTS(PLACE("PANE", TYPE_CHOICE, .choices = &pane_catalog), WORD("full", TYPE_NONE, .group = 1),
+                  WORD("shared", TYPE_NONE, .group = 1)))
+
+COMMAND(range, .row = {"range", "", "fix an axis of the focused pane", "", NULL}, .group = "PLOT",
+        .text = "FROM:TO with units, or auto.", .examples = "range y -5cm:5cm\nrange x auto",
+        .see = "zoom pan window focus", .flags = COMMAND_ANYTIME,
+        ARGUMENTS(PLACE("AXIS", TYPE_CHOICE, .flags = ARG_REQUIRED, .choices = &axis_catalog),
+                  PLACE("FROM:TO", TYPE_REST)))
+
+COMMAND(zoom, .row = {"zoom", "", "enlarge the time axis of the focused pane", "", NULL}, .group = "PLOT",
+        .text = "By the factor, about the cursor or the middle; below 1 it shows more.",
+        .examples = "run; zoom 2\nrun; zoom 0.5", .see = "pan range window", .flags = COMMAND_ANYTIME,
+        ARGUMENTS(PLACE("FACTOR", TYPE_VALUE, .flags = ARG_REQUIRED, .quantity = QUANTITY_NUMBER)))
+
+COMMAND(pan, .row = {"pan", "", "move the time axis of the focused pane", "", NULL}, .group = "PLOT",
+        .text = "Later by so much time; negative: earlier. It stops at the ends.",
+        .examples = "run; zoom 4; pan 1 s\nrun; zoom 4; pan -500 ms", .see = "zoom range", .flags = COMMAND_ANYTIME,
+        ARGUMENTS(PLACE("TIME", TYPE_VALUE, .flags = ARG_REQUIRED | ARG_NEGATIVE, .quantity = QUANTITY_TIME)))
+
+COMMAND(window, .row = {"window", "", "how much time the panes show", "", NULL}, .group = "PLOT",
+        .text = "auto keeps at least 8 columns a period (5 with dots).", .examples = "window 5 s\nwindow auto",
+        .see = "range trail zoom", .flags = COMMAND_ANYTIME,
+        ARGUMENTS(WORD("auto", TYPE_NONE, .group = 1),
+                  PLACE("TIME", TYPE_VALUE, .quantity = QUANTITY_TIME, .group = 1)))
+
+COMMAND(overlay, .row = {"overlay", "", "draw other runs over the present one in the panes", "", NULL}, .group = "PLOT",
+        .text = "Up to 4 of them, each with its mark; off takes them away. compare lays its runs over one another by "
+                "itself, a new run\n"
+                "stands alone. 'plot KIND run N..' draws any runs once.",
+        .examples = "run; run; overlay run 1\noverlay off", .see = "compare plot runs use", .flags = COMMAND_ANYTIME,
+        ARGUMENTS(WORD("off", TYPE_NONE, .group = 1), WORD("run", TYPE_RUN, .flags = ARG_MANY | ARG_ALL, .group = 1)))
+
+COMMAND(trail, .row = {"trail", "", "how many periods the phase pane shows", "", NULL}, .group = "PLOT",
+        .text = "2 in a new session.", .examples = "trail 5\ntrail all", .see = "window layout",
+        .flags = COMMAND_ANYTIME,
+        ARGUMENTS(WORD("all", TYPE_NONE, .group = 1),
+                  PLACE("PERIODS", TYPE_VALUE, .quantity = QUANTITY_NUMBER, .group = 1)))
+
+COMMAND(scroll, .row = {"scroll", "", "scroll the log", "", NULL}, .group = "PLOT",
+        .text = "Up by so many rows; negative: down. home is the oldest line, end the newest.",
+        .examples = "scroll 10\nscroll end", .see = "layout clear", .flags = COMMAND_ANYTIME | COMMAND_UNRECORDED,
+        ARGUMENTS(WORD("home", TYPE_NONE, .group = 1), WORD("end", TYPE_NONE, .group = 1),
+                  PLACE("ROWS", TYPE_INTEGER, .flags = ARG_NEGATIVE, .group = 1)))
+
+COMMAND(screenshot, .row = {"screenshot", "", "write the screen as text", "", NULL}, .group = "PLOT",
+        .text = "As the panes show it, or would show it at --size. Without a file it is printed.",
+        .examples = "run; screenshot\nscreenshot screen.txt --force", .see = "plot layout", .flags = COMMAND_ANYTIME,
+        ARGUMENTS(PLACE("FILE", TYPE_FILE), OPTION("force", TYPE_NONE)))

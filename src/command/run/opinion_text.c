@@ -1,0 +1,179 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What is said about the digits of an adaptive run: how far it may be from the solution. */
+#include "command/internal.h"
+
+#include <math.h>
+
+#define SPIKES 10 /* times the error, where the largest on the way deserves a word */
+
+void seek_opinion(const struct session *session, struct run *run)
+{
+    const int kind = session->setup.settings.opinion;
+    if (run->missed.from == run->missed.to)
+        run_missed_burst(run, &run->missed);
+    if (kind != OPINIONS_OFF)
+        run_second_opinion(run, kind == OPINIONS_FULL, session->front.cancel);
+}
+
+void plan_opinion(const struct session *session, const struct system *system, const struct plan *plan,
+                  struct buffer *text)
+{
+    const int kind = session->setup.settings.opinion;
+    if (!plan->adaptive)
+        return;
+    buffer_format(text, "%-10s", "error");
+    if (kind == OPINIONS_OFF)
+        buffer_put(text, TEXT("not estimated (set opinion off)\n"));
+    else if (plan->exact_known)
+        buffer_put(text, TEXT("from the closed form at 256 rows or fewer\n"));
+    else if (kind == OPINIONS_FULL)
+        buffer_put(text, TEXT("from a second solution to the end: about as much work again\n"));
+    else
+        buffer_format(text,
+                      "from a second solution, %.0f evaluations or a tenth of the run's, up to half of it in doubt "
+                      "('set opinion off': none)\n",
+                      OPINION_BUDGET / system->n);
+}
+
+static bool has_opinion(const struct run *run)
+{
+    return isfinite(run->opinion.error) && !isnan(run->opinion.t);
+}
+
+/* What no step has seen the second solution has not seen either, unless they differ by much. */
+static bool is_blind(const struct run *run)
+{
+    const struct burst *missed = &run->missed;
+    const bool passed = missed->from != missed->to && (missed->from < run->t) == (run->system.t0 < run->t);
+    return has_opinion(run) && run->opinion.by && passed && !(run->opinion.error > OPINION_WRONG * run->controller.tol);
+}
+
+static void put_solution(const struct opinion *opinion, struct buffer *text)
+{
+    if (!opinion->by) {
+        buffer_put(text, TEXT("the closed form"));
+        return;
+    }
+    buffer_format(text, "%s at tol = ", opinion->by->row.name);
+    buffer_short(text, opinion->tol, 2);
+}
+
+/* "dop853 at tol = 1e-7 up to t = 3 s" */
+static void put_witness(const struct run *run, struct buffer *text)
+{
+    const struct opinion *opinion = &run->opinion;
+    put_solution(opinion, text);
+    if (!opinion->by || opinion->t == run->t)
+        return;
+    buffer_put(text, TEXT(" up to t = "));
+    buffer_measured(text, (struct measured){opinion->t, 0}, QUANTITY_TIME, 4);
+    buffer_put(text, TEXT(", by its growth from there on"));
+}
+
+/* Where it was seen, or will be by the growth of the error up to where the second solution came. */
+static void say_lost(const struct session *session, const struct run *run, struct reply *reply,
+                     struct error *error, bool *ok)
+{
+    const struct opinion *opinion = &run->opinion;
+    const double t0 = run->system.t0;
+    const bool seen = !opinion->by || fabs(opinion->lost - t0) <= fabs(opinion->t - t0);
+    struct buffer text = {0};
+    buffer_put(&text, TEXT("no digit is certain from t = "));
+    buffer_measured(&text, (struct measured){run->opinion.lost, 0}, QUANTITY_TIME, 4);
+    buffer_put(&text, seen ? TEXT(" on: there ") : TEXT(" on: by then "));
+    put_solution(opinion, &text);
+    if (!seen) {
+        buffer_put(&text, TEXT(", which was followed up to t = "));
+        buffer_measured(&text, (struct measured){opinion->t, 0}, QUANTITY_TIME, 4);
+        buffer_char(&text, ',');
+    }
+    buffer_format(&text, " is as far from run %d as the motion is large%s", run->number,
+                  seen ? "" : " if it goes on to depart as it does");
+    if (session->setup.settings.opinion == OPINIONS_WARN) {
+        reply_warning(reply, "%s", buffer_view(&text));
+    } else {
+        *ok = error_set(error, ERROR_NUMERICAL, "%s", buffer_view(&text));
+        error_hint(error,
+                   "a smaller tol moves that time; where the motion is chaos 'set opinion warn' takes it as it "
+                   "is; run %d is kept",
+                   run->number);
+    }
+    buffer_free(&text);
+}
+
+static void say_large(double times, struct reply *reply)
+{
+    struct buffer text = {0};
+    buffer_put(&text, TEXT("the error is about "));
+    buffer_short(&text, times, 1);
+    buffer_put(&text, TEXT(" times the tolerance: errors of steps have grown on the way; it shrinks as tol does"));
+    reply_warning(reply, "%s", buffer_view(&text));
+    buffer_free(&text);
+}
+
+bool reply_opinion(const struct session *session, struct run *run, struct reply *reply, struct error *error)
+{
+    const struct opinion *opinion = &run->opinion;
+    struct buffer by = {0};
+    bool ok = true;
+    if (!has_opinion(run) || is_blind(run))
+        return true;
+    const double times = opinion->error / run->controller.tol;
+    put_witness(run, &by);
+    struct buffer text = {0};
+    buffer_put(&text, opinion->by ? TEXT("error about ") : TEXT("error "));
+    buffer_short(&text, opinion->error, opinion->by ? 1 : 2);
+    buffer_put(&text, TEXT(", "));
+    buffer_short(&text, times, opinion->by ? 1 : 2);
+    buffer_put(&text, TEXT(" tol"));
+    if (opinion->most > SPIKES * opinion->error) {
+        buffer_put(&text, TEXT(" (up to "));
+        buffer_short(&text, opinion->most, 1);
+        buffer_put(&text, TEXT(" on the way)"));
+    }
+    buffer_format(&text, ", by %s", buffer_view(&by));
+    reply_line(reply, "%s", buffer_view(&text));
+    buffer_free(&text);
+    if (!isnan(opinion->lost))
+        say_lost(session, run, reply, error, &ok);
+    else if (times > OPINION_WRONG && !run->warned_error)
+        say_large(times, reply);
+    run->warned_error |= times > OPINION_WRONG;
+    buffer_free(&by);
+    return ok;
+}
+
+void reply_opinion_values(const struct run *run, struct reply *reply)
+{
+    const bool known = has_opinion(run) && !is_blind(run);
+    reply_real(reply, "error_estimate", known ? run->opinion.error : NAN);
+    reply_real(reply, "error_on_the_way", known ? run->opinion.most : NAN);
+    reply_real(reply, "estimated_to", known ? run->opinion.t : NAN);
+    reply_real(reply, "digits_lost_from", known ? run->opinion.lost : NAN);
+}
+
+/* In text; JSON has a list of them. */
+void reply_below_tolerance(const struct run *run, struct reply *reply)
+{
+    enum { NAMED = 3 };
+    double below[LIMIT_VARIABLES];
+    const int count = run_below_tolerance(run, below);
+    struct buffer names = {0};
+    int first = -1;
+    for (int i = 0, named = 0; i < run->system.n && named < NAMED; i++) {
+        if (!(below[i] > 0))
+            continue;
+        first = first < 0 && !(run->system.atol[i] > 0) ? i : first;
+        buffer_format(&names, "%s%s", named++ > 0 ? ", " : "", system_variable(&run->system, i).name);
+    }
+    if (count > NAMED)
+        buffer_format(&names, " and %d more", count - NAMED);
+    if (count > 0) {
+        reply_line(reply, "no digit is certain of %s: below %s tolerance%s", buffer_view(&names),
+                   count > 1 ? "their" : "its", first < 0 ? ", or the error; a smaller tol may help" : "");
+        if (first >= 0)
+            reply_line(reply, "'atol %s = VALUE' asks for errors as small as that",
+                       system_variable(&run->system, first).name);
+    }
+    buffer_free(&names);
+}

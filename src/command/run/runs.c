@@ -1,0 +1,151 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* runs, use, rename, drop, note */
+#ifndef COMMAND_ROWS
+#include "command/internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void reply_row(const struct session *session, int place, struct reply *reply)
+{
+    const struct held_run *held = session->run[place];
+    const struct run *run = held->run;
+    struct buffer text = {0};
+    buffer_format(&text, "%c %3d  %-18s ", place == session->current_run ? '*' : ' ', run->number,
+                  run->method->row.name);
+    if (run->plan.adaptive)
+        buffer_format(&text, "tol=%.3g", run->settings.tol);
+    else {
+        buffer_put(&text, TEXT("dt="));
+        buffer_quantity(&text, run->settings.dt, QUANTITY_TIME, 4);
+    }
+    buffer_format(&text, "  t=%.6g s  %lld steps  %s", run->t, (long long)run->steps, stop_name(run->stop));
+    if (run->name[0]) {
+        buffer_put(&text, TEXT("  "));
+        safe_text(&text, text_of(run->name), false);
+    }
+    if (held->note) {
+        buffer_put(&text, TEXT("  # "));
+        safe_text(&text, text_of(held->note), false);
+    }
+    reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+    reply_begin(reply, "runs");
+    reply_int(reply, "run", run->number);
+    reply_string(reply, "name", run->name[0] ? run->name : NULL);
+    reply_string(reply, "scene", run->scene.preset->row.name);
+    reply_string(reply, "method", run->method->row.name);
+    reply_real(reply, "dt", run->plan.adaptive ? NAN : run->settings.dt);
+    reply_real(reply, "tol", run->plan.adaptive ? run->settings.tol : NAN);
+    reply_int(reply, "steps", run->steps);
+    reply_real(reply, "t", run->t);
+    reply_int(reply, "rows", (int64_t)trace_count(run->trace));
+    reply_string(reply, "status", stop_name(run->stop));
+    reply_bool(reply, "current", place == session->current_run);
+    reply_string(reply, "note", held->note);
+    reply_end(reply);
+}
+
+HANDLER(runs)
+{
+    UNUSED(given);
+    UNUSED(error);
+    if (session->runs == 0)
+        reply_line(reply, "no runs");
+    for (int i = 0; i < session->runs; i++)
+        reply_row(session, i, reply);
+    return true;
+}
+
+HANDLER(use)
+{
+    UNUSED(error);
+    session->current_run = given_for(given, "N")->item->index;
+    session->data_is_latest = false;
+    session_changed(session);
+    reply_row(session, session->current_run, reply);
+    return true;
+}
+
+HANDLER(rename)
+{
+    const struct text name = given_for(given, "NAME")->item->text;
+    struct run *run = session->run[given_for(given, "N")->item->index]->run;
+    if (name.len == 0 || name.len > LIMIT_NAME || peek_name(name).len != name.len)
+        return error_at(error, name, "a name is a letter, then letters, digits, _ and -, at most %d of them",
+                        LIMIT_NAME);
+    const int other = session_find_run(session, name);
+    if (other >= 0 && session->run[other]->run != run)
+        return error_at(error, name, "run %d has that name", session->run[other]->run->number);
+    if (text_is(name, "all"))
+        return error_at(error, name, "'all' stands for every run and cannot be the name of one");
+    memset(run->name, 0, sizeof run->name);
+    memcpy(run->name, name.at, name.len);
+    session_changed(session);
+    reply_line(reply, "run %d is called %s", run->number, run->name);
+    return true;
+}
+
+HANDLER(drop)
+{
+    const struct given *which = given_for(given, "N");
+    bool gone[LIMIT_RUNS] = {false};
+    int count = 0;
+    for (int i = 0; i < which->count; i++)
+        for (int r = 0; r < session->runs; r++)
+            gone[r] |= which->item[i].index < 0 || which->item[i].index == r;
+    if (session->live.state == LIVE_RUNNING && gone[session->current_run]) {
+        error_at(error, which->where, "run %d goes on: it cannot be dropped now",
+                 session->run[session->current_run]->run->number);
+        return error_hint(error, "'pause' or Ctrl-C pauses it");
+    }
+    for (int r = session->runs - 1; r >= 0; r--)
+        if (gone[r]) {
+            session_drop_run(session, r);
+            count++;
+        }
+    reply_line(reply, "%d run%s dropped, %d left", count, count == 1 ? "" : "s", session->runs);
+    return true;
+}
+
+HANDLER(note)
+{
+    const struct text text = given_for(given, "TEXT")->item->text;
+    if (session->current_run < 0) {
+        error_set(error, ERROR_COMMAND, "there is no run to write a note for");
+        return error_hint(error, "type: run");
+    }
+    struct held_run *held = session->run[session->current_run];
+    char *note = strndup(text.at, text.len);
+    if (!note)
+        return error_memory(error);
+    free(held->note);
+    held->note = note;
+    session->changes++;
+    reply_line(reply, "noted for run %d", held->run->number);
+    return true;
+}
+#endif
+
+COMMAND(runs, .row = {"runs", "", "list the runs", "", NULL}, .group = "RUNS", .text = "The current one has a star.",
+        .examples = "runs\ncompare euler verlet; runs", .see = "use drop rename note", .flags = COMMAND_ANYTIME)
+
+COMMAND(use, .row = {"use", "", "make a run the current one", "", NULL}, .group = "RUNS",
+        .text = "measure, plot, continue and names in expressions act on the current run.",
+        .examples = "compare euler verlet; use 1\nuse 1; measure period", .see = "runs", .flags = COMMAND_CHANGES,
+        ARGUMENTS(PLACE("N", TYPE_RUN, .flags = ARG_REQUIRED)))
+
+COMMAND(rename, .row = {"rename", "", "give a run a name", "", NULL}, .group = "RUNS",
+        .text = "The name can stand wherever the number can, and stands in the legend of plots.",
+        .examples = "run; rename 1 reference\nuse reference", .see = "runs note",
+        .flags = COMMAND_CHANGES | COMMAND_ANYTIME,
+        ARGUMENTS(PLACE("N", TYPE_RUN, .flags = ARG_REQUIRED), PLACE("NAME", TYPE_TEXT, .flags = ARG_REQUIRED)))
+
+COMMAND(drop, .row = {"drop", "", "forget runs", "", NULL}, .group = "RUNS", .text = "undo brings them back.",
+        .examples = "run; drop 1\ndrop all", .see = "runs undo", .flags = COMMAND_CHANGES | COMMAND_ANYTIME,
+        ARGUMENTS(PLACE("N", TYPE_RUN, .flags = ARG_REQUIRED | ARG_MANY | ARG_ALL)))
+
+COMMAND(note, .row = {"note", "", "write a note for the current run", "", NULL}, .group = "RUNS",
+        .text = "It stands in the list of runs and in exports.", .examples = "run; note with the large disk\nruns",
+        .see = "runs export", .flags = COMMAND_ANYTIME, ARGUMENTS(PLACE("TEXT", TYPE_REST, .flags = ARG_REQUIRED)))

@@ -1,0 +1,166 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* event */
+#ifndef COMMAND_ROWS
+#include "command/internal.h"
+#include "command/run/passage.h"
+
+#include <string.h>
+
+static struct text after(struct text text, size_t by)
+{
+    struct text rest = {text.at + by, text.len - by};
+    text_skip_blanks(&rest);
+    return rest;
+}
+
+static void reply_line_of(const struct event_line *line, struct reply *reply)
+{
+    struct buffer text = {0};
+    event_describe(line, false, &text);
+    reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+}
+
+static void reply_events(const struct session *session, struct reply *reply)
+{
+    const struct events *events = session->setup.events;
+    for (int i = 0; events && i < events->count; i++)
+        reply_line_of(&events->line[i], reply);
+    if (!events)
+        reply_line(reply, "no events");
+}
+
+static void drop_all(struct session *session, struct reply *reply)
+{
+    const int count = session->setup.events ? session->setup.events->count : 0;
+    session->setup.events = NULL;
+    if (count > 0)
+        reply_line(reply, "%d event%s gone", count, count == 1 ? " is" : "s are");
+    else
+        reply_line(reply, "no events");
+}
+
+static bool event_usage(struct text where, const char *what, struct error *error)
+{
+    error_at(error, where, "%s", what);
+    return error_hint(error, "for example: event top when y' falling do record");
+}
+
+/* As far as can be seen now: what they mean is seen when they are executed. */
+static bool check_commands(struct text commands, struct error *error)
+{
+    bool passes;
+    struct text rest = event_commands(commands, &passes), statement;
+    while (rest.len > 0) {
+        if (!next_statement(&rest, &statement, error))
+            return false;
+        const struct text word = peek_word(statement, "=");
+        const struct row *row = catalog_find(&command_catalog, word);
+        const struct text after_word = after(statement, word.len);
+        const bool sets = after_word.len > 0 && after_word.at[0] == '=';
+        if (row && !sets && !event_executes(command_at(row)))
+            return refuse_in_event(command_at(row), word, error);
+    }
+    return true;
+}
+
+/* do stop|record|COMMANDS */
+static bool read_action(struct parser *parser, struct event_line *line, struct item *commands, struct error *error)
+{
+    if (!text_is(peek_word(parser->rest, ""), "do"))
+        return event_usage(peek_word(parser->rest, ""), "after the expression comes 'do'", error);
+    parser->rest = after(parser->rest, 2);
+    if (!parse_word(parser, "", commands, error))
+        return false;
+    if (commands->is_string)
+        line->action = EVENT_COMMANDS;
+    else if (text_is(commands->text, "stop") || text_is(commands->text, "record"))
+        line->action = text_is(commands->text, "stop") ? EVENT_STOP : EVENT_RECORD;
+    else
+        return event_usage(commands->text, "'do' takes stop, record or a string of commands", error);
+    if (commands->text.len > LIMIT_EVENT_TEXT)
+        return error_at(error, commands->text, "more than %d bytes of commands", LIMIT_EVENT_TEXT);
+    return refuse_rest(parser, NULL, error) &&
+           (line->action != EVENT_COMMANDS || check_commands(commands->text, error));
+}
+
+static bool read_event(struct session *session, const struct arguments *given, struct text name, struct text rule,
+                       struct error *error)
+{
+    /* It has to mean the same whenever it is looked at: no variables, no results. */
+    const struct names names = {.session = session, .expects_run = true, .saved_only = true};
+    const struct expr_scope scope = names_scope(&names);
+    struct event_line line = {.action = EVENT_STOP};
+    struct item commands = {0};
+    struct event event = {.stop = false};
+    size_t used;
+    if (name.len > LIMIT_NAME)
+        return error_at(error, name, "a name of more than %d letters", LIMIT_NAME);
+    memcpy(line.name, name.at, name.len);
+    if (!text_is(peek_word(rule, ""), "when"))
+        return event_usage(peek_word(rule, ""), "after the name comes 'when'", error);
+    const struct text when = after(rule, 4);
+    if (!event_compile(when, &scope, given->arena, &event, &used, error))
+        return names_explain(session, error);
+    struct parser compared = {session, &scope, given->arena, when};
+    if (!check_condition(&compared, text_trim((struct text){when.at, used}), error))
+        return false;
+    if (used > LIMIT_EVENT_TEXT)
+        return error_at(error, (struct text){when.at, used}, "more than %d bytes", LIMIT_EVENT_TEXT);
+    struct parser parser = {session, &scope, given->arena, after(when, used)};
+    if (!read_action(&parser, &line, &commands, error))
+        return false;
+    const struct events *events =
+        events_with(session, &line, text_trim((struct text){when.at, used}), commands.text, error);
+    if (events)
+        session->setup.events = events;
+    return events != NULL;
+}
+
+HANDLER(event)
+{
+    const struct given *name = given_for(given, "NAME"), *rule = given_for(given, "when EXPR do stop|record|COMMANDS");
+    const struct text end = name->count ? after(name->item->text, name->item->text.len) : TEXT("");
+    const struct text rest = rule->count ? rule->item->text : end;
+    if (name->count == 0) {
+        reply_events(session, reply);
+        return true;
+    }
+    if (rule->count == 0 && text_is(name->item->text, "off")) {
+        drop_all(session, reply);
+    } else if (text_is(rest, "off")) {
+        if (!events_without(session, name->item->text, &session->setup.events, error))
+            return false;
+        reply_line(reply, "event %.*s is gone", (int)name->item->text.len, name->item->text.at);
+    } else {
+        if (!read_event(session, given, name->item->text, rest, error))
+            return false;
+        const struct events *events = session->setup.events; /* the new one comes last */
+        reply_line_of(&events->line[events->count - 1], reply);
+    }
+    session_changed(session);
+    return true;
+}
+#endif
+
+COMMAND(event, .row = {"event", "", "watch for a moment on the way of runs", "", NULL}, .group = "EQUATIONS",
+        .text = "The moment at which EXPR passes through 0 (rising: from below, falling: from above; touching: also "
+                "where it becomes 0 and\n"
+                "goes back), or at which a comparison becomes true, is located inside of the step. Bounds of EXPR "
+                "prove that none is missed\n"
+                "between the ends of steps, or the run says from when to when it may be incomplete; one that the "
+                "run starts at is none, one at\n"
+                "its end is. 'do record' makes a row for 'list events' and 'export FILE events'; "
+                "'do stop' stops the run\n"
+                "there, and 'continue' goes on to where it was to end; a string of commands is executed after it has "
+                "stopped, and where\n"
+                "'continue' is its last word the run goes on by itself: do 'print t; continue'. There NAME = VALUE "
+                "changes the run alone, a\n"
+                "parameter of it or what moves: v = -0.9*v. It holds for runs that start later; compare, sweep and "
+                "other studies know no\n"
+                "events. 'event NAME off' drops one, 'event off' all, 'event' shows them.",
+        .examples =
+            "event top when v falling do record; run 5 s; list events\nevent wall when y < -1 cm do 'v = -0.9*v; "
+            "continue'; run 5 s",
+        .see = "run list export equation", .flags = COMMAND_CHANGES,
+        ARGUMENTS(PLACE("NAME", TYPE_NAME), PLACE("when EXPR do stop|record|COMMANDS", TYPE_FORMULA)))

@@ -1,0 +1,471 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* scene, set, unset, let, show, plan */
+#ifndef COMMAND_ROWS
+#include "command/internal.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static void put_param(const struct session *session, int param, struct buffer *text)
+{
+    const struct scene *scene = &session->setup.scene;
+    const struct param_row *row = param_at(scene, param);
+    buffer_format(text, "%s = ", row->row.name);
+    buffer_measured(text, (struct measured){scene->value[param], scene->uncertainty[param]}, row->quantity,
+                    session->setup.settings.digits);
+}
+
+/* ---- scene ---- */
+
+static bool preset_sets(const struct preset *preset, const char *name)
+{
+    for (size_t i = 0; i < COUNT_OF(preset->value) && preset->value[i].param; i++)
+        if (strcmp(preset->value[i].param, name) == 0)
+            return true;
+    return false;
+}
+
+/* Parameters that matter here: those of the preset, those the user has set, and of the many of the oscillator those of
+ * every spring. */
+static void reply_scene(const struct session *session, struct reply *reply)
+{
+    static const char always[] = " m k gamma y0 v0 ";
+    const struct scene *scene = &session->setup.scene;
+    struct buffer text = {0};
+    buffer_format(&text, "%s: %s\n", scene->preset->row.name, scene->preset->row.brief);
+    scene_lines(scene, "  ", &text);
+    if (scene->model->n == 0)
+        buffer_put(&text, TEXT("  nothing moves yet: var NAME = VALUE makes a variable\n"));
+    buffer_char(&text, ' ');
+    for (int i = 0; i < (int)scene_params(scene)->count; i++) {
+        const char *name = param_at(scene, i)->row.name;
+        char padded[LIMIT_NAME + 3];
+        snprintf(padded, sizeof padded, " %s ", name);
+        if (is_oscillator(scene) && !strstr(always, padded) && !scene->given[i] &&
+            !preset_sets(scene->preset, name))
+            continue;
+        buffer_char(&text, ' ');
+        put_param(session, i, &text);
+        buffer_char(&text, ' ');
+    }
+    while (text.len > 0 && text.data[text.len - 1] == ' ')
+        text.len--;
+    if (scene->preset->duration > 0) {
+        const struct settings *settings = &session->setup.settings;
+        buffer_put(&text, TEXT("\n  it takes "));
+        buffer_quantity(&text, scene->preset->duration, QUANTITY_TIME, 6);
+        if (settings->duration != scene->preset->duration) {
+            buffer_put(&text, TEXT(", the setting duration is "));
+            buffer_quantity(&text, settings->duration, QUANTITY_TIME, 6);
+        }
+    }
+    if (session->setup.events) {
+        buffer_char(&text, '\n');
+        events_save(session->setup.events, false, &text);
+    }
+    reply_text(reply, text_trim(buffer_text(&text)));
+    buffer_free(&text);
+}
+
+/* In another scene a name may be a parameter that was free for a variable before. */
+static void warn_hidden(const struct session *session, struct reply *reply)
+{
+    for (int i = 0; i < session->setup.lets; i++) {
+        const char *name = session->setup.let[i].name, *kind;
+        if (name_is_taken(session, text_of(name), &kind))
+            reply_warning(reply, "'%s' is a %s of %s: the variable of that name is hidden", name, kind,
+                          session->setup.scene.preset->row.name);
+    }
+}
+
+bool keep_own_scene(struct session *session, struct error *error)
+{
+    struct setup *setup = &session->setup;
+    const struct preset *own = typed_preset(setup->scene.model);
+    int i = 0;
+    while (own && i < setup->owns && strcmp(setup->own[i]->row.name, own->row.name) != 0)
+        i++;
+    if (i == LIMIT_OWN)
+        return error_set(error, ERROR_COMMAND, "%d scenes of your own exist already", LIMIT_OWN);
+    if (own)
+        setup->own[i] = own;
+    setup->owns += own && i == setup->owns;
+    return true;
+}
+
+/* An empty one; the handler's caller takes the set-up back if it fails. */
+static bool new_scene(struct session *session, const struct given *name, struct error *error)
+{
+    const struct text as = name->count ? name->item->text : TEXT("");
+    if (peek_name(as).len < as.len)
+        return error_at(error, as, "a name is letters, digits, _ and -, and begins with a letter");
+    if (name->count && (text_is(as, "new") || catalog_find(&preset_catalog, as)))
+        return error_at(error, as, "'%.*s' is taken", (int)as.len, as.at);
+    const struct model *model = typed_new(session->models, as, error);
+    if (!model)
+        return false;
+    struct setup *setup = &session->setup;
+    const struct scene before = setup->scene;
+    scene_init(&setup->scene, typed_preset(model));
+    settings_of_scene(&setup->settings, setup->scene.preset);
+    if (keep_own_scene(session, error))
+        return true;
+    setup->scene = before;
+    return false;
+}
+
+HANDLER(scene)
+{
+    const struct given *name = given_for(given, "NAME|new"), *as = given_for(given, "NAME");
+    if (name->count) {
+        const struct model *before = session->setup.scene.model;
+        const struct preset *preset = (const struct preset *)(const void *)name->item->row;
+        if (preset && as->count)
+            return error_at(error, as->where, "a scene has one name; 'scene new NAME' begins one of your own");
+        session->told_assumed = false;
+        if (preset)
+            scene_init(&session->setup.scene, preset);
+        else if (!new_scene(session, as, error))
+            return false;
+        settings_of_scene(&session->setup.settings, session->setup.scene.preset);
+        if (session->setup.scene.model != before)
+            session->setup.events = NULL; /* they may speak of what is not there */
+        session_changed(session);
+        warn_hidden(session, reply);
+    }
+    reply_scene(session, reply);
+    return true;
+}
+
+/* ---- set, unset, let ---- */
+
+/* What stands after NAME, without the "=" of an assignment. */
+struct parser value_parser(struct session *session, const struct arguments *given)
+{
+    struct text value = given_for(given, "VALUE")->item->text;
+    if (value.len > 0 && value.at[0] == '\'') /* of a velocity's name */
+        value = (struct text){value.at + 1, value.len - 1};
+    text_skip_blanks(&value);
+    if (value.len > 0 && value.at[0] == '=')
+        value = (struct text){value.at + 1, value.len - 1};
+    return (struct parser){session, given->scope, given->arena, value};
+}
+
+bool read_value(struct parser *parser, const char *what, enum quantity quantity, struct item *item, struct error *error)
+{
+    return parse_value(parser, what, quantity, item, error) && refuse_rest(parser, item, error);
+}
+
+/* What was set; events that happen often keep silent. */
+static void reply_set(const struct session *session, struct buffer *text, struct reply *reply)
+{
+    if (!session->passing)
+        reply_text(reply, buffer_text(text));
+    buffer_free(text);
+}
+
+/* Of what moves in the current run, where it may be set; -1: none. */
+static int state_named(const struct session *session, struct text name, struct text value)
+{
+    const struct run *run = session_run(session);
+    if (!run || (!session->reacting && !session->live.changing))
+        return -1;
+    name.len += value.len > 0 && value.at == name.at + name.len && value.at[0] == '\'';
+    return model_state(run->system.model, name);
+}
+
+/* The scene as it was, where the run that goes on cannot follow. */
+static bool bind_param(struct session *session, int param, const struct scene *before, double *since,
+                       struct error *error)
+{
+    if (live_bind(session, param, since, error))
+        return true;
+    session->setup.scene = *before;
+    return false;
+}
+
+static bool set_param(struct session *session, int param, const struct item *item, struct reply *reply,
+                      struct error *error)
+{
+    const struct scene before = session->setup.scene;
+    double since;
+    if (!scene_set(&session->setup.scene, param, item->value, error) ||
+        !bind_param(session, param, &before, &since, error)) {
+        error->where = item->text;
+        return false;
+    }
+    struct buffer text = {0};
+    put_param(session, param, &text);
+    buffer_since(&text, since);
+    reply_set(session, &text, reply);
+    return true;
+}
+
+/* What moves: a jump of the current run. */
+static bool set_state(struct session *session, int variable, struct parser *parser, struct reply *reply,
+                      struct error *error)
+{
+    const struct run *run = session_run(session);
+    const struct variable moving = system_variable(&run->system, variable);
+    struct item item = {0};
+    struct buffer text = {0};
+    if (!read_value(parser, moving.name, moving.quantity, &item, error))
+        return false;
+    if (!live_kick(session, variable, item.value.value, error)) {
+        error->where = item.text;
+        return false;
+    }
+    buffer_format(&text, "%s = ", moving.name);
+    buffer_measured(&text, item.value, moving.quantity, session->setup.settings.digits);
+    buffer_since(&text, run->t);
+    reply_set(session, &text, reply);
+    return true;
+}
+
+/* Setting T0 sets k: the relative uncertainty goes along through the derivative of the inverse. */
+static bool set_derived(struct session *session, const struct derived_row *derived, const struct item *item,
+                        struct reply *reply, struct error *error)
+{
+    struct scene *scene = &session->setup.scene;
+    if (!derived->inverse) {
+        error_at(error, item->text, "%s follows from the parameters and cannot be set", derived->row.name);
+        return error_hint(error, "help %s says from which", derived->row.name);
+    }
+    const double x = item->value.value, u = item->value.uncertainty;
+    const double value = derived->inverse(scene, x), h = 1e-6 * fabs(x);
+    const double slope = h > 0 ? (derived->inverse(scene, x + h) - derived->inverse(scene, x - h)) / (2 * h) : 0;
+    if (!isfinite(value))
+        return error_at(error, item->text, "%s cannot have this value here", derived->row.name);
+    const int target = scene_param(scene, derived->target);
+    const struct scene before = *scene;
+    double since;
+    if (!scene_set(scene, target, (struct measured){value, u > 0 ? fabs(slope) * u : 0}, error) ||
+        !bind_param(session, target, &before, &since, error)) {
+        error->where = item->text;
+        return false;
+    }
+    struct buffer text = {0};
+    buffer_format(&text, "%s = ", derived->row.name);
+    buffer_measured(&text, item->value, derived->quantity, session->setup.settings.digits);
+    buffer_put(&text, TEXT(" ("));
+    put_param(session, target, &text);
+    buffer_char(&text, ')');
+    buffer_since(&text, since);
+    reply_set(session, &text, reply);
+    return true;
+}
+
+static void reply_setting(const struct session *session, const struct setting *setting, struct reply *reply)
+{
+    struct buffer text = {0};
+    buffer_format(&text, "%s = ", setting->row.name);
+    setting_show(setting, &session->setup.settings, &text);
+    const struct method *method = session->setup.method;
+    const struct run_settings now = session_run_settings(session);
+    if (strcmp(setting->row.name, "dt") == 0 && now.tol > 0)
+        buffer_format(&text, " (the first step: %s chooses its own; 'tol = off' for fixed steps)", method->row.name);
+    if (strcmp(setting->row.name, "tol") == 0) {
+        put_tol_floor(&text, now.tol);
+        if (!(method->flags & METHOD_ADAPTIVE))
+            buffer_format(&text, " (for methods that adapt; %s has fixed steps)", method->row.name);
+    }
+    reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+}
+
+static bool set_let(struct session *session, struct text name, const struct item *item, struct reply *reply,
+                    struct error *error)
+{
+    struct setup *setup = &session->setup;
+    struct named_value *let = NULL;
+    for (int i = 0; i < setup->lets; i++)
+        if (text_is(name, setup->let[i].name))
+            let = &setup->let[i];
+    if (name.len > LIMIT_NAME)
+        return error_at(error, name, "a name of more than %d letters", LIMIT_NAME);
+    if (!let && setup->lets == LIMIT_LET)
+        return error_at(error, name, "%d variables exist already", LIMIT_LET);
+    if (!let)
+        let = &setup->let[setup->lets++];
+    *let = (struct named_value){
+        .value = item->value.value, .uncertainty = item->value.uncertainty, .quantity = item->quantity};
+    memcpy(let->name, name.at, name.len);
+    session_changed(session);
+    struct buffer text = {0};
+    buffer_format(&text, "%s = ", let->name);
+    buffer_measured(&text, item->value, item->quantity, setup->settings.digits);
+    reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+    return true;
+}
+
+HANDLER(set)
+{
+    const struct text name = given_for(given, "NAME")->item->text;
+    const struct catalog *params = scene_params(&session->setup.scene);
+    struct parser parser = value_parser(session, given);
+    struct item item = {0};
+    const struct row *row;
+    const int variable = state_named(session, name, given_for(given, "VALUE")->item->text);
+    bool ok;
+    if (variable >= 0) {
+        ok = set_state(session, variable, &parser, reply, error);
+    } else if ((row = catalog_find(params, name))) {
+        const struct param_row *param = (const struct param_row *)(const void *)row;
+        ok = read_value(&parser, row->name, param->quantity, &item, error) &&
+             set_param(session, catalog_place(params, row), &item, reply, error);
+    } else if ((row = catalog_find(scene_derived(&session->setup.scene), name))) {
+        const struct derived_row *derived = (const struct derived_row *)(const void *)row;
+        ok = read_value(&parser, row->name, derived->quantity, &item, error) &&
+             set_derived(session, derived, &item, reply, error);
+    } else if ((row = catalog_find(&setting_catalog, name))) {
+        const struct setting *setting = (const struct setting *)(const void *)row;
+        struct settings changed = session->setup.settings;
+        ok = setting_read(setting, &parser, &changed, error);
+        if (ok) {
+            session->setup.settings = changed;
+            setting_give(setting, true, &session->setup.settings);
+            reply_setting(session, setting, reply);
+            if (setting->choices == &turning_catalog)
+                reply_inapplicable(session, reply);
+        }
+    } else {
+        int place = 0;
+        while (place < session->setup.lets && !text_is(name, session->setup.let[place].name))
+            place++;
+        ok = place < session->setup.lets
+                 ? read_value(&parser, session->setup.let[place].name, QUANTITY_OTHER, &item, error) &&
+                       set_let(session, name, &item, reply, error)
+                 : unknown_parameter(session, name, error);
+    }
+    if (ok)
+        session_changed(session);
+    return ok;
+}
+
+HANDLER(unset)
+{
+    const struct text name = given_for(given, "NAME")->item->text;
+    const struct catalog *params = scene_params(&session->setup.scene);
+    const struct row *row = catalog_find(params, name);
+    struct buffer text = {0};
+    if (row) {
+        const int param = catalog_place(params, row);
+        const struct scene before = session->setup.scene;
+        double since;
+        scene_unset(&session->setup.scene, param);
+        if (!bind_param(session, param, &before, &since, error))
+            return false;
+        put_param(session, param, &text);
+        buffer_since(&text, since);
+    } else if ((row = catalog_find(&setting_catalog, name))) {
+        const struct setting *setting = (const struct setting *)(const void *)row;
+        struct settings defaults;
+        session_default_settings(&defaults);
+        buffer_format(&text, "set %s ", row->name);
+        setting_exact(setting, &defaults, &text);
+        struct text value = {text.data + strlen(row->name) + 5, text.len - strlen(row->name) - 5};
+        struct parser parser = {session, given->scope, given->arena, value};
+        if (text.failed || !setting_read(setting, &parser, &session->setup.settings, error)) {
+            buffer_free(&text);
+            return error_memory(error);
+        }
+        setting_give(setting, false, &session->setup.settings);
+        settings_of_scene(&session->setup.settings, session->setup.scene.preset);
+        buffer_clear(&text);
+        buffer_format(&text, "%s = ", row->name);
+        setting_show(setting, &session->setup.settings, &text);
+    } else {
+        int place = 0;
+        while (place < session->setup.lets && !text_is(name, session->setup.let[place].name))
+            place++;
+        if (place == session->setup.lets)
+            return unknown_parameter(session, name, error);
+        buffer_format(&text, "%s is gone", session->setup.let[place].name);
+        session->setup.let[place] = session->setup.let[--session->setup.lets];
+    }
+    session_changed(session);
+    reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+    return true;
+}
+
+HANDLER(let)
+{
+    const struct text name = given_for(given, "NAME")->item->text;
+    const char *kind;
+    if (name_is_taken(session, name, &kind)) {
+        error_at(error, name, "'%.*s' is taken: it is the name of %s %s", (int)name.len, name.at,
+                 strchr("aeiou", kind[0]) ? "an" : "a", kind);
+        return error_hint(error, "choose another name for the variable");
+    }
+    struct parser parser = value_parser(session, given);
+    struct item item = {0};
+    return read_value(&parser, "the variable", QUANTITY_OTHER, &item, error) &&
+           set_let(session, name, &item, reply, error);
+}
+
+/* ---- plan ---- */
+
+HANDLER(plan)
+{
+    UNUSED(given);
+    const struct setup *setup = &session->setup;
+    const struct run_settings settings = session_run_settings(session);
+    struct system system;
+    struct plan plan;
+    if (!scene_bind(&setup->scene, &system, error) ||
+        !plan_make(&system, setup->method, &settings, setup->settings.duration, &plan, error))
+        return false;
+    struct buffer text = {0};
+    plan_describe(&setup->scene, &system, setup->method, &settings, &plan, &text);
+    plan_opinion(session, &system, &plan, &text);
+    const struct reference *known = references_find(&session->references, &setup->scene, setup->settings.duration);
+    if (known && !known->exact) {
+        buffer_put(&text, TEXT("reference "));
+        reference_describe(known, &text);
+        buffer_put(&text, TEXT(": found before, for precision, compare and order\n"));
+    }
+    events_plan(setup->events, &text);
+    band_plan(session, &system, &text);
+    reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+    return true;
+}
+#endif
+
+COMMAND(
+    scene, .row = {"scene", "", "choose a scene, or show the present one", "", NULL}, .group = "SCENE",
+    .text =
+        "Sets all parameters to those of the scene, and duration and tol to its own unless they were set; method, dt "
+        "and\nrecordings stay. 'list scenes' shows what there is. "
+        "Without NAME it\nshows the present one, with the equations, forces and events that were typed. 'scene new' "
+        "begins an empty one for equations\nof your own; under a NAME it can be chosen again later.",
+    .examples = "scene damped\nscene new decay; var x = 1; x' = -x; run 1 s", .see = "set show plan var force",
+    .flags = COMMAND_CHANGES, ARGUMENTS(PLACE("NAME|new", TYPE_SCENE), PLACE("NAME", TYPE_TEXT)))
+
+COMMAND(set, .row = {"set", "", "set a parameter or a setting", "", NULL}, .group = "SCENE",
+        .text = "The same as NAME = value. A value may carry a unit and an uncertainty; a bare number is in the SI "
+                "unit. Setting omega0,\n"
+                "T0 or f0 of a spring sets k. 'show all' lists the names; which there are depends on the scene.",
+        .examples = "set m 199.9 +- 0.1 g\nT0 = 0.73 s", .see = "unset show let",
+        .flags = COMMAND_CHANGES | COMMAND_ANYTIME,
+        ARGUMENTS(PLACE("NAME", TYPE_NAME, .flags = ARG_REQUIRED), PLACE("VALUE", TYPE_REST, .flags = ARG_REQUIRED)))
+
+COMMAND(
+    unset, .row = {"unset", "", "give a parameter or a setting its default again", "", NULL}, .group = "SCENE",
+    .text = "Parameters get the value of the scene, settings that of a new session; a variable made by let is removed.",
+    .examples = "unset gamma\nunset dt", .see = "set scene", .flags = COMMAND_CHANGES | COMMAND_ANYTIME,
+    ARGUMENTS(PLACE("NAME", TYPE_NAME, .flags = ARG_REQUIRED)))
+
+COMMAND(let, .row = {"let", "", "make a variable", "", NULL}, .group = "SCENE",
+        .text = "The value is computed at once. Variables can be used wherever a number can.",
+        .examples = "let A = 4.2 cm\nlet n = 10; run n*T0", .see = "set print",
+        .flags = COMMAND_CHANGES | COMMAND_ANYTIME,
+        ARGUMENTS(PLACE("NAME", TYPE_NAME, .flags = ARG_REQUIRED), PLACE("VALUE", TYPE_REST, .flags = ARG_REQUIRED)))
+
+COMMAND(plan, .row = {"plan", "", "what will be computed for this scene and method, and what is left out", "", NULL},
+        .group = "SCENE",
+        .text = "Nothing is run. Shows the forces that act, steps, memory, and the predicted growth a step.",
+        .examples = "plan\nmethod verlet; plan", .see = "scene method run", .flags = COMMAND_ANYTIME)

@@ -1,0 +1,92 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef COMMAND_ROWS
+#include "command/internal.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static void list_atol(const struct session *session, struct reply *reply)
+{
+    struct buffer text = {0};
+    atol_script(&session->setup.scene, "\n", &text);
+    if (text.len > 0)
+        text.len--;
+    else
+        buffer_put(&text, TEXT("none: errors are relative to the size of each variable (tol)"));
+    reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+}
+
+static bool no_variable(const struct model *model, struct text name, struct error *error)
+{
+    struct buffer names = {0};
+    for (int i = 0; i < model->n; i++)
+        buffer_format(&names, "%s%s", i > 0 ? ", " : "", model->variable[i].name);
+    error_at(error, name, "'%.*s' is no variable of this scene", (int)(name.len < 64 ? name.len : 64), name.at);
+    if (model->n == 0)
+        error_hint(error, "'var NAME = VALUE' makes one");
+    else
+        error_hint(error, "its variables: %.100s", buffer_view(&names));
+    buffer_free(&names);
+    return false;
+}
+
+/* Of one variable. */
+static bool set_atol(struct session *session, int i, struct parser *parser, struct reply *reply, struct error *error)
+{
+    struct scene *scene = &session->setup.scene;
+    const struct variable *variable = &scene->model->variable[i];
+    struct item item = {0};
+    if (!text_is(text_trim(parser->rest), "off")) {
+        if (!read_value(parser, variable->name, variable->quantity, &item, error))
+            return false;
+        if (!(item.value.value > 0))
+            return error_at(error, item.text, "atol is a number above 0, or off");
+    }
+    scene_set_atol(scene, i, item.value.value);
+    session_changed(session);
+    struct buffer text = {0};
+    atol_describe(scene, i, &text);
+    if (!(session->setup.method->flags & METHOD_ADAPTIVE))
+        buffer_format(&text, " (for methods that adapt; %s has fixed steps)", session->setup.method->row.name);
+    reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+    return true;
+}
+
+HANDLER(atol)
+{
+    const struct given *name = given_for(given, "NAME"), *value = given_for(given, "VALUE");
+    struct scene *scene = &session->setup.scene;
+    if (!name->count) {
+        list_atol(session, reply);
+        return true;
+    }
+    struct text wanted = name->item->text;
+    if (text_is(wanted, "off") && !value->count) {
+        for (int i = 0; i < scene->model->n; i++)
+            scene_set_atol(scene, i, 0);
+        session_changed(session);
+        list_atol(session, reply);
+        return true;
+    }
+    if (!value->count)
+        return error_at(error, wanted, "atol %.*s needs a value, or off", (int)(wanted.len < 64 ? wanted.len : 64),
+                        wanted.at);
+    const struct text rest = value->item->text;
+    wanted.len += rest.len > 0 && rest.at == wanted.at + wanted.len && rest.at[0] == '\'';
+    const int i = model_variable(scene->model, wanted);
+    struct parser parser = value_parser(session, given);
+    return i < 0 ? no_variable(scene->model, wanted, error) : set_atol(session, i, &parser, reply, error);
+}
+#endif
+
+COMMAND(atol,
+        .row = {"atol", "", "absolute tolerance of a variable, for methods that adapt", "", NULL}, .group = "METHOD",
+        .text = "Errors of a step may be as large as tol times the size of the variable along the run, or times its "
+                "present\nvalue where that is larger. 'atol NAME = VALUE' puts VALUE in the place of the former: a small "
+                "one for what\ndecays or starts from nothing and matters all the same, a large one for what does not "
+                "matter. It belongs to the\nscene, and holds for runs from then on. 'atol' lists them, 'atol NAME off' "
+                "and 'atol off' take them back.",
+        .examples = "atol y = 0.001 mm; method dopri5; run 1 s\natol off", .see = "method set run",
+        .flags = COMMAND_CHANGES, ARGUMENTS(PLACE("NAME", TYPE_NAME), PLACE("VALUE", TYPE_REST)))

@@ -1,0 +1,408 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* help, apropos */
+#ifndef COMMAND_ROWS
+#include "command/internal.h"
+
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#define WIDTH 100 /* [cell] of help where there is neither a terminal nor --size */
+
+/* ---- help for one thing ---- */
+
+static void put_indented(struct buffer *text, const char *lines)
+{
+    struct text rest = text_of(lines), line;
+    while (text_split(&rest, '\n', &line))
+        if (line.len > 0)
+            buffer_format(text, "  %.*s\n", (int)line.len, line.at);
+}
+
+/* Source lines as one paragraph; an empty line begins another. */
+static void put_paragraphs(struct buffer *text, const char *lines)
+{
+    for (const char *at = lines; *at; at++) {
+        const bool within = *at == '\n' && at[1] != '\n' && at > lines && at[-1] != '\n';
+        buffer_char(text, within ? ' ' : *at);
+    }
+}
+
+static void help_command(const struct row *row, struct buffer *text)
+{
+    const struct command *command = command_at(row);
+    buffer_put(text, TEXT("usage: "));
+    command_usage(command, text);
+    buffer_format(text, "\n%s", row->brief);
+    if (row->alias)
+        buffer_format(text, " (also: %s)", row->alias);
+    buffer_char(text, '\n');
+    put_paragraphs(text, command->text);
+    buffer_put(text, TEXT("\nexamples:\n"));
+    put_indented(text, command->examples);
+    buffer_format(text, "see also: %s", command->see);
+}
+
+/* ", a parameter of pendulum"; of the oscillator that goes without saying. */
+static void put_kind(struct buffer *text, const struct row *row, const char *kind, const struct model *model)
+{
+    const bool other = model != &oscillator_model;
+    buffer_format(text, "%s [%s], %s%s%s: %s\n", row->name, *row->unit ? row->unit : "1", kind, other ? " of " : "",
+                  other ? model->row.name : "", row->brief);
+}
+
+static void help_param(const struct model *model, const struct row *row, struct buffer *text)
+{
+    const struct param_row *param = (const struct param_row *)(const void *)row;
+    put_kind(text, row, "a parameter", model);
+    buffer_put(text, TEXT("default "));
+    buffer_quantity(text, param->initial, param->quantity, 0);
+    if (isfinite(param->least))
+        buffer_format(text, ", %s %g", param->least_excluded ? "more than" : "at least", param->least);
+    struct buffer units = {0};
+    quantity_units(param->quantity, &units);
+    if (units.len > 0)
+        buffer_format(text, "; units: %s", buffer_view(&units));
+    struct buffer value = {0};
+    buffer_quantity(&value, param->initial, param->quantity, 0);
+    buffer_format(text, "\nexamples:\n  %s = %s\n  show %s\nsee also: set show", row->name, buffer_view(&value),
+                  row->name);
+    buffer_free(&value);
+    buffer_free(&units);
+}
+
+static void help_derived(const struct model *model, const struct row *row, struct buffer *text)
+{
+    const struct derived_row *derived = (const struct derived_row *)(const void *)row;
+    put_kind(text, row, "a derived quantity", model);
+    if (derived->inverse)
+        buffer_format(text, "setting it sets %s\n", derived->target);
+    buffer_format(text, "examples:\n  print %s\n  show %s\nsee also: show set", row->name, row->name);
+}
+
+static void help_setting(const struct row *row, struct buffer *text)
+{
+    const struct setting *setting = (const struct setting *)(const void *)row;
+    struct settings defaults;
+    session_default_settings(&defaults);
+    buffer_format(text, "%s, a setting: %s\ndefault ", row->name, row->brief);
+    setting_show(setting, &defaults, text);
+    for (size_t i = 0; setting->choices && i < setting->choices->count; i++)
+        buffer_format(text, "\n  %-8s %s", catalog_row(setting->choices, i)->name,
+                      catalog_row(setting->choices, i)->brief);
+    buffer_format(text, "\nexamples:\n  set %s ", row->name);
+    setting_exact(setting, &defaults, text);
+    buffer_format(text, "\n  show %s\nsee also: set unset show", row->name);
+}
+
+static void put_stable_limit(const struct method *method, struct buffer *text)
+{
+    enum drag drag = DRAG_DEFAULT;
+    struct system system;
+    struct scene scene;
+    struct error ignored;
+    scene_init(&scene, NULL);
+    if (!scene_bind(&scene, &system, &ignored) || !method_applies(method, &system, &drag, &ignored))
+        return;
+    const double limit = method_stable_limit(method, drag, 0);
+    if (isnan(limit)) /* it chooses its own steps */
+        return;
+    buffer_put(text, TEXT("\nstability: on the undamped oscillator "));
+    if (isinf(limit))
+        buffer_put(text, TEXT("stable for every dt"));
+    else if (limit == 0)
+        buffer_put(text, TEXT("no dt is stable"));
+    else {
+        buffer_put(text, TEXT("stable for omega0 dt < "));
+        buffer_short(text, limit, 5);
+    }
+}
+
+static void help_method(const struct row *row, struct buffer *text)
+{
+    static const struct {
+        unsigned flag;
+        const char *word;
+    } words[] = {{METHOD_IMPLICIT, "implicit"},
+                 {METHOD_SYMPLECTIC, "symplectic"},
+                 {METHOD_SYMMETRIC, "symmetric (reversible)"},
+                 {METHOD_ENERGY, "keeps the energy of a linear oscillator"},
+                 {METHOD_A_STABLE, "A-stable"},
+                 {METHOD_L_STABLE, "L-stable"},
+                 {METHOD_ADAPTIVE, "adaptive"},
+                 {METHOD_EXACT, "exact"},
+                 {METHOD_YARDSTICK, "a yardstick: not hooke's own"}};
+    const struct method *method = (const struct method *)(const void *)row;
+    buffer_format(text, "%s, a method: %s\n", row->name, row->brief);
+    put_indented(text, method->formula);
+    if (method->order > 0)
+        buffer_format(text, "%s %d", method->flags & METHOD_YARDSTICK ? "orders up to" : "order", method->order);
+    else
+        buffer_put(text, TEXT("exact"));
+    buffer_format(text, ", %d force evaluation%s a step", method->evals, method->evals == 1 ? "" : "s");
+    for (size_t i = 0; i < COUNT_OF(words); i++)
+        if (method->flags & words[i].flag)
+            buffer_format(text, ", %s", words[i].word);
+    put_stable_limit(method, text);
+    for (enum drag d = DRAG_EXACT; d < DRAG_COUNT; d++)
+        if (method->drags & (1u << d))
+            buffer_format(text, "%s%s%s", method->drags & ((1u << d) - 1) ? ", " : "\ndrag: ",
+                          catalog_row(&drag_catalog, (size_t)d - 1)->name, d == method->drag ? " (default)" : "");
+    if (*row->citation)
+        buffer_format(text, "\nsource: %s", row->citation);
+    buffer_format(text, "\nexamples:\n  method %s\n  compare euler %s\nsee also: method list compare", row->name,
+                  row->name);
+}
+
+static void help_unit(const struct row *row, struct buffer *text)
+{
+    const struct unit *unit = (const struct unit *)(const void *)row;
+    struct buffer units = {0};
+    quantity_units(unit->quantity, &units);
+    buffer_format(text, "%s, a unit of %s: %s = ", row->name, quantity_name(unit->quantity), row->brief);
+    buffer_real(text, unit->factor);
+    buffer_format(text, " %s\nunits of %s: %s\nexamples:\n  print 1 %s\n  list units\nsee also: set", row->unit,
+                  quantity_name(unit->quantity), buffer_view(&units), row->name);
+    buffer_free(&units);
+}
+
+static void help_observable(const struct row *row, struct buffer *text)
+{
+    buffer_format(
+        text,
+        "%s [%s], of a run: %s\nexamples:\n  run; print %s\n  run; export run.csv t,%s\nsee also: export print run",
+        row->name, *row->unit ? row->unit : "1", row->brief, row->name, row->name);
+}
+
+static void help_preset(const struct row *row, struct buffer *text)
+{
+    const struct preset *preset = (const struct preset *)(const void *)row;
+    const struct model *model = preset->model ? preset->model : &oscillator_model;
+    buffer_format(text, "%s, a scene: %s\n  state", row->name, row->brief);
+    for (int i = 0; i < model->n; i++)
+        buffer_format(text, "%s %s", i ? "," : "", model->variable[i].name);
+    for (size_t i = 0; i < COUNT_OF(preset->value) && preset->value[i].param; i++) {
+        const struct param_row *param =
+            (const struct param_row *)(const void *)catalog_find(model->params, text_of(preset->value[i].param));
+        buffer_format(text, "%s%s = ", i ? ", " : "\n  ", preset->value[i].param);
+        buffer_quantity(text, preset->value[i].value, param->quantity, 0);
+    }
+    if (*row->citation)
+        buffer_format(text, "\nsource: %s", row->citation);
+    buffer_format(text, "\nexamples:\n  scene %s\n  scene %s; plan\nsee also: scene list", row->name, row->name);
+}
+
+static const struct topic {
+    const struct catalog *catalog;
+    void (*help)(const struct row *row, struct buffer *text); /* NULL: a line */
+} topics[] = {
+    {&command_catalog, help_command},
+    {&setting_catalog, help_setting},
+    {&method_catalog, help_method},
+    {&observable_catalog, help_observable},
+    {&preset_catalog, help_preset},
+    {&unit_catalog, help_unit},
+    {&quantity_catalog, NULL},
+    {&function_catalog, NULL},
+    {&plot_catalog, NULL},
+    {&fit_catalog, NULL},
+    {&format_catalog, NULL},
+    {&drag_catalog, NULL},
+    {&layout_catalog, NULL},
+    {&pane_catalog, NULL},
+    {&snap_catalog, NULL},
+};
+
+static void help_topic(const struct topic *topic, const struct row *row, struct buffer *text)
+{
+    buffer_put(text, text->len ? TEXT("\n\n") : TEXT(""));
+    if (topic->help)
+        topic->help(row, text);
+    else
+        buffer_format(text, "%s (%s): %s%s%s", row->name, topic->catalog->kind, row->brief,
+                      *row->citation ? "\nsource: " : "", row->citation);
+}
+
+/*
+ * Long lines as rows that fit; what is set in can be pasted and stays whole. A log pane breaks lines itself, and anew
+ * whenever its width changes.
+ */
+static void reply_wrapped(const struct session *session, struct text text, struct reply *reply)
+{
+    const int width = session->front.width ? session->front.width : WIDTH;
+    struct buffer out = {0};
+    struct text line;
+    int indent;
+    if (session->front.watched) {
+        reply_text(reply, text);
+        return;
+    }
+    while (text_split(&text, '\n', &line)) {
+        const int room = text_starts(line, TEXT("  ")) ? INT_MAX : width;
+        size_t from = 0;
+        do {
+            const struct text row = log_row(line, &from, room, &indent);
+            buffer_format(&out, "%*s%.*s\n", indent, "", (int)row.len, row.at);
+        } while (from < line.len);
+    }
+    reply_text(reply, buffer_text(&out));
+    buffer_free(&out);
+}
+
+/* ---- what the models have ---- */
+
+/* The first that is found in full, the same name elsewhere in a line. */
+static void help_model(const struct model *model, struct text name, bool *known, struct buffer *text)
+{
+    const struct catalog *const own[] = {model->params, model->derived};
+    const int variable = model_variable(model, name);
+    for (size_t i = 0; i < COUNT_OF(own); i++) {
+        const struct row *row = catalog_find(own[i], name);
+        if (!row)
+            continue;
+        if (*known) {
+            buffer_format(text, "\n%s of %s: %s", own[i]->kind, model->row.name, row->brief);
+            continue;
+        }
+        buffer_put(text, text->len ? TEXT("\n\n") : TEXT(""));
+        (i == 0 ? help_param : help_derived)(model, row, text);
+        *known = true;
+    }
+    if (variable >= 0 && model != &oscillator_model) { /* y and v are observables, too */
+        const struct variable *moves = &model->variable[variable];
+        buffer_format(text, "%s%s [%s], a state variable of %s", text->len ? "\n" : "", moves->name,
+                      *quantity_unit(moves->quantity) ? quantity_unit(moves->quantity) : "1", model->row.name);
+    }
+    for (int i = 0; i < typed_lines(model); i++) {
+        const struct typed_line *line = typed_line(model, i);
+        if (line->kind != TYPED_OBSERVE || !text_equal(line->name, name))
+            continue;
+        buffer_put(text, text->len ? TEXT("\n") : TEXT(""));
+        typed_describe(line, text);
+    }
+}
+
+/* The present scene's first. */
+static void help_models(const struct model *present, struct text name, struct suggestion *near, struct buffer *text)
+{
+    bool known = false;
+    help_model(present, name, &known, text);
+    for (const struct model *const *model = scene_models; *model; model++) {
+        if (*model != present)
+            help_model(*model, name, &known, text);
+        for (size_t i = 0; i < (*model)->params->count; i++)
+            suggestion_offer(near, catalog_row((*model)->params, i)->name);
+        for (size_t i = 0; i < (*model)->derived->count; i++)
+            suggestion_offer(near, catalog_row((*model)->derived, i)->name);
+    }
+}
+
+static void help_all(const struct session *session, struct reply *reply)
+{
+    struct buffer text = {0};
+    const char *group = "";
+    for (size_t i = 0; i < command_catalog.count; i++) {
+        const struct command *command = command_at(catalog_row(&command_catalog, i));
+        if (strcmp(command->group, group) != 0)
+            buffer_format(&text, "%s%s\n", i ? "\n" : "", command->group);
+        group = command->group;
+        buffer_format(&text, "  %-12s %s\n", command->row.name, command->row.brief);
+    }
+    buffer_put(&text, TEXT("\nNAME = value sets a parameter; 'help WORD' explains a command, parameter, method or "
+                           "unit; 'apropos WORD' searches"));
+    reply_wrapped(session, buffer_text(&text), reply);
+    buffer_free(&text);
+}
+
+HANDLER(help)
+{
+    const struct given *word = given_for(given, "WORD");
+    if (word->count == 0) {
+        help_all(session, reply);
+        return true;
+    }
+    struct suggestion near = {.wanted = word->item->text};
+    struct buffer text = {0};
+    for (size_t i = 0; i < COUNT_OF(topics); i++) {
+        const struct row *row = catalog_find(topics[i].catalog, near.wanted);
+        if (row)
+            help_topic(&topics[i], row, &text);
+        for (size_t j = 0; j < topics[i].catalog->count; j++)
+            suggestion_offer(&near, catalog_row(topics[i].catalog, j)->name);
+        if (i == 0) /* commands, then parameters */
+            help_models(session->setup.scene.model, near.wanted, &near, &text);
+    }
+    const bool found = text.len > 0;
+    if (found)
+        reply_wrapped(session, buffer_text(&text), reply);
+    buffer_free(&text);
+    if (found)
+        return true;
+    for (size_t i = 0; i < COUNT_OF(topics); i++)
+        if (catalog_absent(topics[i].catalog, near.wanted, error))
+            return false;
+    error_at(error, near.wanted, "there is no help on '%.*s'", (int)(near.wanted.len < 64 ? near.wanted.len : 64),
+             near.wanted.at);
+    suggestion_hint(&near, error);
+    if (catalog_find(&list_catalog, near.wanted))
+        error_hint(error, "'list %.*s' shows them", (int)near.wanted.len, near.wanted.at);
+    return error_hint(error, "('apropos WORD' searches, 'help' lists the commands)");
+}
+
+/* ---- apropos ---- */
+
+static char lower(char c)
+{
+    return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
+}
+
+static bool mentions(const char *where, struct text word)
+{
+    for (const char *at = where; at && *at; at++) {
+        size_t i = 0;
+        while (i < word.len && at[i] && lower(at[i]) == lower(word.at[i]))
+            i++;
+        if (i == word.len)
+            return true;
+    }
+    return false;
+}
+
+static int search(const struct catalog *catalog, struct text word, struct reply *reply)
+{
+    int found = 0;
+    for (size_t i = 0; i < catalog->count; i++) {
+        const struct row *row = catalog_row(catalog, i);
+        const bool in_text = catalog == &command_catalog && mentions(command_at(row)->text, word);
+        if (mentions(row->name, word) || mentions(row->brief, word) || mentions(row->citation, word) || in_text) {
+            reply_line(reply, "%-18s %-10s %s", row->name, catalog->kind, row->brief);
+            found++;
+        }
+    }
+    return found;
+}
+
+HANDLER(apropos)
+{
+    UNUSED(session);
+    const struct text word = given_for(given, "WORD")->item->text;
+    int found = 0;
+    for (size_t i = 0; i < COUNT_OF(topics); i++)
+        found += search(topics[i].catalog, word, reply);
+    for (const struct model *const *model = scene_models; *model; model++)
+        found += search((*model)->params, word, reply) + search((*model)->derived, word, reply);
+    return found > 0 ||
+           error_at(error, word, "nothing is known about '%.*s'", (int)(word.len < 64 ? word.len : 64), word.at);
+}
+#endif
+
+COMMAND(help, .row = {"help", "", "explain a word, or list the commands", "", "h ?"}, .group = "SESSION",
+        .text = "WORD is a command, parameter, setting, method, scene, observable, unit or function.",
+        .examples = "help run\nhelp symplectic-euler", .see = "apropos list",
+        .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME, ARGUMENTS(PLACE("WORD", TYPE_REST)))
+
+COMMAND(apropos, .row = {"apropos", "", "search names and explanations", "", NULL}, .group = "SESSION",
+        .text = "Finds the word in names, one-line explanations and sources.",
+        .examples = "apropos energy\napropos Hairer", .see = "help list", .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME,
+        ARGUMENTS(PLACE("WORD", TYPE_REST, .flags = ARG_REQUIRED)))

@@ -1,0 +1,135 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* list */
+#ifndef COMMAND_ROWS
+#include "command/internal.h"
+
+#include <math.h>
+#include <stdio.h>
+
+static void list_row(const struct catalog *catalog, const struct row *row, struct reply *reply)
+{
+    char value[32] = "";
+    if (catalog == &limit_catalog)
+        snprintf(value, sizeof value, "%16.0f ", ((const struct limit *)(const void *)row)->value);
+    reply_line(reply, "%-22s %s%-7s %s%s%s%s", row->name, value, row->unit, row->brief, *row->citation ? " (" : "",
+               row->citation, *row->citation ? ")" : "");
+    reply_begin(reply, catalog->kind);
+    reply_string(reply, "name", row->name);
+    reply_string(reply, "unit", *row->unit ? row->unit : NULL);
+    reply_string(reply, "brief", row->brief);
+    reply_string(reply, "citation", *row->citation ? row->citation : NULL);
+    reply_string(reply, "alias", row->alias);
+    if (catalog == &command_catalog) {
+        struct buffer usage = {0};
+        command_usage(command_at(row), &usage);
+        reply_string(reply, "group", command_at(row)->group);
+        reply_string(reply, "usage", buffer_view(&usage));
+        reply_string(reply, "text", command_at(row)->text);
+        reply_string(reply, "examples", command_at(row)->examples);
+        reply_string(reply, "see", command_at(row)->see);
+        buffer_free(&usage);
+    }
+    if (catalog == &method_catalog) {
+        const struct method *method = (const struct method *)(const void *)row;
+        reply_int(reply, "order", method->order);
+        reply_int(reply, "evals", method->evals);
+        reply_bool(reply, "implicit", (method->flags & METHOD_IMPLICIT) != 0);
+        reply_bool(reply, "symplectic", (method->flags & METHOD_SYMPLECTIC) != 0);
+        reply_bool(reply, "adaptive", (method->flags & METHOD_ADAPTIVE) != 0);
+        reply_bool(reply, "yardstick", (method->flags & METHOD_YARDSTICK) != 0);
+        reply_real(reply, "stable_limit", method_stable_limit(method, DRAG_DEFAULT, 0));
+        reply_string(reply, "formula", method->formula);
+    }
+    if (catalog == &limit_catalog)
+        reply_real(reply, "value", ((const struct limit *)(const void *)row)->value);
+    reply_end(reply);
+}
+
+static void list_measurements(const struct session *session, struct reply *reply)
+{
+    if (session->measurements == 0)
+        reply_line(reply, "no measurements");
+    for (int i = 0; i < session->measurements; i++) {
+        const struct measurement *m = &session->measurement[i];
+        struct buffer text = {0};
+        buffer_format(&text, "%3d  %-10s ", i + 1, m->quantity);
+        buffer_measured(&text, m->value, m->unit, session->setup.settings.digits);
+        if (isfinite(m->periods))
+            buffer_format(&text, " (%g periods)", m->periods);
+        buffer_format(&text, "  of %s", m->of);
+        reply_text(reply, buffer_text(&text));
+        buffer_free(&text);
+        reply_begin(reply, "measure");
+        reply_string(reply, "quantity", m->quantity);
+        reply_real(reply, "value", m->value.value);
+        reply_real(reply, "uncertainty", m->value.uncertainty);
+        reply_string(reply, "unit", quantity_unit(m->unit));
+        reply_real(reply, "periods", m->periods);
+        reply_string(reply, "of", m->of);
+        reply_end(reply);
+    }
+}
+
+/* What the scene's runs have to show: what moves, what is observed, and of the observables those that make sense. */
+static void list_observables(const struct model *model, struct reply *reply)
+{
+    for (int i = 0; i < model->n + model_observed(model); i++) {
+        const bool observed = i >= model->n;
+        const struct variable variable =
+            observed ? model_observed_variable(model, i - model->n) : model->variable[i];
+        if (!observed && model == &oscillator_model) /* the table says more of them */
+            continue;
+        const struct row row = {variable.name, quantity_unit(variable.quantity),
+                                observed ? "observed by the user" : "state variable", "", NULL};
+        list_row(&observable_catalog, &row, reply);
+    }
+    for (size_t i = 0; i < observable_catalog.count; i++) {
+        const struct row *row = catalog_row(&observable_catalog, i);
+        const bool shadowed = model != &oscillator_model && (model_variable(model, text_of(row->name)) >= 0 ||
+                                                             model_observation(model, text_of(row->name)) >= 0);
+        if (!shadowed && model_offers(model, (const struct observable *)(const void *)row))
+            list_row(&observable_catalog, row, reply);
+    }
+}
+
+HANDLER(list)
+{
+    static const struct catalog *const catalogs[] = {
+        [LIST_COMMANDS] = &command_catalog, [LIST_SCENES] = &preset_catalog,   [LIST_METHODS] = &method_catalog,
+        [LIST_SETTINGS] = &setting_catalog, [LIST_UNITS] = &unit_catalog,      [LIST_FUNCTIONS] = &function_catalog,
+        [LIST_FORMATS] = &format_catalog,   [LIST_LIMITS] = &limit_catalog};
+    static const char *const others[] = {[LIST_RUNS] = "runs", [LIST_RECORDINGS] = "data"};
+    const enum listed kind = (enum listed)given_for(given, "KIND")->item->index;
+    if (kind == LIST_OBSERVABLES) {
+        list_observables(session->setup.scene.model, reply);
+    } else if (kind == LIST_MEASUREMENTS) {
+        list_measurements(session, reply);
+    } else if (kind == LIST_EVENTS) {
+        reply_happenings(session, reply);
+    } else if (kind < LIST_MEASUREMENTS) {
+        const struct scene *scene = &session->setup.scene;
+        const struct catalog *catalog = kind == LIST_PARAMETERS ? scene_params(scene)
+                                        : kind == LIST_DERIVED  ? scene_derived(scene)
+                                                                : catalogs[kind];
+        for (size_t i = 0; i < catalog->count; i++)
+            list_row(catalog, catalog_row(catalog, i), reply);
+        for (int i = 0; kind == LIST_SCENES && i < session->setup.owns; i++)
+            list_row(catalog, &session->setup.own[i]->row, reply);
+    } else {
+        /* These lists are commands of their own. */
+        const struct command *command = command_at(catalog_find(&command_catalog, text_of(others[kind])));
+        struct arguments none = {
+            .command = command, .arena = given->arena, .scope = given->scope, .where = given->where};
+        return command->handler(session, &none, reply, error);
+    }
+    return true;
+}
+#endif
+
+COMMAND(list, .row = {"list", "", "list what there is of a kind", "", "ls"}, .group = "SESSION",
+        .text = "commands, scenes, methods, parameters, derived, observables, settings, units, functions, formats, "
+                "limits, measurements,\n"
+                "events, runs, recordings. parameters and derived are those of the present scene.",
+        .examples = "list methods\nlist measurements", .see = "help show",
+        .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME,
+        ARGUMENTS(PLACE("KIND", TYPE_CHOICE, .flags = ARG_REQUIRED, .choices = &list_catalog)))

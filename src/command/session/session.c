@@ -1,0 +1,134 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* source, record, history, timing, clear, quit */
+#ifndef COMMAND_ROWS
+#include "command/internal.h"
+
+#include <string.h>
+
+HANDLER(source)
+{
+    char *path = arena_text(given->arena, given_for(given, "FILE")->item->text);
+    static const struct source prompt = {.name = NULL};
+    if (!path)
+        return error_memory(error);
+    /* Whatever goes wrong inside was reported where it happened; the error stays without a code. */
+    return script_file(session, path, given->where ? given->where : &prompt, reply);
+}
+
+HANDLER(record)
+{
+    const struct text name = given_for(given, "FILE")->item->text;
+    char *path = arena_text(given->arena, name);
+    if (!path)
+        return error_memory(error);
+    if (text_is(name, "off")) {
+        if (session->record_fd < 0)
+            return error_set(error, ERROR_COMMAND, "nothing is being recorded");
+        reply_line(reply, "commands are no longer recorded in %s", session->record_path);
+        history_close(session);
+        return true;
+    }
+    if (!history_open(session, path, error)) {
+        error->where = name;
+        return false;
+    }
+    struct buffer shown = {0};
+    safe_text(&shown, name, false);
+    reply_line(reply, "commands are appended to %s", buffer_view(&shown));
+    buffer_free(&shown);
+    return true;
+}
+
+static bool contains(const char *line, struct text wanted)
+{
+    for (struct text rest = text_of(line); rest.len >= wanted.len; rest = (struct text){rest.at + 1, rest.len - 1}) {
+        if (text_starts(rest, wanted))
+            return true;
+        if (rest.len == 0)
+            break;
+    }
+    return false;
+}
+
+HANDLER(history)
+{
+    const struct given *what = given_for(given, "WHAT");
+    const struct text word = what->count ? what->item->text : TEXT("");
+    const bool search = word.len > 0 && word.at[0] == '/';
+    double most = 50;
+    if (word.len > 0 && !search && (real_parse(word, &most) != REAL_OK || most < 1)) {
+        error_at(error, word, "history takes a number of lines, or /TEXT");
+        return error_hint(error, "for example history 20, or history /run");
+    }
+    const int from = !search && most < session->histories ? session->histories - (int)most : 0;
+    for (int i = from; i < session->histories; i++) {
+        if (search && !contains(session->history[i], (struct text){word.at + 1, word.len - 1}))
+            continue;
+        struct buffer line = {0};
+        buffer_format(&line, "%5d  ", i + 1);
+        safe_text(&line, text_of(session->history[i]), false);
+        reply_text(reply, buffer_text(&line));
+        buffer_free(&line);
+    }
+    return true;
+}
+
+HANDLER(timing)
+{
+    UNUSED(error);
+    const struct given *how = given_for(given, "HOW");
+    if (how->count) {
+        session->setup.settings.timing = how->item->index;
+        session_changed(session);
+    }
+    const struct row *row = catalog_row(&timing_catalog, (size_t)session->setup.settings.timing);
+    reply_line(reply, "timing %s: %s", row->name, row->brief);
+    return true;
+}
+
+HANDLER(clear)
+{
+    UNUSED(given);
+    UNUSED(reply);
+    UNUSED(error);
+    if (session->front.clear)
+        session->front.clear(session->front.context);
+    return true;
+}
+
+HANDLER(quit)
+{
+    UNUSED(given);
+    UNUSED(reply);
+    UNUSED(error);
+    session->quit = true;
+    return true;
+}
+#endif
+
+COMMAND(source, .row = {"source", "", "run the commands of a file", "", NULL}, .group = "SESSION",
+        .text = "Stops at the first error and says where. Files may source files, 16 deep.",
+        .examples = "source lab1.hk\nsource lab1.hk; run", .see = "save record", .flags = COMMAND_NESTS,
+        ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED)))
+
+COMMAND(record, .row = {"record", "", "append the commands that succeed to a file", "", NULL}, .group = "SESSION",
+        .text = "With off it ends. (How much of a run is kept is the setting of the same name: set record all.)",
+        .examples = "record session.hk\nrecord off", .see = "history save source",
+        .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME, ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED)))
+
+COMMAND(history, .row = {"history", "", "list the lines executed", "", NULL}, .group = "SESSION",
+        .text = "The last 50, the last N, or those that contain TEXT.", .examples = "history 20\nhistory /run",
+        .see = "record", .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME, ARGUMENTS(PLACE("WHAT", TYPE_TEXT)))
+
+COMMAND(timing, .row = {"timing", "", "how carefully compare measures run times", "", NULL}, .group = "SESSION",
+        .text = "off: not at all; quick: about 2 ms for each; full: enough samples for a median that can be trusted.",
+        .examples = "timing off\ntiming full", .see = "compare", .flags = COMMAND_CHANGES,
+        ARGUMENTS(PLACE("HOW", TYPE_CHOICE, .choices = &timing_catalog)))
+
+COMMAND(clear, .row = {"clear", "", "clear the screen", "", NULL}, .group = "SESSION",
+        .text = "Without a screen it does nothing.", .examples = "clear\nclear; show", .see = "quit",
+        .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME)
+
+COMMAND(quit, .row = {"quit", "", "leave", "", "q exit"}, .group = "SESSION",
+        .text = "In a file it ends the file and the program.", .examples = "quit\nsave lab1.hk; quit", .see = "save",
+        .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME)

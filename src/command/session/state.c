@@ -1,0 +1,109 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* undo, redo, checkpoint, restore, save */
+#ifndef COMMAND_ROWS
+#include "command/internal.h"
+
+#include <math.h>
+#include <string.h>
+
+static bool move(struct session *session, const struct arguments *given, bool back, struct reply *reply,
+                 struct error *error)
+{
+    const struct given *count = given_for(given, "N");
+    const int steps = count->count ? (int)fmin(count->item->value.value, 1e9) : 1;
+    char label[LIMIT_NAME + 1];
+    int done = 0;
+    while (done < steps && undo_move(session, back, label, error)) {
+        reply_line(reply, "%s: %s", back ? "undone" : "redone", label);
+        done++;
+    }
+    if (done > 0 && done < steps)
+        reply_warning(reply, "there was only so much to %s: %d", back ? "undo" : "redo", done);
+    return done > 0;
+}
+
+HANDLER(undo)
+{
+    return move(session, given, true, reply, error);
+}
+
+HANDLER(redo)
+{
+    return move(session, given, false, reply, error);
+}
+
+HANDLER(checkpoint)
+{
+    const struct given *name = given_for(given, "NAME");
+    const struct text text = name->count ? name->item->text : TEXT("last");
+    if (text.len == 0 || text.len > LIMIT_NAME)
+        return error_at(error, text, "a name of 1 to %d letters", LIMIT_NAME);
+    const char *label = arena_text(given->arena, text);
+    if (!label)
+        return error_memory(error);
+    if (!checkpoint_make(session, label, error))
+        return false;
+    reply_line(reply, "checkpoint %s", label);
+    return true;
+}
+
+HANDLER(restore)
+{
+    const struct given *name = given_for(given, "NAME");
+    const char *label;
+    if (!checkpoint_restore(session, name->count ? name->item->text : TEXT(""), &label, error))
+        return false;
+    reply_line(reply, "restored %s", label);
+    return true;
+}
+
+HANDLER(save)
+{
+    const struct item *file = given_for(given, "FILE")->item;
+    char *path = arena_text(given->arena, file->text);
+    struct buffer text = {0};
+    struct writer writer;
+    session_save(session, &text);
+    if (!path || text.failed) {
+        buffer_free(&text);
+        return error_memory(error);
+    }
+    bool ok = writer_open(&writer, path, session_policy(session, is_given(given, "force")), error);
+    if (ok) {
+        writer_put(&writer, buffer_text(&text));
+        ok = writer_commit(&writer, error);
+    }
+    buffer_free(&text);
+    if (!ok && !error->where.at)
+        error->where = file->text;
+    struct buffer shown = {0};
+    safe_text(&shown, file->text, false);
+    if (ok)
+        reply_line(reply, "set-up saved in %s ('source %s' brings it back)", buffer_view(&shown), buffer_view(&shown));
+    buffer_free(&shown);
+    return ok;
+}
+#endif
+
+COMMAND(undo, .row = {"undo", "", "take back the last N commands that changed something", "", NULL}, .group = "STATE",
+        .text = "Parameters, settings, runs and recordings; files that were written stay.",
+        .examples = "set m 300 g; undo\nundo 3", .see = "redo checkpoint", ARGUMENTS(PLACE("N", TYPE_INTEGER)))
+
+COMMAND(redo, .row = {"redo", "", "do again what undo took back", "", NULL}, .group = "STATE",
+        .text = "Runs come back with the same bits.", .examples = "run; undo; redo\nundo 2; redo 2", .see = "undo",
+        ARGUMENTS(PLACE("N", TYPE_INTEGER)))
+
+COMMAND(checkpoint, .row = {"checkpoint", "", "remember the present state", "", NULL}, .group = "STATE",
+        .text = "Under a name, to come back to it with restore.", .examples = "checkpoint\ncheckpoint undamped",
+        .see = "restore undo save", ARGUMENTS(PLACE("NAME", TYPE_TEXT)))
+
+COMMAND(restore, .row = {"restore", "", "go back to a checkpoint", "", NULL}, .group = "STATE",
+        .text = "The latest one unless a name is given. undo takes the restore back.",
+        .examples = "checkpoint; set k 20; restore\ncheckpoint undamped; gamma = 0.1; restore undamped",
+        .see = "checkpoint undo", .flags = COMMAND_CHANGES, ARGUMENTS(PLACE("NAME", TYPE_TEXT)))
+
+COMMAND(save, .row = {"save", "", "write the commands that recreate the set-up", "", NULL}, .group = "STATE",
+        .text = "Scene, method, settings, variables and recordings, with numbers that read back to the same doubles; "
+                "not the runs.",
+        .examples = "save lab1.hk\nsave lab1.hk --force", .see = "source checkpoint export", .flags = COMMAND_ANYTIME,
+        ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED), OPTION("force", TYPE_NONE)))

@@ -1,0 +1,331 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* stability */
+#ifndef COMMAND_ROWS
+#include "command/internal.h"
+
+#include <math.h>
+#include <string.h>
+
+#define ROUNDING 1e-10 /* a growth so near to 1 is none, as measured too */
+
+/* ---- one method in words ---- */
+
+static const char *verdict_name(const struct stability *s)
+{
+    return catalog_row(&stability_verdict_catalog, s->verdict)->name;
+}
+
+static void put_growth(struct buffer *out, double growth)
+{
+    const double beyond = fabs(growth - 1);
+    if (beyond < 1e-4 && beyond > ROUNDING)
+        buffer_format(out, "1%+.2e", growth - 1);
+    else
+        buffer_format(out,
+                      isfinite(growth) ? "%.7g"
+                      : isnan(growth)  ? "-"
+                                       : "overflow",
+                      beyond > ROUNDING ? growth : 1);
+}
+
+static void put_limit(struct buffer *out, const struct stability *s)
+{
+    if (isinf(s->dt_max))
+        buffer_put(out, TEXT("every step"));
+    else if (s->dt_max == 0)
+        buffer_put(out, TEXT("none"));
+    else if (isnan(s->dt_max))
+        buffer_char(out, '-');
+    else
+        buffer_quantity(out, s->dt_max, QUANTITY_TIME, 6);
+}
+
+static void put_checks(struct buffer *out, const struct stability *s)
+{
+    for (int i = 0; i < s->checks; i++) {
+        const struct stability_check *check = &s->check[i];
+        buffer_put(out, i == 0   ? TEXT("  at dt: growth a step ")
+                        : i == 1 ? TEXT("  just below dt_max: ")
+                                 : TEXT("  just above dt_max: "));
+        put_growth(out, check->predicted);
+        buffer_put(out, TEXT(" predicted, "));
+        put_growth(out, check->measured);
+        buffer_format(out, " measured in %lld steps: %s\n", (long long)check->steps,
+                      check->agrees ? "agrees" : "DOES NOT AGREE");
+    }
+}
+
+static void put_weakness(struct buffer *out, const struct stability *s)
+{
+    if (!isnan(s->weak[1])) {
+        buffer_format(out, "  weak instability: growth 1 + %.3g (omega dt)^%.3g, ", s->weak[0], s->weak[1]);
+        buffer_format(out, "doubles the amplitude after %.3g steps (", s->doubling);
+        buffer_quantity(out, s->doubling * s->dt, QUANTITY_TIME, 3);
+        buffer_put(out, TEXT(")\n"));
+    } else if (isfinite(s->doubling) && s->doubling >= 2) {
+        buffer_format(out, "  doubles the amplitude after %.3g steps\n", s->doubling);
+    }
+    if (!isnan(s->window[0]))
+        buffer_format(
+            out,
+            "  a narrow resonance: omega dt from %.7g to %.7g, growth at most %.6g a step; stable again after it\n",
+            s->window[0] * s->tightest.omega, s->window[1] * s->tightest.omega, s->window[2]);
+}
+
+static void put_eigenvalues(struct buffer *out, const struct stability *s)
+{
+    double re[2], im;
+    mode_eigenvalues(&s->worst, re, &im);
+    buffer_format(out, "  %s: eigenvalues %.6g and %.6g 1/s\n",
+                  s->worst.sign == STIFFNESS_ZERO ? "no force pulls back" : "the force pushes away from rest", re[0], re[1]);
+}
+
+static void put_scene(struct buffer *out, const struct session *session, const struct stability *s)
+{
+    const double seconds = session->setup.settings.duration;
+    if (s->modes && s->linear && s->worst.sign != STIFFNESS_POSITIVE)
+        put_eigenvalues(out, s);
+    else if (s->modes && s->linear)
+        buffer_format(out, "  omega = %.6g 1/s, zeta = %.6g: omega dt = %.6g\n", s->worst.omega, s->worst.zeta,
+                      s->worst.omega * s->dt);
+    else if (s->modes)
+        buffer_format(out,
+                      "  not linear: eigenvalues of the Jacobian at the start and along %.4g s;\n"
+                      "  dt_max comes from t = %.4g s, where omega = %.4g 1/s, zeta = %.4g\n",
+                      seconds, s->tightest.t, s->tightest.omega, s->tightest.zeta);
+    else
+        buffer_put(out, TEXT("  nothing in this scene pulls back: no step is unstable\n"));
+    if (s->grows && s->linear && s->modes)
+        buffer_format(out, "  the scene itself grows, by %.7g in a step of dt: judged is what comes on top\n",
+                      s->growth_exact);
+    else if (s->grows)
+        buffer_put(out, TEXT("  the scene itself grows (eigenvalues with a positive real part): the others are "
+                             "judged\n"));
+    if (s->linear)
+        return;
+    buffer_format(out, "  the scene itself with this dt: %s at t = %.4g s, at most %.3g times its natural size\n",
+                  s->stop == STOP_END        ? "arrives"
+                  : s->stop == STOP_FULL     ? "still bounded, stopped"
+                  : s->stop == STOP_SINGULAR ? "its solution ends"
+                                             : stop_name(s->stop),
+                  s->reached, s->largest);
+}
+
+/* ---- the region ---- */
+
+#define REGION_COLUMNS 64
+#define REGION_ROWS 17
+
+static double finite_or(double value, double otherwise)
+{
+    return isfinite(value) && value > 0 ? value : otherwise;
+}
+
+/* Upper half of the z plane, the lower one is its mirror image: # where |R(z)| <= 1. */
+static void put_region(struct buffer *out, const struct stability *s)
+{
+    const double real = finite_or(method_stable_limit(s->by.method, s->by.drag, 1), 6),
+                 high = finite_or(method_stable_limit(s->by.method, s->by.drag, 0), 0);
+    const double left = -1.25 * real, right = 0.45 * real;
+    const double top =
+        1.25 * fmax(fmax(high, real * 0.7), finite_or(method_stable_limit(s->by.method, s->by.drag, 0.3), 0));
+    const double dx = (right - left) / REGION_COLUMNS, dy = top / (REGION_ROWS - 1);
+    char line[REGION_COLUMNS + 1];
+    bool shown = false;
+    buffer_put(out, TEXT("  where a step does not grow, in the plane of z = lambda dt (upper half); o: this scene\n"));
+    for (int row = 0; row < REGION_ROWS; row++) {
+        const double im = top - row * dy;
+        for (int column = 0; column < REGION_COLUMNS; column++) {
+            const double re = left + (column + 0.5) * dx;
+            line[column] = stability_growth(&s->by, re, im) <= 1 + 1e-7 ? '#' : fabs(re) <= dx / 2 ? '|' : '.';
+        }
+        for (int i = 0; i < s->at_start; i++) {
+            double rate[2], turn;
+            mode_eigenvalues(&s->mode[i], rate, &turn);
+            for (int k = 0; k < 2; k++) {
+                const double column = (rate[k] * s->dt - left) / dx, at = (top - turn * s->dt) / dy;
+                if (lround(fmin(at, 1e3)) == row && column >= 0 && column < REGION_COLUMNS) {
+                    line[(int)column] = 'o';
+                    shown = true;
+                }
+            }
+        }
+        line[REGION_COLUMNS] = '\0';
+        buffer_format(out, "  %6.2f %s\n", im, line);
+    }
+    buffer_format(out, "         %-*.2f%*.2f\n", REGION_COLUMNS / 2, left, REGION_COLUMNS / 2, right);
+    if (!shown && s->modes)
+        buffer_put(out, TEXT("  this scene's z lies outside of the picture\n"));
+}
+
+/* For methods that only know forces without velocity: growth over omega dt. */
+static bool put_growth_figure(struct buffer *out, const struct session *session, const struct stability *s,
+                              struct arena *arena)
+{
+    enum { POINTS = 400, BETWEEN = 16 };
+    double *x = arena_array(arena, POINTS, sizeof *x), *y = arena_array(arena, POINTS, sizeof *y);
+    const double limit = finite_or(method_stable_limit(s->by.method, s->by.drag, 0), 4);
+    int width, height;
+    if (!x || !y)
+        return false;
+    for (int i = 0; i < POINTS; i++) {
+        x[i] = 1.3 * limit * (i + 1) / POINTS;
+        for (int k = 0; k < BETWEEN; k++) { /* a resonance is narrower than a point */
+            const double at = 1.3 * limit * (i + (double)(k + 1) / BETWEEN) / POINTS;
+            y[i] = fmax(y[i], method_growth(s->by.method, s->by.drag, at, 0) - 1);
+        }
+    }
+    const struct curve curve = {.label = s->by.method->row.name, .x = x, .y = y, .n = POINTS};
+    const struct figure figure = {
+        .title = "growth - 1 a step",
+        .x = {.label = "omega dt", .unit = ""},
+        .y = {.label = "growth - 1", .unit = "", .log = true, .fixed = true, .from = 1e-8, .to = 10},
+        .curve = &curve,
+        .curves = 1,
+        .note = "0 is below the axis"};
+    session_size(session, &width, &height);
+    return figure_print(&figure, width, height, session_charset(session), false, out);
+}
+
+static bool put_picture(struct buffer *out, const struct session *session, const struct stability *s,
+                        struct arena *arena)
+{
+    if (isnan(stability_growth(&s->by, -0.5, 0.5)))
+        return put_growth_figure(out, session, s, arena);
+    put_region(out, s);
+    return true;
+}
+
+/* ---- the table and the records ---- */
+
+static void put_table(struct buffer *out, const struct stability *rows, int count, struct arena *arena)
+{
+    static const char *const heading[] = {"method", "dt", "dt_max", "growth", "measured", "energy", "verdict", ""};
+    struct text_table table = {.arena = arena, .columns = (int)COUNT_OF(heading), .gap = 2};
+    for (size_t i = 0; i < COUNT_OF(heading); i++)
+        cell_text(&table, heading[i]);
+    for (int i = 0; i < count; i++) {
+        const struct stability *s = &rows[i];
+        struct buffer limit = {0}, predicted = {0}, measured = {0};
+        put_limit(&limit, s);
+        put_growth(&predicted, s->growth_predicted);
+        put_growth(&measured, s->growth_measured);
+        cell_text(&table, s->by.method->row.name);
+        cell_quantity(&table, s->dt, QUANTITY_TIME, 4);
+        cell_take(&table, &limit);
+        cell_take(&table, &predicted);
+        cell_take(&table, &measured);
+        cell_quantity(&table, s->energy_factor, QUANTITY_NUMBER, 6);
+        cell_text(&table, verdict_name(s));
+        cell_text(&table, !s->agrees ? "DOES NOT AGREE" : s->checks || !s->linear ? "agrees" : "");
+    }
+    text_table_put(&table, out);
+}
+
+static void reply_stability(const struct stability *s, struct reply *reply)
+{
+    reply_begin(reply, "stability");
+    reply_string(reply, "method", s->by.method->row.name);
+    reply_string(reply, "drag",
+                 s->by.drag == DRAG_DEFAULT ? NULL : catalog_row(&drag_catalog, (size_t)s->by.drag - 1)->name);
+    reply_real(reply, "dt", s->dt);
+    reply_real(reply, "dt_max", s->dt_max);
+    reply_real(reply, "growth_predicted", s->growth_predicted);
+    reply_real(reply, "growth_measured", s->growth_measured);
+    reply_real(reply, "growth_exact", s->growth_exact);
+    reply_real(reply, "energy_factor", s->energy_factor);
+    reply_string(reply, "verdict", verdict_name(s));
+    reply_bool(reply, "agrees", s->agrees);
+    reply_bool(reply, "linear", s->linear);
+    const bool oscillates = s->modes && s->worst.sign == STIFFNESS_POSITIVE;
+    reply_real(reply, "omega", oscillates ? s->worst.omega : NAN);
+    reply_real(reply, "zeta", oscillates ? s->worst.zeta : NAN);
+    reply_real(reply, "doubling_steps", s->doubling);
+    reply_array(reply, "checks");
+    for (int i = 0; i < s->checks; i++) {
+        reply_object(reply, NULL);
+        reply_real(reply, "dt", s->check[i].dt);
+        reply_real(reply, "growth_predicted", s->check[i].predicted);
+        reply_real(reply, "growth_measured", s->check[i].measured);
+        reply_int(reply, "steps", s->check[i].steps);
+        reply_bool(reply, "agrees", s->check[i].agrees);
+        reply_close(reply);
+    }
+    reply_close(reply);
+    reply_end(reply);
+}
+
+/* ---- the command ---- */
+
+/* Of several methods those that do not apply are left out with the reason; one alone is an error. */
+static bool study_each(const struct session *session, const struct arguments *given, struct stability *rows, int *count,
+                       struct buffer *absent, struct error *error)
+{
+    const struct given *methods = given_for(given, "METHOD"), *dt = given_for(given, "dt"),
+                       *drag = given_for(given, "drag");
+    const int wanted = methods->count ? methods->count : 1;
+    for (int i = 0; i < wanted; i++) {
+        struct stability_request request = {
+            .scene = &session->setup.scene,
+            .by = {session->setup.method, session->setup.drag},
+            .dt = dt->count ? dt->item->value.value : session->setup.settings.dt,
+            .duration = session->setup.settings.duration,
+            .cancel = session->front.cancel,
+        };
+        if (methods->count)
+            request.by = (struct contender){(const struct method *)(const void *)methods->item[i].row, DRAG_DEFAULT};
+        if (drag->count && (wanted == 1 || request.by.method->drags & 1u << (drag->item->index + 1)))
+            request.by.drag = (enum drag)(drag->item->index + 1);
+        if (study_stability(&request, &rows[*count], error))
+            (*count)++;
+        else if (wanted == 1 || error->code != ERROR_COMMAND)
+            return false;
+        else
+            buffer_format(absent, "left out: %s\n", error->text);
+    }
+    return *count > 0;
+}
+
+HANDLER(stability)
+{
+    const struct given *methods = given_for(given, "METHOD");
+    struct stability *rows = arena_array(given->arena, (size_t)methods->count + 1, sizeof *rows);
+    struct buffer text = {0}, absent = {0};
+    int count = 0;
+    if (!rows)
+        return error_memory(error);
+    const bool ok = study_each(session, given, rows, &count, &absent, error);
+    if (count > 0)
+        put_table(&text, rows, count, given->arena);
+    buffer_put(&text, buffer_text(&absent));
+    buffer_free(&absent);
+    for (int i = 0; i < count; i++) {
+        buffer_format(&text, "%s:\n", rows[i].by.method->row.name);
+        put_scene(&text, session, &rows[i]);
+        put_checks(&text, &rows[i]);
+        put_weakness(&text, &rows[i]);
+    }
+    if (count == 1 && methods->count <= 1 && ok && !put_picture(&text, session, &rows[0], given->arena))
+        text.failed = true;
+    if (count > 0)
+        reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+    for (int i = 0; i < count && reply->format != FORMAT_TEXT; i++)
+        reply_stability(&rows[i], reply);
+    return ok;
+}
+#endif
+
+COMMAND(stability, .row = {"stability", "", "growth a step, the largest stable dt, verified by running", "", NULL},
+        .group = "STUDY",
+        .text =
+            "Growth of the amplitude in each step and the largest stable dt, from the method's own formulas on the "
+            "scene's\n"
+            "eigenvalues (of a scene that is not linear: of its Jacobian at the start and along the run), then "
+            "measured by\n"
+            "running at dt and on both sides of the limit. Without METHOD the present one; of one method the region "
+            "of\n"
+            "stability is drawn. marginal: so slow a growth that it shows only after hundreds of steps.",
+        .examples = "stability verlet\nstability euler heun rk4 dt=20ms", .see = "order stress plan compare",
+        ARGUMENTS(PLACE("METHOD", TYPE_CHOICE, .flags = ARG_MANY, .choices = &method_catalog),
+                  KEY("dt", TYPE_VALUE, .quantity = QUANTITY_TIME), KEY("drag", TYPE_CHOICE, .choices = &drag_catalog)))

@@ -1,0 +1,239 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* stress */
+#ifndef COMMAND_ROWS
+#include "command/internal.h"
+
+#include <math.h>
+#include <string.h>
+
+#define NAME_WIDTH 22
+#define TOGETHER 5 /* letters without a gap */
+
+static const char *letter(enum stress_verdict verdict)
+{
+    return catalog_row(&stress_verdict_catalog, verdict)->unit;
+}
+
+/* Rows stand case by case; NULL: not finished. */
+static const struct stress_row *row_of(const struct stress *stress, int place, int method, int methods)
+{
+    const int i = place * methods + method;
+    return i < stress->rows ? &stress->row[i] : NULL;
+}
+
+static void put_gap(struct buffer *out, int column)
+{
+    if (column % TOGETHER == 0)
+        buffer_char(out, ' ');
+}
+
+/* Methods down, cases across, as many as the width holds; their numbers stand above, tens and ones. */
+static void put_block(const struct stress *stress, const struct method *const *method, int methods, int from, int to,
+                      struct buffer *out)
+{
+    for (int digit = 10; digit >= 1; digit /= 10) {
+        buffer_format(out, "%-*s", NAME_WIDTH, digit == 1 ? "method" : "case");
+        for (int c = from; c < to; c++) {
+            put_gap(out, c - from);
+            buffer_format(out, "%c", digit == 10 && c + 1 < 10 ? ' ' : '0' + (c + 1) / digit % 10);
+        }
+        buffer_char(out, '\n');
+    }
+    for (int m = 0; m < methods; m++) {
+        buffer_format(out, "%-*s", NAME_WIDTH, method[m]->row.name);
+        for (int c = from; c < to; c++) {
+            const struct stress_row *row = row_of(stress, c, m, methods);
+            put_gap(out, c - from);
+            buffer_put(out, row ? text_of(letter(row->verdict)) : TEXT(" "));
+        }
+        buffer_char(out, '\n');
+    }
+}
+
+/* Words in lines of at most `width` columns: the first begins at `first`, the others at `rest`. */
+static void put_wrapped(struct buffer *out, struct text text, int width, int first, int rest)
+{
+    struct text word;
+    int column = first;
+    buffer_format(out, "%*s", first, "");
+    for (bool begun = false; text_split(&text, ' ', &word); begun = true) {
+        const int w = text_width(word);
+        if (begun && column + 1 + w > width) {
+            buffer_format(out, "\n%*s", rest, "");
+            column = rest;
+        } else if (begun) {
+            buffer_char(out, ' ');
+            column++;
+        }
+        buffer_put(out, word);
+        column += w;
+    }
+    buffer_char(out, '\n');
+}
+
+/* Past the method's name and everything that belongs to a number. */
+static const char *skip(const char *at, const char *name)
+{
+    const size_t len = strlen(name);
+    for (;;) {
+        if (strncmp(at, name, len) == 0)
+            at += len;
+        else if (*at && strchr("0123456789.+-", *at))
+            at++;
+        else if (*at == 'e' && at[1] && strchr("0123456789+-", at[1]))
+            at++;
+        else
+            return at;
+    }
+}
+
+/* The same reason but for names and numbers. */
+static bool alike(const struct stress_row *a, const struct stress_row *b)
+{
+    const char *x = a->reason, *y = b->reason;
+    if (a->verdict != b->verdict)
+        return false;
+    for (;; x++, y++) {
+        x = skip(x, a->method->row.name);
+        y = skip(y, b->method->row.name);
+        if (*x != *y || !*x)
+            return *x == *y;
+    }
+}
+
+/* What is not good, by reason: the first method that has it, and how many more. */
+static void put_case(const struct stress *stress, int place, int methods, int width, struct buffer *out)
+{
+    const struct stress_case *what = &stress->cases[place];
+    struct buffer line = {0};
+    buffer_format(&line, "%d %s: %s", place + 1, what->name, what->brief);
+    put_wrapped(out, buffer_text(&line), width, place + 1 < 10, 3);
+    for (int m = 0; m < methods; m++) {
+        const struct stress_row *row = row_of(stress, place, m, methods);
+        bool before = false;
+        int more = 0;
+        if (!row || !row->reason[0])
+            continue;
+        for (int i = 0; i < methods; i++) {
+            const struct stress_row *other = row_of(stress, place, i, methods);
+            const bool same = i != m && other && alike(row, other);
+            before |= same && i < m;
+            more += same && i > m;
+        }
+        if (before)
+            continue;
+        buffer_clear(&line);
+        buffer_format(&line, "%s %s", letter(row->verdict), row->method->row.name);
+        if (more > 0)
+            buffer_format(&line, " and %d more", more);
+        buffer_format(&line, ": %s", row->reason);
+        put_wrapped(out, buffer_text(&line), width, 3, 5);
+    }
+    buffer_free(&line);
+}
+
+static void put_stress(const struct session *session, const struct stress *stress, const struct method *const *method,
+                       int methods, struct buffer *out)
+{
+    int width, height;
+    session_size(session, &width, &height);
+    const int most = (width - NAME_WIDTH) * TOGETHER / (TOGETHER + 1);
+    const int columns = most < TOGETHER ? TOGETHER : most;
+    const int finished = methods ? (stress->rows + methods - 1) / methods : 0;
+    for (int from = 0; from < finished; from += columns) {
+        put_block(stress, method, methods, from, from + columns < finished ? from + columns : finished, out);
+        buffer_char(out, '\n');
+    }
+    for (enum stress_verdict v = 0; v < STRESS_VERDICTS; v++)
+        if (stress->count_of[v])
+            buffer_format(out, "%s %4d %s: %s\n", letter(v), stress->count_of[v],
+                          catalog_row(&stress_verdict_catalog, v)->name,
+                          catalog_row(&stress_verdict_catalog, v)->brief);
+    buffer_char(out, '\n');
+    for (int c = 0; c < finished; c++)
+        put_case(stress, c, methods, width, out);
+    buffer_format(out, "%d methods, %d cases, %.1f s\n", methods, finished, stress->seconds);
+}
+
+static void reply_row(const struct stress *stress, const struct stress_row *row, struct reply *reply)
+{
+    reply_begin(reply, "stress");
+    reply_string(reply, "scene", stress->cases[row->place].name);
+    reply_string(reply, "method", row->method->row.name);
+    reply_string(reply, "verdict", catalog_row(&stress_verdict_catalog, row->verdict)->name);
+    reply_real(reply, "error", row->error);
+    reply_int(reply, "steps", row->steps);
+    reply_real(reply, "time", row->seconds);
+    reply_string(reply, "reason", row->reason[0] ? row->reason : NULL);
+    reply_end(reply);
+}
+
+/* Initial values, and what else acts, of the present scene. */
+static bool this_scene(const struct session *session, struct arena *arena, struct stress_scene *of, struct error *error)
+{
+    const struct scene *scene = &session->setup.scene;
+    const size_t params = scene_params(scene)->count;
+    bool *start = arena_array(arena, params, sizeof *start), *matter = arena_array(arena, params, sizeof *matter);
+    struct system system;
+    if (!start || !matter)
+        return error_memory(error);
+    if (!scene_bind(scene, &system, error))
+        return false;
+    for (int i = 0; i < (int)params; i++) {
+        const bool begins = param_is_start(scene, i);
+        start[i] = begins && strcmp(param_at(scene, i)->row.name, "t0") != 0;
+        matter[i] = !begins && param_matters(scene, i);
+    }
+    *of = (struct stress_scene){scene, session->setup.settings.duration, start, matter};
+    return true;
+}
+
+HANDLER(stress)
+{
+    const struct given *asked = given_for(given, "METHOD");
+    const struct method **method =
+        arena_array(given->arena, method_catalog.count + (size_t)asked->count, sizeof *method);
+    struct stress stress;
+    int methods = 0;
+    if (!method)
+        return error_memory(error);
+    for (int i = 0; i < asked->count; i++)
+        method[methods++] = (const struct method *)(const void *)asked->item[i].row;
+    for (size_t i = 0; i < method_catalog.count && asked->count == 0; i++) {
+        const struct method *row = (const struct method *)(const void *)catalog_row(&method_catalog, i);
+        if (!(row->flags & METHOD_YARDSTICK)) /* somebody else's: only when named */
+            method[methods++] = row;
+    }
+    struct stress_scene of;
+    const bool present = is_given(given, "scene");
+    if (present && !this_scene(session, given->arena, &of, error))
+        return false;
+    const bool ok = study_stress(present ? &of : NULL, method, methods, session->front.cancel, &stress, error);
+    struct buffer text = {0};
+    if (stress.rows > 0)
+        put_stress(session, &stress, method, methods, &text);
+    reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+    for (int i = 0; i < stress.rows && reply->format != FORMAT_TEXT; i++)
+        reply_row(&stress, &stress.row[i], reply);
+    stress_free(&stress);
+    return ok;
+}
+#endif
+
+COMMAND(stress, .row = {"stress", "", "the stiff and the extreme: each method, one verdict each", "", NULL},
+        .group = "STUDY",
+        .text =
+            "Stiff scenes, extremes of scale, critical damping, steps far above the limit, inputs that make no sense: "
+            "each method\n"
+            "(or those named) on each of them, with a budget of steps; methods that adapt with tol = 1e-6, the others "
+            "in 1024 steps.\n"
+            "One letter each, then the reasons. The present scene is not changed; with 'scene' the cases are made of "
+            "it, over its\n"
+            "duration: steps around each method's limit, parameters 1e6 times smaller and larger, 0 and with the other "
+            "sign, initial\n"
+            "values of 1e-310, 1e-150 and 1e150.",
+        .examples = "stress euler rk4 radau5\nscene pendulum; stress scene rk4 verlet dop853",
+        .see = "stability compare precision",
+        ARGUMENTS(WORD("scene", TYPE_NONE),
+                  PLACE("METHOD", TYPE_CHOICE, .flags = ARG_MANY, .choices = &method_catalog)))

@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the files of cleaning share. */
+#ifndef HOOKE_DATA_CLEAN_CLEAN_H
+#define HOOKE_DATA_CLEAN_CLEAN_H
+
+#include <hooke/data.h>
+
+/* The motion about one moment, where an oscillation of known period goes on. */
+struct local {
+    double t;         /* [s] middle of what it judges: a period */
+    size_t from, to;  /* rows it judges */
+    double amplitude; /* at t */
+    double scale;     /* robust standard deviation of the residuals */
+    bool fitted;      /* false: too few good samples */
+};
+
+struct cleaning {
+    struct recording *recording;
+    struct findings *findings;
+    struct arena *scratch;
+    size_t n;
+    const double *t, *y;
+    double period;
+    double step;             /* [s] median */
+    double quantum;          /* SI; values are multiples of it; 0: no step is seen */
+    double swing;            /* of all but the extreme values */
+    double typical;          /* median of the local scales */
+    unsigned char *excluded; /* [n] takes no part in the local fits: clipped, stuck, missing */
+    double *residual;        /* [n] y - local fit; 0 where there is none */
+    double *model;           /* [n] local fit, NAN where there is none */
+    double *sorted;          /* [n] work */
+    struct local *local;
+    size_t locals;
+};
+
+double sorted_quantile(double *value, size_t n, double q);   /* sorts */
+double selected_quantile(double *value, size_t n, double q); /* the same value; only changes the order; no NAN */
+
+/*
+ * Fits offset, line, cos, sin and both with an amplitude that changes linearly, over two periods about each whole
+ * period, robustly; fills local, residual, model and typical. False: no memory.
+ */
+bool clean_fit(struct cleaning *cleaning);
+
+/* Notes a stretch of samples that begins at t. */
+static inline void clean_note(struct finding *finding, double t, size_t samples)
+{
+    if (finding->places < FINDING_PLACES)
+        finding->first[finding->places] = t;
+    finding->places++;
+    finding->count += samples;
+}
+
+/* Flat tops on one side, three samples at least in each of at least three cycles, none of which holds half of them
+ * (that were a rest): noted, and excluded from the local fits. */
+void clean_clipped(struct cleaning *cleaning, bool upper);
+
+/* The first row at or after t. */
+size_t first_row(const struct motion_rows *rows, double t);
+
+#endif

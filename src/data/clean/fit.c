@@ -1,0 +1,193 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Local robust fits, without a law for the whole: sway, drift and any drag are slow against two periods, what is left
+ * is noise and bad echoes. Iteratively reweighted least squares: Huber, then bisquare (Holland & Welsch 1977).
+ */
+#include "data/clean/clean.h"
+
+#include <gsl/gsl_statistics_double.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { TERMS = 6, SAMPLES_LEAST = 2 * TERMS, ROUNDS_HUBER = 6, ROUNDS = 12 };
+
+#define TWO_PI 6.28318530717958647692
+#define MAD_TO_SIGMA 1.4826
+#define BISQUARE 4.685 /* robust standard deviations: 95 % efficiency */
+#define COVERED 1.25 /* of the two periods: across a gap a fit is none */
+#define NEAR_ENOUGH 0.002 /* of the swing: so far the amplitude may bend within two periods */
+
+static int ascending(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+double sorted_quantile(double *value, size_t n, double q)
+{
+    qsort(value, n, sizeof *value, ascending);
+    return n > 0 ? value[(size_t)(q * (double)(n - 1))] : NAN;
+}
+
+double selected_quantile(double *value, size_t n, double q)
+{
+    return n > 0 ? gsl_stats_select(value, 1, n, (size_t)(q * (double)(n - 1))) : NAN;
+}
+
+/* Cholesky; a ridge that no determined parameter feels. */
+static bool solve(double a[TERMS][TERMS], double b[TERMS])
+{
+    for (int i = 0; i < TERMS; i++) {
+        a[i][i] *= 1 + 1e-10;
+        for (int j = 0; j <= i; j++) {
+            double sum = a[i][j];
+            for (int k = 0; k < j; k++)
+                sum -= a[i][k] * a[j][k];
+            if (i == j && !(sum > 0))
+                return false;
+            a[i][j] = i == j ? sqrt(sum) : sum / a[j][j];
+        }
+    }
+    for (int i = 0; i < TERMS; i++) {
+        for (int k = 0; k < i; k++)
+            b[i] -= a[i][k] * b[k];
+        b[i] /= a[i][i];
+    }
+    for (int i = TERMS; i-- > 0;) {
+        for (int k = i + 1; k < TERMS; k++)
+            b[i] -= a[k][i] * b[k];
+        b[i] /= a[i][i];
+    }
+    return true;
+}
+
+struct stretch {
+    size_t n;
+    double (*term)[TERMS]; /* [n] */
+    double *y, *weight, *residual, *size;
+};
+
+static bool weighted_fit(const struct stretch *s, double parameter[TERMS])
+{
+    double a[TERMS][TERMS] = {{0}}, b[TERMS] = {0};
+    for (size_t i = 0; i < s->n; i++)
+        for (int j = 0; j < TERMS && s->weight[i] > 0; j++) {
+            const double wx = s->weight[i] * s->term[i][j];
+            b[j] += wx * s->y[i];
+            for (int k = 0; k <= j; k++)
+                a[j][k] += wx * s->term[i][k];
+        }
+    if (!solve(a, b))
+        return false;
+    memcpy(parameter, b, sizeof b);
+    return true;
+}
+
+static double value_of(const double parameter[TERMS], const double term[TERMS])
+{
+    double sum = 0;
+    for (int j = 0; j < TERMS; j++)
+        sum += parameter[j] * term[j];
+    return sum;
+}
+
+/* Residuals and their robust scale. */
+static double residual_scale(const struct stretch *s, const double parameter[TERMS])
+{
+    for (size_t i = 0; i < s->n; i++) {
+        s->residual[i] = s->y[i] - value_of(parameter, s->term[i]);
+        s->size[i] = fabs(s->residual[i]);
+    }
+    return MAD_TO_SIGMA * selected_quantile(s->size, s->n, 0.5);
+}
+
+static bool robust_fit(const struct stretch *s, double least, double parameter[TERMS], double *scale)
+{
+    for (size_t i = 0; i < s->n; i++)
+        s->weight[i] = 1;
+    for (int round = 0; round <= ROUNDS; round++) {
+        if (!weighted_fit(s, parameter))
+            return false;
+        *scale = residual_scale(s, parameter);
+        const double width = fmax(*scale, least);
+        for (size_t i = 0; i < s->n; i++) {
+            const double r = fabs(s->residual[i]) / width, x = r / BISQUARE;
+            s->weight[i] = round < ROUNDS_HUBER ? 1 / fmax(r, 1) : x < 1 ? (1 - x * x) * (1 - x * x) : 0;
+        }
+    }
+    return true;
+}
+
+static void terms_at(double t, double middle, double period, double term[TERMS])
+{
+    const double s = (t - middle) / period, c = cos(TWO_PI * s), d = sin(TWO_PI * s);
+    const double all[TERMS] = {1, s, c, d, s * c, s * d};
+    memcpy(term, all, sizeof all);
+}
+
+static size_t row_at(const struct cleaning *c, double t)
+{
+    return first_row(&(struct motion_rows){.t = c->t, .n = c->n}, t);
+}
+
+static void fit_local(struct cleaning *c, struct local *local, const struct stretch *work)
+{
+    const double first = c->t[0], last = c->t[c->n - 1];
+    const double begin = fmin(fmax(local->t - c->period, first), fmax(first, last - 2 * c->period));
+    const size_t from = row_at(c, begin), to = row_at(c, begin + 2 * c->period);
+    struct stretch s = *work;
+    double parameter[TERMS], here[TERMS];
+    s.n = 0;
+    for (size_t i = from; i < to; i++)
+        if (!c->excluded[i]) {
+            terms_at(c->t[i], local->t, c->period, s.term[s.n]);
+            s.y[s.n++] = c->y[i];
+        }
+    const double least = fmax(c->quantum / sqrt(12.0), NEAR_ENOUGH * c->swing);
+    const bool enough = s.n >= SAMPLES_LEAST && (double)s.n * c->step > COVERED * c->period && local->to > local->from;
+    local->fitted = enough && robust_fit(&s, least, parameter, &local->scale);
+    /* So few samples are followed too closely. */
+    local->scale *= local->fitted ? (double)s.n / (double)(s.n - TERMS) : 1;
+    local->amplitude = local->fitted ? hypot(parameter[2], parameter[3]) : NAN;
+    for (size_t i = local->from; i < local->to; i++) {
+        terms_at(c->t[i], local->t, c->period, here);
+        c->model[i] = local->fitted ? value_of(parameter, here) : NAN;
+        c->residual[i] = local->fitted && !isnan(c->y[i]) ? c->y[i] - c->model[i] : 0;
+    }
+}
+
+bool clean_fit(struct cleaning *c)
+{
+    const double first = c->t[0], span = c->t[c->n - 1] - first;
+    c->locals = (size_t)fmax(1, floor(span / c->period));
+    const double each = span / (double)c->locals;
+    size_t largest = 0;
+    if (!c->local)
+        c->local = arena_array(c->scratch, c->locals, sizeof *c->local);
+    if (!c->local)
+        return false;
+    for (size_t k = 0; k < c->locals; k++) {
+        const double begin = first + each * (double)k;
+        const size_t rows = row_at(c, begin + 2.5 * c->period) - row_at(c, begin - 2.5 * c->period);
+        c->local[k] = (struct local){.t = begin + 0.5 * each,
+                                     .from = row_at(c, begin),
+                                     .to = k + 1 < c->locals ? row_at(c, first + each * (double)(k + 1)) : c->n};
+        largest = rows > largest ? rows : largest;
+    }
+    struct stretch work = {.term = arena_array(c->scratch, largest, sizeof *work.term),
+                           .y = arena_array(c->scratch, largest, sizeof *work.y),
+                           .weight = arena_array(c->scratch, largest, sizeof *work.weight),
+                           .residual = arena_array(c->scratch, largest, sizeof *work.residual),
+                           .size = arena_array(c->scratch, largest, sizeof *work.size)};
+    if (!work.term || !work.y || !work.weight || !work.residual || !work.size)
+        return false;
+    size_t fitted = 0;
+    for (size_t k = 0; k < c->locals; k++) {
+        fit_local(c, &c->local[k], &work);
+        if (c->local[k].fitted)
+            c->sorted[fitted++] = c->local[k].scale;
+    }
+    c->typical = fitted > 0 ? fmax(selected_quantile(c->sorted, fitted, 0.5), c->quantum / sqrt(12.0)) : NAN;
+    return true;
+}

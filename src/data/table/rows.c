@@ -1,0 +1,383 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * The rows of a table into columns, in one pass over the file. What cannot be read is counted and said.
+ */
+#include "data/table/stamp.h"
+#include "data/table/table.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define BEFORE_LAST 8 /* rows looked at to see whether the last one is cut … */
+#define ESTIMATE 64   /* lines whose length tells how many there are */
+#define RECENT 16     /* … among those kept in mind: a power of two above it */
+
+struct tally {
+    size_t count, first; /* how many, and the line of the first */
+    char example[SHORT_NAME];
+};
+
+struct reader {
+    struct recording *recording;
+    const struct table_layout *layout;
+    struct tally ragged, extra, *words; /* words: of each column */
+    struct stamp_column *stamps;        /* of each column */
+    struct text recent[RECENT];         /* recent[i % RECENT]: row i, while it is one of the last */
+    size_t room;                        /* rows there is memory for */
+    bool ended;                         /* the newest row has a line end */
+};
+
+/* ---- memory ---- */
+
+static bool resize(void *array, size_t count, size_t size)
+{
+    void *old, *fresh;
+    memcpy(&old, array, sizeof old);
+    fresh = realloc(old, count * size);
+    if (fresh)
+        memcpy(array, &fresh, sizeof fresh);
+    return fresh != NULL;
+}
+
+/* Room for `rows` rows. What is not written to takes no memory, so that a generous guess costs nothing. */
+static bool reserve(struct reader *reader, size_t rows, struct error *error)
+{
+    struct recording *recording = reader->recording;
+    const size_t each = ((size_t)recording->columns + 2) * sizeof(double) + sizeof(uint32_t), most = TABLE_BYTES / each;
+    rows = rows < most ? rows : most;
+    if (rows <= reader->room) {
+        error_set(error, ERROR_IO, "the table has more than %zu rows of %d columns: beyond the %u MiB that are kept",
+                  most, recording->columns, TABLE_BYTES >> 20);
+        return error_hint(error, "export a part of it, or fewer columns");
+    }
+    bool done =
+        resize(&recording->t, rows, sizeof *recording->t) && resize(&recording->line, rows, sizeof *recording->line);
+    for (int i = 0; i < recording->columns && done; i++)
+        done = resize(&recording->column[i].value, rows, sizeof(double));
+    reader->room = rows;
+    return done || error_memory(error);
+}
+
+/* ---- one row ---- */
+
+static void note(struct tally *tally, size_t line, struct text example)
+{
+    if (tally->count++ == 0) {
+        tally->first = line;
+        short_name(example, tally->example);
+    }
+}
+
+/*
+ * A number of at most 15 digits at `at`, behind blanks, times 1e-22 or more: two exact doubles and one rounding
+ * (Clinger 1990), the same bits as real_scan's. Returns its end; NULL: something else, which the slow way reads.
+ */
+static inline const char *plain_number(const char *at, const char *end, char decimal, double *value)
+{
+    static const double power10[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
+                                     1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+    while (at < end && *at == ' ')
+        at++;
+    const bool negative = at < end && *at == '-';
+    const char *first = at += negative, *point = NULL;
+    uint64_t digits = 0;
+    for (; at < end; at++) {
+        const unsigned digit = (unsigned)(*at - '0');
+        if (digit < 10) {
+            digits = 10 * digits + digit;
+        } else if (*at == decimal && !point) {
+            point = at;
+        } else {
+            break;
+        }
+    }
+    const ptrdiff_t count = at - first - (point != NULL);
+    ptrdiff_t exponent = point ? point + 1 - at : 0;
+    if (count < 1 || count > 15)
+        return NULL;
+    if (at < end && (*at == 'E' || *at == 'e')) {
+        const bool low = ++at < end && *at == '-';
+        at += low;
+        const unsigned digit = at < end ? (unsigned)(*at - '0') : 10;
+        if (digit > 9 || (++at < end && (unsigned)(*at - '0') < 10)) /* one digit is usual */
+            return NULL;
+        exponent += low ? -(ptrdiff_t)digit : (ptrdiff_t)digit;
+        if (exponent < -22)
+            return NULL;
+    }
+    const double size = exponent < 0 ? (double)digits / power10[-exponent] : (double)digits * power10[exponent];
+    *value = negative ? -size : size;
+    return at;
+}
+
+/* A row of nothing but plain numbers that ends in LF or CRLF, nearly every row of an instrument: returns the start of
+ * the next line. NULL: the slow way has to look. */
+static const char *plain_row(struct reader *reader, const char *at, const char *end)
+{
+    const struct recording *recording = reader->recording;
+    const char separator = reader->layout->separator, decimal = reader->layout->decimal;
+    const size_t row = recording->rows;
+    const char *begin = at;
+    if (separator == decimal)
+        return NULL;
+    for (int i = 0; i < recording->columns; i++) {
+        if (i > 0 && (at == end || *at++ != separator))
+            return NULL;
+        at = plain_number(at, end, decimal, &recording->column[i].value[row]);
+        if (!at)
+            return NULL;
+    }
+    reader->recent[row % RECENT] = (struct text){begin, (size_t)(at - begin)};
+    at += at < end && *at == separator && separator != ' ';
+    at += at < end && *at == '\r';
+    return at < end && *at == '\n' ? at + 1 : NULL;
+}
+
+static enum cell cell_of(struct text field, const struct table_layout *layout, double *value)
+{
+    const enum cell cell = table_cell(field, layout->decimal, value);
+    return cell == CELL_WORD && layout->grouped && table_grouped(field, layout->decimal, value) ? CELL_NUMBER : cell;
+}
+
+/* The next field, parsed. Numbers that end at the separator need no look at the field as text. */
+static bool next_cell(struct text *rest, const struct table_layout *layout, struct text *field, enum cell *cell,
+                      double *value)
+{
+    size_t used = 0;
+    if (rest->at == NULL)
+        return false;
+    /* A comma that is both ends a number only behind its quotes. */
+    const enum real_status status =
+        layout->decimal == layout->separator ? REAL_MALFORMED : real_scan(*rest, layout->decimal, value, &used);
+    if ((status == REAL_OK || status == REAL_UNDERFLOW) && (used == rest->len || rest->at[used] == layout->separator)) {
+        *field = (struct text){rest->at, used};
+        *rest = used < rest->len ? (struct text){rest->at + used + 1, rest->len - used - 1} : (struct text){NULL, 0};
+        *cell = CELL_NUMBER;
+        return true;
+    }
+    if (!table_field(rest, layout->separator, field))
+        return false;
+    *cell = cell_of(*field, layout, value);
+    return true;
+}
+
+static void note_words(struct reader *reader, struct text line, size_t number)
+{
+    struct text field;
+    double value;
+    for (int i = 0; i < reader->recording->columns && table_field(&line, reader->layout->separator, &field); i++)
+        if (cell_of(field, reader->layout, &value) == CELL_WORD)
+            note(&reader->words[i], number, field);
+}
+
+/* Reads one line into row recording->rows; false: it is no row of this table. */
+static bool read_row(struct reader *reader, struct text line, size_t number)
+{
+    struct recording *recording = reader->recording;
+    struct text rest = line, field, beyond = {0};
+    int fields = 0, numbers = 0;
+    bool words = false;
+    enum cell cell;
+    double value;
+    while (next_cell(&rest, reader->layout, &field, &cell, &value)) {
+        if (fields < recording->columns) {
+            if (cell == CELL_STAMP)
+                value = stamp_seconds(&reader->stamps[fields], field);
+            recording->column[fields].value[recording->rows] = value;
+            numbers += cell == CELL_NUMBER || cell == CELL_STAMP;
+            words |= cell == CELL_WORD;
+        } else if (cell == CELL_NUMBER) {
+            return false;
+        } else if (cell == CELL_WORD && beyond.len == 0) {
+            beyond = field;
+        }
+        fields++;
+    }
+    if (fields < recording->columns || (numbers == 0 && (words || beyond.len > 0)))
+        return false;
+    if (beyond.len > 0)
+        note(&reader->extra, number, beyond);
+    if (words)
+        note_words(reader, line, number);
+    return true;
+}
+
+/* The last that is read: what stands behind it may be a separator that ends the row. */
+static struct text last_field(const struct reader *reader, struct text row)
+{
+    struct text field = {0}, next;
+    for (int i = 0; i < reader->recording->columns && table_field(&row, reader->layout->separator, &next); i++)
+        field = next;
+    return field;
+}
+
+static size_t decimals(struct text number, char decimal)
+{
+    const char *point = number.len ? memchr(number.at, decimal, number.len) : NULL;
+    size_t count = 0;
+    for (const char *at = point; point && ++at < number.at + number.len && *at >= '0' && *at <= '9';)
+        count++;
+    return count;
+}
+
+/*
+ * Is the newest row, which has no line end, cut in mid-number? It is if it has fewer decimals than the rows before
+ * agree on; or, where these do not agree or have none, if its last number is the beginning of the one above (-1 below
+ * -120).
+ */
+static bool is_cut(const struct reader *reader)
+{
+    const struct table_layout *layout = reader->layout;
+    const size_t row = reader->recording->rows - 1;
+    struct text last = last_field(reader, reader->recent[row % RECENT]);
+    size_t agreed = 0;
+    bool agree = true;
+    if (row == 0)
+        return false;
+    for (size_t i = 1; i <= BEFORE_LAST && i <= row; i++) {
+        size_t here = decimals(last_field(reader, reader->recent[(row - i) % RECENT]), layout->decimal);
+        agree = agree && (i == 1 || here == agreed);
+        agreed = here;
+    }
+    double value;
+    enum cell cell = table_cell(last, layout->decimal, &value);
+    struct text above = last_field(reader, reader->recent[(row - 1) % RECENT]);
+    if (cell == CELL_WORD || text_is(last, "-"))
+        return table_cell(above, layout->decimal, &value) != CELL_WORD;
+    if (agree && agreed > 0)
+        return decimals(last, layout->decimal) < agreed && (cell == CELL_NUMBER || last.len == 0);
+    return last.len < above.len && text_starts(above, last);
+}
+
+static void name_columns(struct recording *recording)
+{
+    for (int i = 0; i < recording->columns; i++) {
+        struct column *column = &recording->column[i];
+        if (!column->name[0])
+            snprintf(column->name, sizeof column->name, "column %d", i + 1);
+    }
+}
+
+static void warn_rows(struct reader *reader)
+{
+    struct recording *recording = reader->recording;
+    if (reader->layout->ambiguous)
+        recording_warn(recording,
+                       "commas are read as separators (%d columns of whole numbers); decimal=comma if they are "
+                       "decimal marks",
+                       recording->columns);
+    if (reader->layout->grouped)
+        recording_warn(recording, "'%c' stands between thousands (the numbers go on so from 999); decimal=%s if not",
+                       reader->layout->decimal == '.' ? ',' : '.', reader->layout->decimal == '.' ? "comma" : "point");
+    if (reader->ragged.count > 0)
+        recording_warn(recording, "%zu %s dropped that %s not %d numbers (first: line %zu, '%s')", reader->ragged.count,
+                       reader->ragged.count == 1 ? "line" : "lines", reader->ragged.count == 1 ? "is" : "are",
+                       recording->columns, reader->ragged.first, reader->ragged.example);
+    for (int i = 0; i < recording->columns; i++) {
+        const struct tally *words = &reader->words[i];
+        if (words->count > 0 && words->count == recording->rows)
+            recording_warn(recording, "%s holds words, not numbers ('%s')", recording->column[i].name, words->example);
+        else if (words->count > 0)
+            recording_warn(recording, "%s: %zu %s not a number and taken as missing (first: line %zu, '%s')",
+                           recording->column[i].name, words->count, words->count == 1 ? "cell is" : "cells are",
+                           words->first, words->example);
+    }
+    if (reader->extra.count > 0)
+        recording_warn(recording, "%zu %s words behind the last column, not read (first: line %zu, '%s')",
+                       reader->extra.count, reader->extra.count == 1 ? "row has" : "rows have", reader->extra.first,
+                       reader->extra.example);
+}
+
+static bool is_full(struct reader *reader, struct error *error)
+{
+    const size_t room = reader->room;
+    return reader->recording->rows == room && !reserve(reader, room + room / 2 + 64, error);
+}
+
+/* The line at *rest, whatever it is; `data` counts the lines of the table. */
+static bool read_line(struct reader *reader, struct text *rest, size_t number, size_t *data)
+{
+    struct recording *recording = reader->recording;
+    struct text line;
+    if (!table_line(rest, &line))
+        return false;
+    if (table_skipped(line))
+        return true;
+    const bool row = line.len <= LIMIT_LINE && read_row(reader, line, number);
+    reader->ended = rest->len > 0 || rest->at > line.at + line.len;
+    if (!row && !reader->ended) {
+        recording_warn(recording, "the last line (%zu) is cut short: dropped", number);
+        recording->dropped++;
+    } else if (!row) {
+        note(&reader->ragged, number, line);
+    } else {
+        reader->recent[recording->rows % RECENT] = line;
+        recording->line[recording->rows] = (uint32_t)number;
+        recording->t[recording->rows++] = (double)*data;
+    }
+    ++*data;
+    return true;
+}
+
+bool table_rows(const struct table_text *text, const struct table_layout *layout, struct recording *recording,
+                struct error *error)
+{
+    struct reader reader = {.recording = recording, .layout = layout};
+    const char *end = text->text.at + text->text.len, *next;
+    struct text rest = {layout->begin, (size_t)(end - layout->begin)}, line = rest, first;
+    if (!table_columns(layout, recording, error))
+        return false;
+    reader.words = arena_array(&recording->arena, (size_t)recording->columns, sizeof *reader.words);
+    reader.stamps = arena_array(&recording->arena, (size_t)recording->columns, sizeof *reader.stamps);
+    if (!reader.words || !reader.stamps)
+        return error_memory(error);
+    /* As many rows as there are if the first are as long as the others. */
+    size_t lines = 0;
+    while (lines < ESTIMATE && table_line(&line, &first))
+        lines++;
+    const size_t bytes = rest.len - line.len;
+    if (!reserve(&reader, (size_t)(1.1 * (double)rest.len * (double)lines / (double)(bytes + 1)) + 64, error))
+        return false;
+    recording->separator = layout->separator;
+    recording->decimal = layout->decimal;
+    recording->header_lines = (int)(layout->line - text->header);
+    size_t number = layout->line, data = 0;
+    for (bool more = true; more && rest.len > 0; number++) {
+        if (is_full(&reader, error))
+            return false;
+        next = plain_row(&reader, rest.at, end);
+        if (next) {
+            recording->line[recording->rows] = (uint32_t)number;
+            recording->t[recording->rows++] = (double)data++;
+            rest = (struct text){next, (size_t)(end - next)};
+            reader.ended = true;
+        } else {
+            more = read_line(&reader, &rest, number, &data);
+        }
+    }
+    if (recording->rows > 0 && !reader.ended && recording->line[recording->rows - 1] + 1 == number && is_cut(&reader)) {
+        char shown[SHORT_NAME];
+        recording_warn(recording, "the last line (%zu) seems cut in mid-number ('%s'): dropped", number - 1,
+                       short_name(last_field(&reader, reader.recent[(recording->rows - 1) % RECENT]), shown));
+        recording->rows--;
+        recording->dropped++;
+    }
+    recording->dropped += reader.ragged.count;
+    name_columns(recording);
+    warn_rows(&reader);
+    stamp_columns(recording, reader.stamps);
+    return true;
+}
+
+bool table_read(const struct table_text *text, const struct load_options *options, struct recording *recording,
+                struct error *error)
+{
+    (void)options;
+    if (text->layout.columns == 0) {
+        *error = text->problem;
+        return false;
+    }
+    return table_rows(text, &text->layout, recording, error);
+}

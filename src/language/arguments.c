@@ -1,0 +1,247 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Reads what stands after the name of a command, by the command's own description of its arguments. */
+#include <hooke/language.h>
+
+#include <assert.h>
+#include <string.h>
+
+const struct given *given_for(const struct arguments *arguments, const char *name)
+{
+    const struct command *command = arguments->command;
+    int place = 0;
+    while (place < command->arguments && strcmp(command->argument[place].name, name) != 0)
+        place++;
+    assert(place < command->arguments);
+    return &arguments->given[place];
+}
+
+/* Room for one more item; they live in the arena of the statement. */
+static struct item *next_item(struct parser *parser, struct given *given, struct error *error)
+{
+    if (given->count >= LIMIT_TOKENS) {
+        error_set(error, ERROR_COMMAND, "more than %d words in a statement", LIMIT_TOKENS);
+        return NULL;
+    }
+    if ((given->count & (given->count - 1)) == 0) { /* full at every power of two */
+        struct item *larger = arena_array(parser->arena, given->count ? 2 * (size_t)given->count : 1, sizeof *larger);
+        if (!larger) {
+            error_memory(error);
+            return NULL;
+        }
+        if (given->count)
+            memcpy(larger, given->item, (size_t)given->count * sizeof *larger);
+        given->item = larger;
+    }
+    struct item *item = &given->item[given->count];
+    *item = (struct item){.quantity = QUANTITY_OTHER, .index = -1};
+    return item;
+}
+
+/* Where one argument's items go, and what is still expected. */
+struct progress {
+    struct parser *parser;
+    const struct command *command;
+    struct arguments *arguments;
+    int open;                  /* argument that may take more items without a new introduction, -1: none */
+    const struct item *number; /* that was read last, NULL: something else */
+};
+
+static bool read_into(struct progress *progress, int place, const char *start, struct error *error)
+{
+    struct parser *parser = progress->parser;
+    const struct argument *argument = &progress->command->argument[place];
+    struct given *given = &progress->arguments->given[place];
+    for (int i = 0; given->count == 0 && argument->group && i < progress->command->arguments; i++)
+        if (i != place && progress->command->argument[i].group == argument->group && has(progress->arguments, i)) {
+            error_at(error,
+                     (struct text){start, (size_t)(parser->rest.at - start) ? (size_t)(parser->rest.at - start) : 1},
+                     "'%s' and '%s' exclude each other", progress->command->argument[i].name, argument->name);
+            return false;
+        }
+    const bool many = (argument->flags & ARG_MANY) != 0;
+    const bool needs = argument->type != TYPE_NONE;
+    for (bool more = true; more;) {
+        text_skip_blanks(&parser->rest);
+        if (needs && parser->rest.len == 0) {
+            error_at(error, (struct text){parser->rest.at, 0}, "%s needs a value after '%s'",
+                     progress->command->row.name, argument->name);
+            struct buffer usage = {0};
+            command_usage(progress->command, &usage);
+            error_hint(error, "usage: %s", buffer_view(&usage));
+            buffer_free(&usage);
+            return false;
+        }
+        struct item *item = next_item(parser, given, error);
+        if (!item || !read_item(parser, argument, many ? "," : "", item, error))
+            return false;
+        given->count++;
+        more = many && parser->rest.len > 0 && parser->rest.at[0] == ',';
+        if (more)
+            parser->rest = (struct text){parser->rest.at + 1, parser->rest.len - 1};
+    }
+    given->where = (struct text){start, (size_t)(parser->rest.at - start)};
+    const bool number = argument->type == TYPE_VALUE || argument->type == TYPE_RANGE || argument->type == TYPE_EXPR ||
+                        argument->type == TYPE_INTEGER || argument->type == TYPE_CONDITION;
+    progress->number = number ? &given->item[given->count - 1] : NULL;
+    progress->open = many && argument->form == FORM_WORD ? place : -1;
+    return true;
+}
+
+static int find_argument(const struct command *command, enum argument_form form, struct text name)
+{
+    for (int i = 0; i < command->arguments; i++)
+        if (command->argument[i].form == form && text_is(name, command->argument[i].name))
+            return i;
+    return -1;
+}
+
+/* The argument that takes any NAME=VALUE, -1: none. */
+static int find_start(const struct command *command)
+{
+    for (int i = 0; i < command->arguments; i++)
+        if (command->argument[i].type == TYPE_START)
+            return i;
+    return -1;
+}
+
+static bool is_lead(const struct command *command, struct text word)
+{
+    for (int i = 0; i < command->arguments; i++)
+        if (command->argument[i].lead && text_is(word, command->argument[i].lead))
+            return true;
+    return false;
+}
+
+static bool unknown_argument(const struct command *command, enum argument_form form, struct text name,
+                             struct error *error)
+{
+    error_at(error, name, "%s has no %s '%.*s'", command->row.name, form == FORM_OPTION ? "option" : "argument",
+             (int)(name.len < 64 ? name.len : 64), name.at);
+    struct suggestion near = {.wanted = name};
+    for (int i = 0; i < command->arguments; i++)
+        if (command->argument[i].form == form)
+            suggestion_offer(&near, command->argument[i].name);
+    suggestion_hint(&near, error);
+    struct buffer usage = {0};
+    command_usage(command, &usage);
+    error_hint(error, "usage: %s", buffer_view(&usage));
+    buffer_free(&usage);
+    return false;
+}
+
+/* The length of NAME and blanks and "=" at the start of text, 0 if it is not of this form. */
+static size_t key_length(struct text text, struct text name)
+{
+    struct text rest = {text.at + name.len, text.len - name.len};
+    text_skip_blanks(&rest);
+    if (name.len == 0 || rest.len == 0 || rest.at[0] != '=' || (rest.len > 1 && rest.at[1] == '='))
+        return 0;
+    return (size_t)(rest.at + 1 - text.at);
+}
+
+/* The place where an item without introduction goes, -1: none. */
+static int next_place(const struct progress *progress, struct text word)
+{
+    const struct command *command = progress->command;
+    if (progress->open >= 0 && command->argument[progress->open].type == TYPE_RUN && word.len > 0 &&
+        ((word.at[0] >= '0' && word.at[0] <= '9') || session_find_run(progress->parser->session, word) >= 0))
+        return progress->open;
+    if (progress->open >= 0 && command->argument[progress->open].type == TYPE_CHOICE)
+        return progress->open;
+    int last = -1;
+    for (int i = 0; i < command->arguments; i++) {
+        if (command->argument[i].form != FORM_PLACE ||
+            (has(progress->arguments, i) && !(command->argument[i].flags & ARG_MANY)))
+            continue;
+        last = i;
+        /* What is no recording goes to the next place, if there is one and none came before it. */
+        if (command->argument[i].type != TYPE_RECORDING || has(progress->arguments, i) ||
+            session_find_recording(progress->parser->session, word) >= 0)
+            return i;
+    }
+    return last;
+}
+
+static bool takes_rest(const struct argument *argument)
+{
+    return argument->type == TYPE_REST || argument->type == TYPE_FORMULA;
+}
+
+static bool read_next(struct progress *progress, struct error *error)
+{
+    struct parser *parser = progress->parser;
+    struct text *rest = &parser->rest;
+    const char *start = rest->at;
+    const struct text name = rest->at[0] == '>' ? (struct text){rest->at, 1} : peek_name(*rest);
+    size_t used = 0;
+    int place = next_place(progress, (struct text){rest->at, 0});
+    if (place >= 0 && takes_rest(&progress->command->argument[place]))
+        return read_into(progress, place, start, error);
+    if (text_starts(*rest, TEXT("--")) && rest->len > 2 && is_name_start(rest->at[2])) {
+        const struct text option = peek_name((struct text){rest->at + 2, rest->len - 2});
+        place = find_argument(progress->command, FORM_OPTION, option);
+        if (place < 0)
+            return unknown_argument(progress->command, FORM_OPTION, option, error);
+        used = key_length(*rest, (struct text){rest->at, option.len + 2});
+        used = used ? used : option.len + 2;
+    } else if ((used = key_length(*rest, name)) > 0) {
+        place = find_argument(progress->command, FORM_KEY, name);
+        if (place < 0 && (place = find_start(progress->command)) >= 0)
+            used = 0; /* the name is part of it */
+        /* `let NAME = value`: the = belongs to what follows. */
+        if (place < 0 && next_place(progress, name) >= 0 &&
+            progress->command->argument[next_place(progress, name)].type == TYPE_NAME) {
+            place = next_place(progress, name);
+            used = 0;
+        }
+        if (place < 0)
+            return unknown_argument(progress->command, FORM_KEY, name, error);
+    } else if (place >= 0 && progress->command->argument[place].type == TYPE_CHOICE &&
+               !has(progress->arguments, place) && catalog_find(progress->command->argument[place].choices, name)) {
+        used = 0; /* `measure energy`: what the place wants comes before a word of the same name, as in `of energy` */
+    } else if ((place = find_argument(progress->command, FORM_WORD, name)) >= 0 &&
+               peek_word(*rest, "").len == name.len) {
+        used = name.len;
+    } else if (is_lead(progress->command, name)) {
+        *rest = (struct text){rest->at + name.len, rest->len - name.len};
+        return true;
+    } else {
+        place = next_place(progress, peek_word(*rest, ","));
+        used = 0;
+        if (place < 0)
+            return refuse_rest(parser, progress->number, error);
+    }
+    if (has(progress->arguments, place) && !(progress->command->argument[place].flags & ARG_MANY))
+        return error_at(error, (struct text){start, used ? used : 1}, "'%s' is given twice",
+                        progress->command->argument[place].name);
+    *rest = (struct text){rest->at + used, rest->len - used};
+    return read_into(progress, place, start, error);
+}
+
+bool parse_arguments(struct parser *parser, const struct command *command, struct arguments *arguments,
+                     struct error *error)
+{
+    struct progress progress = {parser, command, arguments, -1, NULL};
+    for (;;) {
+        struct text before = parser->rest;
+        text_skip_blanks(&parser->rest);
+        if (parser->rest.len == 0)
+            break;
+        /* Something glued to a number, as in 0,5 or 5cmm. */
+        if (progress.number && before.at == parser->rest.at)
+            return refuse_rest(parser, progress.number, error);
+        if (!read_next(&progress, error))
+            return false;
+    }
+    for (int i = 0; i < command->arguments; i++)
+        if ((command->argument[i].flags & ARG_REQUIRED) && !has(arguments, i)) {
+            struct buffer usage = {0};
+            command_usage(command, &usage);
+            error_at(error, (struct text){parser->rest.at, 0}, "%s needs %s", command->row.name,
+                     command->argument[i].name);
+            error_hint(error, "usage: %s", buffer_view(&usage));
+            buffer_free(&usage);
+            return false;
+        }
+    return true;
+}

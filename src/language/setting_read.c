@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Reads the value of a setting. */
+#include <hooke/language.h>
+
+#include <string.h>
+
+bool setting_read(const struct setting *setting, struct parser *parser, struct settings *settings, struct error *error)
+{
+    const struct text value = text_trim(parser->rest);
+    if (value.len == 0)
+        return error_at(error, value, "%s needs a value", setting->row.name);
+    if (setting->parse) {
+        parser->rest = (struct text){value.at + value.len, 0};
+        return setting->parse(settings, value, error);
+    }
+    if (setting->choices) {
+        const struct row *row = choose(parser->session, setting->choices, value);
+        if (!row) {
+            struct buffer all = {0};
+            for (size_t i = 0; i < setting->choices->count; i++)
+                buffer_format(&all, "%s%s", i ? ", " : "", catalog_row(setting->choices, i)->name);
+            catalog_unknown(setting->choices, value, error);
+            error_hint(error, "%s is one of: %s", setting->row.name, buffer_view(&all));
+            buffer_free(&all);
+            return false;
+        }
+        const int place = catalog_place(setting->choices, row);
+        memcpy((char *)settings + setting->offset, &place, sizeof place);
+        parser->rest = (struct text){value.at + value.len, 0};
+        return true;
+    }
+    struct item item = {0};
+    if (!parse_value(parser, setting->row.name, setting->quantity, &item, error) || !refuse_rest(parser, &item, error))
+        return false;
+    if (!(item.value.value > setting->least && item.value.value <= setting->most))
+        return error_at(error, item.text, "%s must be more than 0, got '%.*s'", setting->row.name, (int)item.text.len,
+                        item.text.at);
+    if (item.value.uncertainty > 0)
+        return error_at(error, item.text, "%s is exact: it takes no uncertainty", setting->row.name);
+    memcpy((char *)settings + setting->offset, &item.value.value, sizeof item.value.value);
+    return true;
+}

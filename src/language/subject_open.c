@@ -1,0 +1,170 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What measure and fit act on: a run or a recording as a series. */
+
+#include <hooke/language.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+bool run_series(const struct run *run, bool energy, struct arena *arena, struct series *series, struct error *error)
+{
+    const size_t n = trace_count(run->trace);
+    double *t = arena_array(arena, n, sizeof *t), *y = arena_array(arena, n, sizeof *y);
+    if (!t || !y)
+        return error_memory(error);
+    const struct observable *energy_of = observable_energy(&run->system);
+    if (energy && !run_column(run, energy_of, y, error))
+        return false;
+    if (!energy)
+        run_variable_column(run, 0, y);
+    for (size_t i = 0; i < n; i++)
+        t[i] = trace_time(run->trace, i);
+    if (n > 1 && t[n - 1] < t[0])
+        for (size_t i = 0; i < n / 2; i++) {
+            const double a = t[i], b = y[i];
+            t[i] = t[n - 1 - i];
+            y[i] = y[n - 1 - i];
+            t[n - 1 - i] = a;
+            y[n - 1 - i] = b;
+        }
+    *series = (struct series){t, y, n, energy ? observable_quantity(energy_of, &run->system)
+                                              : system_variable(&run->system, 0).quantity};
+    return true;
+}
+
+bool run_period(const struct run *run, struct arena *arena, struct measured *period)
+{
+    struct series series;
+    struct period found;
+    struct error ignored;
+    double centre;
+    if (!run_series(run, false, arena, &series, &ignored))
+        return false;
+    const bool clean = run_centre(run, &centre) && series_clean_period(&series, centre, arena, &found);
+    if (!clean && !series_period(&series, arena, &found, &ignored))
+        return false;
+    *period = found.period;
+    return true;
+}
+
+bool needs_spring(const struct scene *scene, const char *what, struct error *error)
+{
+    if (is_oscillator(scene))
+        return true;
+    error_set(error, ERROR_COMMAND, "%s needs the mass and the spring of an oscillator, the scene is %s", what,
+              scene->preset->row.name);
+    return error_hint(error, "type: scene spring");
+}
+
+/* Kinetic and potential energy of a recording, where its velocity is known. */
+static bool data_energy(const struct session *session, struct arena *arena, struct subject *subject,
+                        struct error *error)
+{
+    struct data_motion motion;
+    if (!data_motion(session, subject->recording, &subject->series, true, arena, &motion, error))
+        return false;
+    snprintf(subject->how, sizeof subject->how, "%s; %s", motion.how_k, motion.how_v);
+    subject->mass = motion.mass;
+    subject->k = motion.k;
+    subject->noise = motion.noise;
+    return motion_series(&motion, true, -HUGE_VAL, HUGE_VAL, arena, &subject->series, error);
+}
+
+static struct series in_window(struct series series, const struct given *window)
+{
+    const double *range = window && window->count ? window->item->range : NULL;
+    return !range ? series
+                  : series_window(series, isnan(range[0]) ? -HUGE_VAL : range[0],
+                                  isnan(range[1]) ? HUGE_VAL : range[1]);
+}
+
+static bool open_run(struct run *run, const struct given *window, bool energy, size_t least, struct arena *arena,
+                     struct subject *subject, struct error *error)
+{
+    subject->run = run;
+    snprintf(subject->name, sizeof subject->name, "run %d", run->number);
+    if (!run_series(run, energy, arena, &subject->series, error))
+        return false;
+    subject->series = in_window(subject->series, window);
+    if (subject->series.n >= least)
+        return true;
+    error_set(error, ERROR_COMMAND, "%s holds %zu samples there, at least %zu are needed", subject->name,
+              subject->series.n, least);
+    if (window && window->count)
+        error->where = window->where;
+    return false;
+}
+
+static bool open_recording(const struct session *session, struct recording *recording, const struct given *window,
+                           bool energy, size_t least, struct arena *arena, struct subject *subject, struct error *error)
+{
+    subject->recording = recording;
+    snprintf(subject->name, sizeof subject->name, "data %s", recording->name);
+    /* window= replaces the recording's own window, for this command only. */
+    const double before[2] = {recording->window[0], recording->window[1]};
+    bool ok = true;
+    if (window && window->count) {
+        const double *range = window->item->range;
+        ok = recording_window(recording, isnan(range[0]) ? -HUGE_VAL : range[0], isnan(range[1]) ? HUGE_VAL : range[1],
+                              error);
+    }
+    ok = ok && recording_series(recording, arena, least, &subject->series, error);
+    recording->window[0] = before[0];
+    recording->window[1] = before[1];
+    if (!ok && window && window->count)
+        error->where = window->where;
+    return ok && (!energy || data_energy(session, arena, subject, error));
+}
+
+bool subject_column(struct subject *subject, const struct given *column, const struct given *window,
+                    struct arena *arena, struct error *error)
+{
+    const struct text name = column->item->text;
+    const struct run *run = subject->run;
+    struct chosen_column chosen;
+    if (!run)
+        return error_at(error, column->where, "a recording has no column '%.*s'", (int)name.len, name.at);
+    if (!chosen_find(run->system.model, name, &chosen, error))
+        return false;
+    const size_t n = trace_count(run->trace);
+    double *t = arena_array(arena, n, sizeof *t), *y = arena_array(arena, n, sizeof *y);
+    if (!t || !y)
+        return error_memory(error);
+    if (!chosen_values(run, &chosen, y, error))
+        return false;
+    const bool backwards = trace_time(run->trace, n - 1) < trace_time(run->trace, 0);
+    for (size_t i = 0; i < n; i++)
+        t[i] = trace_time(run->trace, backwards ? n - 1 - i : i);
+    for (size_t i = 0; backwards && i < n / 2; i++) {
+        const double last = y[n - 1 - i];
+        y[n - 1 - i] = y[i];
+        y[i] = last;
+    }
+    const struct series whole = {t, y, n, chosen_variable(&run->system, &chosen).quantity};
+    subject->series = in_window(whole, window);
+    subject->column = true;
+    snprintf(subject->name, sizeof subject->name, "%.*s of run %d", (int)name.len, name.at, run->number);
+    return true;
+}
+
+bool subject_open(struct session *session, const struct given *run, const struct given *data,
+                  const struct given *window, bool energy, size_t least, struct arena *arena, struct subject *subject,
+                  struct error *error)
+{
+    *subject = (struct subject){.energy = energy};
+    if (run && run->count)
+        return open_run(session->run[run->item->index]->run, window, energy, least, arena, subject, error);
+    if (data && data->count)
+        return open_recording(session, session->recording[data->item->index]->recording, window, energy, least, arena,
+                              subject, error);
+    struct run *latest = session_run(session);
+    struct recording *recording = session_recording(session);
+    if (recording && (session->data_is_latest || !latest))
+        return open_recording(session, recording, window, energy, least, arena, subject, error);
+    if (latest)
+        return open_run(latest, window, energy, least, arena, subject, error);
+    error_set(error, ERROR_COMMAND, "there is neither a run nor a recording yet");
+    return error_hint(error, "type: run, or: load FILE");
+}
+

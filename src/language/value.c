@@ -1,0 +1,283 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Values with units and uncertainties, ranges, whole numbers, and what is said when they are malformed. */
+#include <hooke/language.h>
+
+#include <math.h>
+#include <string.h>
+
+static void advance(struct text *text, size_t by)
+{
+    *text = (struct text){text->at + by, text->len - by};
+}
+
+static struct text between(const char *from, const char *to)
+{
+    struct text text = {from, (size_t)(to - from)};
+    return text_trim(text);
+}
+
+/* How much of a text a message quotes. */
+static int shown_length(struct text text)
+{
+    return (int)(text.len < 80 ? text.len : 80);
+}
+
+static bool starts_uncertainty(struct text text)
+{
+    return text_starts(text, TEXT("+-"));
+}
+
+struct text before_option(struct text text)
+{
+    for (size_t i = 1; i + 2 < text.len; i++)
+        if (strchr(" \t", text.at[i - 1]) && text_starts((struct text){text.at + i, text.len - i}, TEXT("--")) &&
+            is_name_start(text.at[i + 2]))
+            return (struct text){text.at, i};
+    return text;
+}
+
+/* expr [UNIT] */
+struct part {
+    double number;
+    const struct unit *unit;
+    const struct expr *expr;
+};
+
+static bool parse_part(struct parser *parser, struct part *part, struct error *error)
+{
+    size_t used;
+    text_skip_blanks(&parser->rest);
+    const struct text start = parser->rest;
+    part->expr = expr_compile(before_option(start), parser->scope, parser->arena, &used, error);
+    if (!part->expr)
+        return names_explain(parser->session, error);
+    while (used > 0 && strchr(" \t", start.at[used - 1]))
+        used--;
+    part->number = expr_value(part->expr, parser->scope);
+    advance(&parser->rest, used);
+    struct text after = parser->rest;
+    text_skip_blanks(&after);
+    part->unit = unit_match(after);
+    if (part->unit) {
+        parser->rest = after;
+        advance(&parser->rest, strlen(part->unit->row.name));
+    }
+    return true;
+}
+
+static bool wrong_quantity(const char *what, enum quantity wanted, const struct unit *unit, struct text typed,
+                           struct error *error)
+{
+    if (wanted == QUANTITY_NUMBER)
+        return error_at(error, typed, "%s needs a pure number, got '%.*s' (%s)", what, shown_length(typed), typed.at,
+                        quantity_name(unit->quantity));
+    struct buffer units = {0};
+    quantity_units(wanted, &units);
+    const char *name = quantity_name(wanted);
+    error_at(error, typed, "%s needs %s %s (%s), got '%.*s' (%s)", what, strchr("aeio", name[0]) ? "an" : "a", name,
+             buffer_view(&units), shown_length(typed), typed.at, quantity_name(unit->quantity));
+    buffer_free(&units);
+    return false;
+}
+
+/* A bare number is in the SI unit; `fallback` is the unit of the other side of +-. */
+static bool to_si(const struct part *part, const struct unit *fallback, const char *what, enum quantity wanted,
+                  struct text typed, double *si, struct error *error)
+{
+    const struct unit *unit = part->unit ? part->unit : fallback;
+    *si = part->number;
+    if (!unit)
+        return true;
+    if (unit_convert(unit, wanted == QUANTITY_OTHER ? unit->quantity : wanted, part->number, si))
+        return true;
+    return wrong_quantity(what, wanted, unit, typed, error);
+}
+
+/* Quantity of an expression that is a single name. */
+static enum quantity quantity_of_name(const struct parser *parser, struct text typed)
+{
+    const size_t used = peek_name(typed).len;
+    const bool whole = used == typed.len || (used > 0 && used + 1 == typed.len && typed.at[used] == '\''); /* y' */
+    return whole ? name_quantity(parser->scope, typed) : QUANTITY_OTHER;
+}
+
+bool parse_value(struct parser *parser, const char *what, enum quantity wanted, struct item *item, struct error *error)
+{
+    text_skip_blanks(&parser->rest);
+    const char *start = parser->rest.at;
+    struct part number, spread = {0};
+    if (parser->rest.len == 0) {
+        error_at(error, parser->rest, "%s needs a value", what);
+        return false;
+    }
+    if (!parse_part(parser, &number, error))
+        return false;
+    struct text after = parser->rest;
+    text_skip_blanks(&after);
+    const bool uncertain = starts_uncertainty(after);
+    if (uncertain) {
+        parser->rest = after;
+        advance(&parser->rest, 2);
+        if (!parse_part(parser, &spread, error))
+            return false;
+    }
+    const struct text typed = between(start, parser->rest.at);
+    item->text = typed;
+    item->expr = number.expr;
+    item->unit = number.unit ? number.unit : spread.unit;
+    item->value = (struct measured){0, 0};
+    if (!to_si(&number, spread.unit, what, wanted, typed, &item->value.value, error) ||
+        (uncertain && !to_si(&spread, number.unit, what, wanted, typed, &item->value.uncertainty, error)))
+        return false;
+    item->quantity = item->unit                 ? (wanted == QUANTITY_OTHER ? item->unit->quantity : wanted)
+                     : wanted == QUANTITY_OTHER ? quantity_of_name(parser, typed)
+                                                : wanted;
+    if (!isfinite(item->value.value))
+        return error_at(error, typed, "%s: '%.*s' is not a finite number", what, shown_length(typed), typed.at);
+    if (!isfinite(item->value.uncertainty) || item->value.uncertainty < 0)
+        return error_at(error, typed, "%s: the uncertainty after +- must be a number that is not negative", what);
+    return true;
+}
+
+static bool is_digit(char c)
+{
+    return c >= '0' && c <= '9';
+}
+
+bool parse_range(struct parser *parser, const char *what, enum quantity wanted, struct item *item, struct error *error)
+{
+    struct item end;
+    const struct unit *lacks = NULL;
+    text_skip_blanks(&parser->rest);
+    const char *start = parser->rest.at;
+    item->range[0] = item->range[1] = NAN;
+    if (parser->rest.len > 0 && parser->rest.at[0] != ':') {
+        if (!parse_value(parser, what, wanted, &end, error))
+            return false;
+        item->range[0] = end.value.value;
+        item->unit = end.unit;
+        item->quantity = end.quantity;
+    }
+    struct text after = parser->rest;
+    text_skip_blanks(&after);
+    if (after.len == 0 || after.at[0] != ':') {
+        error_at(error, between(start, parser->rest.at), "%s needs a range from:to", what);
+        return error_hint(error, "for example %s=2:8, or 2: for everything after 2", what);
+    }
+    parser->rest = after;
+    advance(&parser->rest, 1);
+    /* After a blank only a number belongs to the range, so that `3: of run 1` can be written. */
+    struct text next = parser->rest;
+    text_skip_blanks(&next);
+    const bool open = next.len == 0 || (next.at != parser->rest.at && !is_digit(next.at[0]) && next.at[0] != '.');
+    if (!open) {
+        if (!parse_value(parser, what, wanted, &end, error))
+            return false;
+        item->range[1] = end.value.value;
+        if (item->unit && end.unit && item->unit->quantity != end.unit->quantity)
+            return error_at(error, between(start, parser->rest.at), "%s: the ends of the range are in %s and in %s",
+                            what, item->unit->row.name, end.unit->row.name);
+        lacks = !item->unit && end.unit && !isnan(item->range[0]) ? end.unit : NULL;
+        item->unit = end.unit ? end.unit : item->unit;
+        item->quantity = end.unit || item->quantity == QUANTITY_OTHER ? end.quantity : item->quantity;
+    }
+    item->text = between(start, parser->rest.at);
+    if (!(item->range[0] >= item->range[1]))
+        return true;
+    error_at(error, item->text, "%s: the range '%.*s' is empty", what, shown_length(item->text), item->text.at);
+    return lacks ? error_hint(error, "each end has its own unit: %s at the first, too", lacks->row.name) : false;
+}
+
+bool parse_integer(struct parser *parser, const char *what, bool negative, struct item *item, struct error *error)
+{
+    text_skip_blanks(&parser->rest);
+    size_t used = 0;
+    double value = 0;
+    const enum real_status status = real_scan(parser->rest, '.', &value, &used);
+    struct text word = peek_word(parser->rest, ",");
+    if (status != REAL_OK || used == 0 || value != nearbyint(value) || fabs(value) > LIMIT_STEPS ||
+        (used < parser->rest.len && is_name_char(parser->rest.at[used])) || (!negative && value < 1)) {
+        const struct text shown = word.len ? word : parser->rest;
+        return error_at(error, shown, "%s needs a whole number%s, got '%.*s'", what, negative ? "" : " from 1 up",
+                        shown_length(shown), shown.at);
+    }
+    item->text = (struct text){parser->rest.at, used};
+    item->value = (struct measured){value, 0};
+    item->quantity = QUANTITY_NUMBER;
+    advance(&parser->rest, used);
+    return true;
+}
+
+static bool unknown_unit(struct text word, enum quantity quantity, struct error *error)
+{
+    catalog_unknown(&unit_catalog, word, error);
+    struct buffer units = {0};
+    quantity_units(quantity, &units);
+    if (units.len > 0)
+        error_hint(error, "units of %s are %s", quantity_name(quantity), buffer_view(&units));
+    buffer_free(&units);
+    return false;
+}
+
+static bool decimal_comma(struct text rest, struct error *error)
+{
+    /* rest.at[-1] is the last digit of the number before the comma. */
+    const char *from = rest.at, *to = rest.at + 1;
+    while (is_digit(from[-1]) || from[-1] == '-' || from[-1] == '.')
+        from--;
+    while (to < rest.at + rest.len && is_digit(*to))
+        to++;
+    error_at(error, between(from, to), "decimal comma in '%.*s': the decimal mark is a point", (int)(to - from), from);
+    return error_hint(error, "write %.*s.%.*s", (int)(rest.at - from), from, (int)(to - rest.at - 1), rest.at + 1);
+}
+
+bool refuse_rest(const struct parser *parser, const struct item *number, struct error *error)
+{
+    struct text rest = parser->rest;
+    if (rest.len == 0)
+        return true;
+    if (number && rest.len >= 2 && rest.at[0] == ',' && is_digit(rest.at[1]) && is_digit(rest.at[-1]))
+        return decimal_comma(rest, error);
+    text_skip_blanks(&rest);
+    if (rest.len == 0)
+        return true;
+    struct text word = peek_word(rest, "");
+    if (word.len == 0)
+        word = rest;
+    if (number && !number->unit && is_name_start(word.at[0]))
+        return unknown_unit(word, number->quantity, error);
+    if (number && number->unit && strchr("+-*/^", word.at[0])) {
+        error_at(error, word, "unexpected '%.*s'", shown_length(word), word.at);
+        return error_hint(error, "a unit stands after the whole expression: (5 + 0.3) cm");
+    }
+    return error_at(error, word, "unexpected '%.*s'", shown_length(word), word.at);
+}
+
+/* The quantity of `expr [UNIT]` at the start of text, where it is known. */
+static enum quantity side_quantity(struct parser *parser, struct text side)
+{
+    struct parser part = {parser->session, parser->scope, parser->arena, side};
+    struct part value;
+    struct error ignored;
+    text_skip_blanks(&side);
+    if (!parse_part(&part, &value, &ignored))
+        return QUANTITY_OTHER;
+    return value.unit ? value.unit->quantity : quantity_of_name(parser, between(side.at, part.rest.at));
+}
+
+bool check_condition(struct parser *parser, struct text condition, struct error *error)
+{
+    size_t at = 0;
+    while (at < condition.len && !strchr("<>", condition.at[at]))
+        at++;
+    const size_t end = at + 1 + (at + 1 < condition.len && condition.at[at + 1] == '=');
+    if (end > condition.len)
+        return true;
+    const struct text left = {condition.at, at},
+                      right = text_trim((struct text){condition.at + end, condition.len - end});
+    const enum quantity a = side_quantity(parser, left), b = side_quantity(parser, right);
+    if (a == QUANTITY_OTHER || b == QUANTITY_OTHER || a == b)
+        return true;
+    return error_at(error, right, "'%.*s' (%s) cannot be compared with '%.*s' (%s)", shown_length(text_trim(left)),
+                    text_trim(left).at, quantity_name(a), shown_length(right), right.at, quantity_name(b));
+}

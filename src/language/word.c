@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Words and strings of a statement. */
+#include <hooke/language.h>
+
+#include <string.h>
+
+static bool unescape(struct parser *parser, struct text inside, struct text *out, struct error *error)
+{
+    char *copy = arena_alloc(parser->arena, inside.len + 1);
+    if (!copy)
+        return error_memory(error);
+    size_t n = 0;
+    for (size_t i = 0; i < inside.len; i++) {
+        char c = inside.at[i];
+        if (c == '\\') {
+            static const char from[] = "nt\"\\", to[] = "\n\t\"\\";
+            const char *known = strchr(from, inside.at[++i]);
+            if (!known) {
+                error_at(error, (struct text){inside.at + i - 1, 2}, "unknown escape in a string");
+                return error_hint(error, "known are \\n \\t \\\" \\\\; '...' takes everything as it is");
+            }
+            c = to[known - from];
+        }
+        copy[n++] = c;
+    }
+    *out = (struct text){copy, n};
+    return true;
+}
+
+bool parse_word(struct parser *parser, const char *stops, struct item *item, struct error *error)
+{
+    struct text *rest = &parser->rest;
+    if (rest->len > 0 && (rest->at[0] == '"' || rest->at[0] == '\'')) {
+        const size_t used = text_quoted(*rest);
+        if (used == 0)
+            return error_at(error, (struct text){rest->at, 1}, "the string that begins here has no end");
+        const struct text inside = {rest->at + 1, used - 2};
+        item->is_string = true;
+        item->text = inside;
+        /* Only a copy where something changes: errors point into the line. */
+        if (rest->at[0] == '"' && inside.len > 0 && memchr(inside.at, '\\', inside.len) &&
+            !unescape(parser, inside, &item->text, error))
+            return false;
+        *rest = (struct text){rest->at + used, rest->len - used};
+        return true;
+    }
+    item->text = peek_word(*rest, stops);
+    *rest = (struct text){rest->at + item->text.len, rest->len - item->text.len};
+    return true;
+}

@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Many steps of one size, by a kernel or one by one. */
+#include "method/step/step.h"
+
+int64_t method_march(const struct method *method, march_function *kernel, const struct march *march,
+                     enum step_status *status)
+{
+    struct step *step = march->step;
+    int n = step->system->n;
+    *status = STEP_OK;
+    /* Where a kernel ends early, the next step alone says why. */
+    for (int64_t i = kernel ? kernel(method, march) : 0; i < march->count; i++) {
+        step->t = march->origin + (double)(march->first + i) * step->h;
+        *status = method_step(method, step);
+        if (*status != STEP_OK)
+            return i;
+        memcpy(march->row + i * n, step->y, (size_t)n * sizeof *step->y);
+    }
+    return march->count;
+}

@@ -1,0 +1,404 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Switches in adaptive steps. A step is taken on frozen branches, where everything is smooth; if the guard of a branch
+ * falls below 0 on the way, the step is taken again, up to there only, and the next one begins on the other branch.
+ * Where both branches lead back to the switch the motion slides along it (typed_slide.c) until one of them turns away;
+ * where switches follow each other in ever shorter times they pile up, and it goes on along all of them.
+ */
+#include "method/control/switch.h"
+
+#include <float.h>
+
+#define LOOKS 8       /* for a guard below 0, at even parts of a step */
+#define TRIES 12      /* steps to a switch: two or three are enough */
+#define NEAR 1e-3     /* of the tolerance times the step: a switch so near is where the step ends */
+#define PROBE 1e-4    /* of the planned step: how far ahead a guard's direction is looked for */
+#define AT 1e-4       /* of the probe: a guard so near to 0 is at its switch */
+#define NEARBY 1e-6   /* of the sizes of variables: arguments are differentiated over no less */
+#define SLACK 1e-9    /* of a share: what its differences leave */
+#define BLOCK 16       /* switches; they pile up where each of */
+#define BLOCKS 4       /* blocks of them takes but */
+#define SHORTER 0.1    /* of the time of the one before, or this small a part of t */
+#define SHORTEST 1e-12
+#define BRIEF_ULPS 64 /* of t: in so short a step a guard at 0 need not come to be above it */
+#define SLOW 0.05 /* of the natural speed: a turning point is near */
+#define EVEN 0.1  /* of its length, what a step without a turning point may be off the mean of its speeds */
+
+/* ---- where branches begin ---- */
+
+/* The guards of frozen branches a moment after t, by Euler. */
+static void look_ahead(struct step *step, const struct system *frozen, double by, double *guard)
+{
+    const int n = frozen->n;
+    double f[LIMIT_VARIABLES], y[LIMIT_VARIABLES];
+    system_derivative(frozen, step->t, step->y, f);
+    step->cost.evals++;
+    for (int i = 0; i < n; i++)
+        y[i] = step->y[i] + by * f[i];
+    system_guards(frozen, step->t + by, y, guard);
+}
+
+/* Frozen on its branches, or sliding along switches. */
+static bool freeze(const struct step *step, const struct switches_state *state, struct sliding *sliding,
+                   struct system *frozen)
+{
+    for (int i = 0; i < step->system->switches; i++)
+        if (state->along[i])
+            return system_slide(step->system, state->branch, state->along, state->by, sliding, frozen);
+    system_freeze(step->system, state->branch, frozen);
+    return true;
+}
+
+static void slide(struct step *step, struct switches_state *state, const struct system *frozen, int i)
+{
+    double f[LIMIT_VARIABLES];
+    system_derivative(frozen->sliding ? &frozen->sliding->side[0] : frozen, step->t, step->y, f);
+    step->cost.evals++;
+    const double rate = sqrt(scaled_square(frozen->n, step_scale(step), f, step->y, step->y) / frozen->n);
+    state->branch[i] = system_lower_branch(frozen, i, step->t, step->y);
+    state->along[i] = true;
+    state->by = fmax(state->by, rate > 0 ? NEARBY / rate : 0);
+    if (state->slides++ == 0) {
+        state->slid = step->t;
+        state->first = i;
+    }
+}
+
+/*
+ * Branches that do not hold at the start of a step, because their guards are at 0 there and fall, are changed for the
+ * next ones, then for sliding between. False: none of them holds.
+ */
+static bool settle(struct step *step, struct switches_state *state, double by, struct sliding *sliding,
+                   struct system *frozen)
+{
+    const int count = step->system->switches;
+    int changed[LIMIT_SWITCHES] = {0};
+    for (int i = 0; i < count; i++)
+        changed[i] = state->fresh == i;
+    state->by = fabs(by);
+    for (int round = 0; round <= 4 * count; round++) {
+        double now[LIMIT_SWITCHES], soon[LIMIT_SWITCHES];
+        if (!freeze(step, state, sliding, frozen))
+            return false;
+        system_guards(frozen, step->t, step->y, now);
+        look_ahead(step, frozen, by, soon);
+        int wrong = 0;
+        while (wrong < count && !(soon[wrong] < 0 && wrong != state->released &&
+                                  fabs(now[wrong]) <= AT * fabs(soon[wrong] - now[wrong])))
+            wrong++;
+        if (wrong == count) {
+            for (int i = 0; i < count; i++)
+                if (state->along[i] && !(now[i] >= -SLACK))
+                    return false;
+            return true;
+        }
+        const bool slid = state->along[wrong];
+        if (++changed[wrong] > 3)
+            return false;
+        if (changed[wrong] > 1 && !slid) {
+            slide(step, state, frozen, wrong);
+            continue;
+        }
+        double y[LIMIT_VARIABLES], f[LIMIT_VARIABLES];
+        system_derivative(frozen, step->t, step->y, f);
+        for (int i = 0; i < frozen->n; i++)
+            y[i] = step->y[i] + by * f[i];
+        state->branch[wrong] = system_next_branch(frozen, wrong, step->t + by, y);
+        state->along[wrong] = false;
+    }
+    return false;
+}
+
+/* All that has changed of late, at once. */
+static void pile_up(struct step *step, struct switches_state *state, double by)
+{
+    struct system frozen;
+    system_freeze(step->system, state->branch, &frozen);
+    state->by = fabs(by);
+    for (int i = 0; i < frozen.switches; i++)
+        if (state->recent[i] && !state->along[i])
+            slide(step, state, &frozen, i);
+    state->piles++;
+    state->piled = state->begins = false;
+    state->shorter = 0;
+}
+
+static void forget(struct switches_state *state, double t)
+{
+    const struct switches_state was = *state;
+    *state = (struct switches_state){.known = true, .fresh = -1, .released = -1, .t = t, .since = t, .begins = true,
+                                     .slides = was.slides, .piles = was.piles, .across = was.across,
+                                     .slid = was.slid, .first = was.first};
+}
+
+/* The state is put on the switches along which it slides. */
+static void go_back(struct step *step, const struct system *frozen)
+{
+    if (frozen->sliding && sliding_return(frozen->sliding, step->t, step->y))
+        step->warm = false;
+}
+
+bool switch_begin(struct step *step, struct switches_state *state, double by, struct sliding *sliding,
+                  struct system *frozen)
+{
+    bool fine = true;
+    if (!state->known || state->t != step->t) {
+        forget(state, step->t);
+        system_branches(step->system, step->t, step->y, state->branch);
+        step->warm = false;
+    }
+    if (state->piled)
+        pile_up(step, state, by);
+    else if (state->begins)
+        fine = settle(step, state, by, sliding, frozen);
+    if (!fine || !freeze(step, state, sliding, frozen)) {
+        state->known = false;
+        state->slid = state->across++ == 0 && state->slides == 0 ? step->t : state->slid;
+        return false;
+    }
+    go_back(step, frozen);
+    return true;
+}
+
+/* ---- where they end ---- */
+
+struct look {
+    const struct method *method;
+    struct step *step;
+    const double *before;
+    double t, h;
+};
+
+/* A cubic through the ends of a step says little about one of high order: a shorter step does. */
+static bool inside_by_step(const struct look *look, double theta, double *y)
+{
+    const struct method *method = look->method;
+    const bool cubic = method->order > 0 && method->order <= 4; /* 0: exact */
+    if (method->dense || cubic || method->flags & METHOD_MULTISTEP || theta <= 0)
+        return false;
+    struct step part = *look->step;
+    memcpy(y, look->before, (size_t)part.system->n * sizeof *y);
+    part.y = y;
+    part.t = look->t;
+    part.h = theta * look->h;
+    part.error = part.low = NULL;
+    part.warm = false;
+    part.again = true;
+    const bool fine = method_step(method, &part) == STEP_OK;
+    look->step->cost = part.cost;
+    look->step->warm = false; /* the memory is that of the part */
+    return fine;
+}
+
+static void guards_at(const struct look *look, double theta, double *guard)
+{
+    double y[LIMIT_VARIABLES];
+    if (theta >= 1)
+        memcpy(y, look->step->y, (size_t)look->step->system->n * sizeof *y);
+    else if (!inside_by_step(look, theta, y))
+        method_dense(look->method, look->step, look->before, theta, y);
+    system_guards(look->step->system, look->t + theta * look->h, y, guard);
+}
+
+static double guard_at(const struct look *look, int i, double theta)
+{
+    double guard[LIMIT_SWITCHES];
+    guards_at(look, theta, guard);
+    return guard[i];
+}
+
+/* Where the guard is 0 between a, where it is above, and b, where it is below: false position (Illinois). */
+static double root(const struct look *look, int i, double a, double fa, double b, double fb)
+{
+    for (int k = 0; k < 100 && b - a > DBL_EPSILON; k++) {
+        double x = k % 3 == 2 ? a + (b - a) / 2 : a + (b - a) * (fa / (fa - fb));
+        if (!(x > a && x < b))
+            x = a + (b - a) / 2;
+        if (!(x > a && x < b))
+            break;
+        const double f = guard_at(look, i, x);
+        if (f >= 0) {
+            a = x;
+            fa = f;
+            fb /= 2;
+        } else {
+            b = x;
+            fb = f;
+            fa /= 2;
+        }
+    }
+    return b;
+}
+
+/* A point before `theta` where guard i is above 0; `theta` itself: there is none. */
+static double inside(const struct look *look, int i, double theta)
+{
+    for (double x = theta / 2; x > 1e-12; x /= 4)
+        if (guard_at(look, i, x) > 0)
+            return x;
+    return theta;
+}
+
+/* The lowest point of a guard that is above 0 at a, m and b, lowest at m: below 0, or NAN. */
+static double dip(const struct look *look, int i, double m, double apart, double fa, double fm, double fb)
+{
+    for (int k = 0; k < 6; k++) {
+        const double curve = fa - 2 * fm + fb, x = curve > 0 ? m + apart / 2 * (fa - fb) / curve : m;
+        const double f = guard_at(look, i, x);
+        if (f < 0)
+            return x;
+        if (!(fm - (fa - fb) * (fa - fb) / (8 * curve) < 0.1 * fm))
+            return NAN;
+        apart /= 4;
+        m = fmin(fmax(x, apart), 1 - apart);
+        fm = guard_at(look, i, m);
+        fa = guard_at(look, i, m - apart);
+        fb = guard_at(look, i, m + apart);
+        if (fm < 0)
+            return m;
+        if (fa < 0 || fb < 0)
+            return fa < 0 ? m - apart : m + apart;
+    }
+    return NAN;
+}
+
+/*
+ * The first point of the step where guard i falls below 0, 2: it does not. A branch begins within rounding of its
+ * switch, perhaps before it: while its guard rises from there, in a step as short as rounding, it has not ended.
+ */
+static double first_end(const struct look *look, int i, double (*guard)[LIMIT_SWITCHES])
+{
+    bool ahead = guard[0][i] < 0 && fabs(look->h) <= BRIEF_ULPS * DBL_EPSILON * fabs(look->t);
+    for (int k = 1; k <= LOOKS; k++) {
+        const double a = (double)(k - 1) / LOOKS, b = (double)k / LOOKS, fa = guard[k - 1][i], fb = guard[k][i];
+        ahead = ahead && fb < 0 && fb >= fa;
+        if (fb < 0 && !ahead) {
+            const double from = fa > 0 && k > 1 ? a : inside(look, i, b);
+            return from == b ? 0 : root(look, i, from, guard_at(look, i, from), b, fb);
+        }
+        const bool lowest = k < LOOKS && fb < fa && fb < guard[k + 1][i];
+        const double low = lowest && guard[k + 1][i] >= 0 ? dip(look, i, b, 1. / LOOKS, fa, fb, guard[k + 1][i]) : NAN;
+        if (!isnan(low)) {
+            const double from = low > b ? b : a > 0 ? a : inside(look, i, low);
+            return root(look, i, from, guard_at(look, i, from), low, guard_at(look, i, low));
+        }
+    }
+    return 2;
+}
+
+/* Takes the step again over x; guard i at its end goes to *guard. */
+static enum step_status again(const struct look *look, struct step *step, const double *low, double x, int i,
+                              double *guard)
+{
+    const size_t size = (size_t)step->system->n * sizeof *step->y;
+    memcpy(step->y, look->before, size);
+    if (step->low)
+        memcpy(step->low, low, size);
+    step->t = look->t;
+    step->h = x;
+    step->warm = false;
+    step->again = true;
+    const enum step_status status = method_step(look->method, step);
+    double all[LIMIT_SWITCHES] = {0};
+    if (status == STEP_OK)
+        system_guards(step->system, look->t + x, step->y, all);
+    *guard = all[i];
+    return status;
+}
+
+/* Where dry friction is all there is: is the velocity far from 0 all along? */
+static bool moves_on(const struct system *system, double h, const double *before, const double *y)
+{
+    const double v0 = before[1], v1 = y[1], least = fmin(fabs(v0), fabs(v1)), mean = h * (v0 + v1) / 2;
+    return system->dry && system->switches == 1 && !system->sliding && v0 * v1 > 0 &&
+           least > fmax(SLOW * system->scale[1], fabs(v1 - v0)) && fabs(y[0] - before[0] - mean) <= EVEN * fabs(mean);
+}
+
+enum step_status switch_step(const struct method *method, struct step *step, double t, const double *before,
+                             const double *low, int *ended)
+{
+    const struct look look = {method, step, before, t, step->h};
+    const int count = step->system->switches;
+    double guard[LOOKS + 1][LIMIT_SWITCHES], theta = 2;
+    *ended = -1;
+    if (moves_on(step->system, step->h, before, step->y))
+        return STEP_OK;
+    system_guards(step->system, t, before, guard[0]);
+    for (int k = 1; k <= LOOKS; k++)
+        guards_at(&look, (double)k / LOOKS, guard[k]);
+    for (int i = 0; i < count; i++) {
+        const double at = first_end(&look, i, guard);
+        if (at < theta) {
+            theta = at;
+            *ended = i;
+        }
+    }
+    if (*ended < 0)
+        return STEP_OK;
+    const double h = step->h, ulps = 2 * DBL_EPSILON * fmax(fabs(t), fabs(t + h));
+    const double near = fmax(ulps, NEAR * step->tol * fabs(h));
+    const double ahead = fmin(1, theta + 1e-3), rise = (guard_at(&look, *ended, ahead) -
+                                                        guard_at(&look, *ended, ahead - 2e-3)) / (2e-3 * h);
+    double x = theta * h, slope = rise, last_x = NAN, last = NAN;
+    if (!(fabs(x) > ulps)) /* over at once: a step of rounding, so that t moves */
+        x = copysign(2 * ulps, h);
+    for (int k = 0; k < TRIES; k++) {
+        double value;
+        const enum step_status status = again(&look, step, low, x, *ended, &value);
+        if (status != STEP_OK)
+            return status;
+        if (!isnan(last) && last != value)
+            slope = (value - last) / (x - last_x);
+        const double move = slope != 0 ? -value / slope : 0;
+        if (!(fabs(move) > near) || !((x + move) / h > 0) || fabs(x + move) > 2 * fabs(theta * h) + ulps)
+            break;
+        last_x = x;
+        last = value;
+        x += move;
+    }
+    return STEP_OK;
+}
+
+/* ---- from one to the next ---- */
+
+void switch_next(struct step *step, struct switches_state *state, int ended)
+{
+    memcpy(state->taken, state->branch, sizeof state->taken);
+    memcpy(state->slid_along, state->along, sizeof state->slid_along);
+    state->t = step->t;
+    state->begins = ended >= 0;
+    state->fresh = ended;
+    state->released = -1;
+    go_back(step, step->system);
+    if (ended < 0)
+        return;
+    system_end_at_switch(step->system, ended, step->y);
+    double y[LIMIT_VARIABLES], f[LIMIT_VARIABLES];
+    system_derivative(step->system, step->t, step->y, f);
+    for (int i = 0; i < step->system->n; i++) /* a whole branch goes up or down by where the motion goes */
+        y[i] = step->y[i] + PROBE * step->h * f[i];
+    state->branch[ended] = system_next_branch(step->system, ended, step->t + PROBE * step->h, y);
+    if (state->along[ended])
+        state->released = ended;
+    state->along[ended] = false;
+    state->recent[ended] = true;
+    if (++state->count % BLOCK != 0)
+        return;
+    const double passed = fabs(step->t - state->since);
+    state->shorter = passed < SHORTER * state->block ? state->shorter + 1 : 0;
+    state->piled = state->shorter >= BLOCKS - 1 || passed < SHORTEST * fabs(step->t);
+    state->since = step->t;
+    state->block = passed;
+    for (int i = 0; i < step->system->switches && !state->piled; i++)
+        state->recent[i] = false;
+}
+
+const struct system *method_adapted(const struct system *system, const struct controller *controller,
+                                    struct sliding *sliding, struct system *frozen)
+{
+    const struct switches_state *state = &controller->switches;
+    if (system->switches == 0 || !state->known)
+        return system;
+    const bool fine = system_slide(system, state->taken, state->slid_along, state->by, sliding, frozen);
+    return fine ? frozen : system;
+}

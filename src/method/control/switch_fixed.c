@@ -1,0 +1,112 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Steps of fixed size in a scene with switches: in pieces that meet there, and where a body turns under dry friction,
+ * sticks and breaks away, each on frozen branches as adaptive steps are (switch.c).
+ */
+#include "method/control/switch.h"
+
+#define PIECES 64   /* of a step at most */
+#define PROBE 1e-4  /* of what is left of the step: how far ahead a guard's direction is looked for */
+
+/* A motion that slides along a typed switch says so by a piece of rounding. Where the velocity is not 0 its sign says all, and what the last step left in memory still holds. */
+static void know(struct step *step, struct switches_state *state)
+{
+    *state = (struct switches_state){
+        .known = true, .fresh = -1, .released = -1, .t = step->t, .since = step->t, .begins = step->system->dry && step->y[1] == 0};
+    if (step->switches) {
+        const struct switches_state *was = step->switches;
+        state->slides = was->slides;
+        state->piles = was->piles;
+        state->across = was->across;
+        state->slid = was->slid;
+        state->first = was->first;
+    }
+    system_branches(step->system, step->t, step->y, state->branch);
+    if (step->system->switches > step->system->dry) {
+        double argument[LIMIT_SWITCHES];
+        struct system frozen;
+        system_freeze(step->system, state->branch, &frozen);
+        system_guards(&frozen, step->t, step->y, argument);
+        for (int i = 0; i < frozen.switches; i++)
+            state->begins = state->begins || argument[i] == 0;
+    }
+    step->warm = step->warm && !state->begins;
+}
+
+/* One piece over at most `rest`; step->h is how far it went. */
+static enum step_status piece(const struct method *method, struct step *step, struct switches_state *state,
+                              double rest, bool last, int *ended)
+{
+    const struct system *whole = step->system;
+    const size_t size = (size_t)whole->n * sizeof *step->y;
+    const double from = step->t;
+    double before[LIMIT_VARIABLES], low[LIMIT_VARIABLES];
+    struct system frozen;
+    struct sliding sliding;
+    *ended = -1;
+    step->h = rest;
+    if (!switch_begin(step, state, PROBE * rest, &sliding, &frozen))
+        return method_step(method, step);
+    memcpy(before, step->y, size);
+    if (step->low)
+        memcpy(low, step->low, size);
+    step->system = &frozen;
+    enum step_status status = method_step(method, step);
+    if (status == STEP_OK && !last)
+        status = switch_step(method, step, from, before, low, ended);
+    if (status == STEP_OK) {
+        step->t = from + step->h;
+        switch_next(step, state, *ended);
+    }
+    step->system = whole;
+    if (*ended >= 0)
+        step->warm = false;
+    return status;
+}
+
+enum step_status switched_step(const struct method *method, struct step *step)
+{
+    const size_t size = (size_t)step->system->n * sizeof *step->y;
+    const double t = step->t, h = step->h;
+    step_function *kernel = step->kernel;
+    double start[LIMIT_VARIABLES], start_low[LIMIT_VARIABLES], rest = h;
+    struct switches_state state;
+    memcpy(start, step->y, size);
+    if (step->low)
+        memcpy(start_low, step->low, size);
+    know(step, &state);
+    step->kernel = NULL;
+    enum step_status status = STEP_OK;
+    for (int pieces = 1, ended = 0; status == STEP_OK && ended >= 0 && rest * h > 0; pieces++) {
+        status = piece(method, step, &state, rest, pieces == PIECES, &ended);
+        rest -= step->h;
+        step->cost.turns += status == STEP_OK && ended >= 0;
+    }
+    step->kernel = kernel;
+    step->h = h;
+    step->t = t + h;
+    if (status == STEP_OK && step->switches)
+        *step->switches = state;
+    if (status == STEP_OK)
+        return STEP_OK;
+    memcpy(step->y, start, size);
+    if (step->low)
+        memcpy(step->low, start_low, size);
+    step->t = t;
+    return status;
+}
+
+int64_t switched_march(const struct method *method, const struct march *march, enum step_status *status)
+{
+    struct step *step = march->step;
+    const size_t n = (size_t)step->system->n;
+    *status = STEP_OK;
+    for (int64_t i = 0; i < march->count; i++) {
+        step->t = march->origin + (double)(march->first + i) * step->h;
+        *status = switched_step(method, step);
+        if (*status != STEP_OK)
+            return i;
+        memcpy(march->row + (size_t)i * n, step->y, n * sizeof *step->y);
+    }
+    return march->count;
+}

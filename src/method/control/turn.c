@@ -1,0 +1,227 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Turning points: a force like |v| v is only C^1 at v = 0, and a step across loses its order. It is taken again, up to
+ * the turning point only, which is found by steps of the method.
+ */
+#include "method/control/switch.h"
+
+/* Shares of a step: a kink so close to its end is as good as there, because it acts as the square. */
+#define NEAR 1e-8          /* below rounding */
+#define NEAR_TOLERATED 0.1 /* times the root of the tolerance */
+#define TRIES 12           /* two or three are enough where the acceleration is not 0 */
+#define PIECES 8           /* of a fixed step at most */
+
+bool method_meets_switches(const struct method *method, const struct system *system)
+{
+    /* On a branch all that was typed is one force: no potential of a part, no drag of its own. */
+    return system->pieces && (system->switches == system->dry || (!(method->flags & METHOD_POTENTIAL) &&
+                                                                  !(method->splitting && system->velocity)));
+}
+
+bool method_turns(const struct method *method, const struct system *system)
+{
+    return system->kinks && !system->across && !method_meets_switches(method, system) && method->order > 2 &&
+           !method->splitting && !method->growth && !(method->flags & (METHOD_MULTISTEP | METHOD_YARDSTICK));
+}
+
+static bool crosses(double before, double after)
+{
+    return (before < 0 && after > 0) || (before > 0 && after < 0);
+}
+
+/* A time since the start of the step, velocity and acceleration there. */
+struct moment {
+    double x, v, a;
+};
+
+static struct moment moment(struct step *step, double t, double x, const double *y)
+{
+    double a[1];
+    system_acceleration(step->system, t, y, a);
+    step->cost.evals++;
+    return (struct moment){x, y[1], a[0]};
+}
+
+/* Where v = 0 between two moments: cubic Hermite interpolation of the time as a function of the velocity. */
+static double turning_time(const struct moment *p, const struct moment *q)
+{
+    const double rise = q->v - p->v, u = -p->v / rise, r = 1 - u;
+    const double x = p->x + (q->x - p->x) * (u * u * (3 - 2 * u)) + rise * u * r * (r / p->a - u / q->a);
+    return (x - p->x) * (q->x - x) > 0 ? x : p->x + (q->x - p->x) / 2;
+}
+
+enum step_status turn_step(const struct method *method, struct step *step, double t, const double *before,
+                           const double *low, bool *turned)
+{
+    *turned = false;
+    if (!crosses(before[1], step->y[1]))
+        return STEP_OK;
+    const size_t size = (size_t)step->system->n * sizeof *before;
+    const double near = fmax(NEAR, NEAR_TOLERATED * sqrt(step->tol)) * fabs(step->h);
+    struct moment first = moment(step, t, 0, before), last = moment(step, t + step->h, step->h, step->y);
+    double x = turning_time(&first, &last);
+    if (fabs(x) <= near || fabs(step->h - x) <= near)
+        return STEP_OK;
+    *turned = true;
+    for (int i = 0; i < TRIES; i++) {
+        memcpy(step->y, before, size);
+        if (step->low)
+            memcpy(step->low, low, size);
+        step->t = t;
+        step->h = x;
+        step->warm = false;
+        step->again = true;
+        enum step_status status = method_step(method, step);
+        if (status != STEP_OK)
+            return status;
+        const struct moment here = moment(step, t + x, x, step->y);
+        if (fabs(here.v) <= near * fabs(here.a))
+            break;
+        *((here.v < 0) == (first.v < 0) ? &first : &last) = here;
+        x = turning_time(&first, &last);
+    }
+    return STEP_OK;
+}
+
+enum step_status method_turning_step(const struct method *method, struct step *step)
+{
+    if (method_meets_switches(method, step->system))
+        return switched_step(method, step);
+    if (!method_turns(method, step->system))
+        return method_step(method, step);
+    const size_t size = (size_t)step->system->n * sizeof *step->y;
+    const double t = step->t, h = step->h;
+    double start[2], start_low[2], before[2], low[2], rest = h;
+    memcpy(start, step->y, size);
+    if (step->low)
+        memcpy(start_low, step->low, size);
+    for (int pieces = 1;; pieces++) {
+        bool turned = false;
+        const double from = step->t;
+        memcpy(before, step->y, size);
+        if (step->low)
+            memcpy(low, step->low, size);
+        step->h = rest;
+        enum step_status status = method_step(method, step);
+        if (status == STEP_OK && pieces < PIECES)
+            status = turn_step(method, step, from, before, low, &turned);
+        rest -= step->h;
+        step->h = h;
+        if (status != STEP_OK) {
+            memcpy(step->y, start, size);
+            if (step->low)
+                memcpy(step->low, start_low, size);
+            step->t = t;
+            return status;
+        }
+        if (!turned)
+            break;
+        step->cost.turns++;
+    }
+    step->t = t + h;
+    return STEP_OK;
+}
+
+/* ---- many steps: a kernel takes those between the turning points ---- */
+
+enum { N = 2, AT_ONCE_LEAST = 4, AT_ONCE_MOST = 512, WORK_MOST = 64 };
+
+/* Up to `count` steps by the kernel, but none across a turning point: as if the others had not been taken. */
+static int64_t march_straight(const struct method *method, march_function *kernel, const struct march *march)
+{
+    struct step *step = march->step;
+    const size_t size = method_work_size(method, N) * sizeof *step->work;
+    const struct step was = *step;
+    double y[N], work[WORK_MOST];
+    memcpy(y, step->y, sizeof y);
+    memcpy(work, step->work, size);
+    const int64_t taken = kernel(method, march);
+    struct march good = *march;
+    double v = y[1];
+    for (good.count = 0; good.count < taken; good.count++) {
+        const double next = march->row[N * good.count + 1];
+        if (crosses(v, next))
+            break;
+        v = next;
+    }
+    if (good.count == taken)
+        return taken;
+    *step = was;
+    memcpy(step->y, y, sizeof y);
+    memcpy(step->work, work, size);
+    if (good.count > 0)
+        kernel(method, &good);
+    return good.count;
+}
+
+/* The same with dry friction in one direction. */
+static int64_t march_on_branch(const struct method *method, march_function *kernel, const struct march *march)
+{
+    struct step *step = march->step;
+    const struct system *whole = step->system;
+    struct system frozen;
+    double branch[LIMIT_SWITCHES];
+    system_branches(whole, step->t, step->y, branch);
+    system_freeze(whole, branch, &frozen);
+    step->system = &frozen;
+    const int64_t taken = march_straight(method, kernel, march);
+    step->system = whole;
+    return taken;
+}
+
+/* A body that sticks, with nothing around it that changes: all rows are the same. True: it does. */
+static bool march_at_rest(const struct march *march, const double *before, int64_t done)
+{
+    const struct step *step = march->step;
+    if (!step->system->dry || !step->system->autonomous || memcmp(before, step->y, N * sizeof *before) != 0)
+        return false;
+    for (; done < march->count; done++)
+        memcpy(march->row + done * N, step->y, N * sizeof *step->y);
+    return true;
+}
+
+/* How many steps to try at once, going by the last two velocities in the rows before `row`: 0 near a turning point. */
+static int64_t steps_to_try(const double *row, int64_t last)
+{
+    const double left = fabs(row[-1] / (row[-1] - row[-1 - N])) / 2;
+    const double most = (double)(last < AT_ONCE_LEAST ? AT_ONCE_LEAST : last < AT_ONCE_MOST ? 2 * last : AT_ONCE_MOST);
+    return left < AT_ONCE_LEAST ? 0 : (int64_t)(left < most ? left : most);
+}
+
+int64_t method_turning_march(const struct method *method, march_function *kernel, const struct march *march,
+                             enum step_status *status)
+{
+    struct step *step = march->step;
+    const struct system *whole = step->system;
+    if (method_meets_switches(method, whole) && whole->switches > whole->dry)
+        return switched_march(method, march, status);
+    if (!method_turns(method, whole) && !method_meets_switches(method, whole))
+        return method_march(method, kernel, march, status);
+    const bool fast = kernel && method_work_size(method, N) <= WORK_MOST;
+    int64_t done = 0, try = 0;
+    *status = STEP_OK;
+    while (done < march->count) {
+        struct march part = *march;
+        part.first += done;
+        part.row += done * N;
+        try = fast && done >= 2 && step->y[1] != 0 ? steps_to_try(part.row, try) : 0;
+        if (try > 0) {
+            part.count = try < march->count - done ? try : march->count - done;
+            const int64_t straight = whole->pieces ? march_on_branch(method, kernel, &part)
+                                                   : march_straight(method, kernel, &part);
+            done += straight;
+            if (straight > 0)
+                continue;
+        }
+        double before[N];
+        memcpy(before, step->y, sizeof before);
+        step->t = march->origin + (double)(march->first + done) * step->h;
+        *status = method_turning_step(method, step);
+        if (*status != STEP_OK)
+            return done;
+        memcpy(march->row + done++ * N, step->y, N * sizeof *step->y);
+        if (march_at_rest(march, before, done))
+            return march->count;
+    }
+    return done;
+}

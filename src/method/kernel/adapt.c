@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Single steps of explicit Runge-Kutta methods with their error estimate: rk_step() again for each row and each number
+ * of variables, with forces that are called. Adaptive runs spend their time here, most of it in the stages, whose sums
+ * hide the call: steps with the forces of one scene inlined were not faster.
+ */
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC optimize("no-tree-vectorize") /* pairs of numbers: packing and unpacking them takes longer than it saves   \
+                                           */
+#endif
+#define UNROLL _Pragma("GCC unroll 32")
+#include <hooke/base.h>
+enum { MOST = 4 };
+#include "method/kernel/typed.h"
+#include "method/rows/rows.h"
+#include "method/step/step_body.h"
+
+#define JOIN_(a, b) a##b
+#define JOIN(a, b) JOIN_(a, b)
+#define RK_ROW JOIN(rk_, __LINE__)
+#define STEP_NAME(shape) JOIN(shape##_step_, __LINE__)
+#define TYPED_STEP(name, n)                                                                                            \
+    static enum step_status STEP_NAME(name)(const struct method *method, struct step *step)                            \
+    {                                                                                                                  \
+        struct known known;                                                                                            \
+        (void)method;                                                                                                  \
+        known_take(&known, step->system);                                                                              \
+        return one_step(&RK_ROW, n, name##_slope, &known, step);                                                       \
+    }
+#define RUNGE_KUTTA(...)                                                                                               \
+    static const struct method RK_ROW = {__VA_ARGS__};                                                                 \
+    TYPED_MOTIONS(TYPED_STEP)                                                                                          \
+    TYPED_FLOWS(TYPED_STEP)
+#include "method/rows/rk.def"
+#undef RUNGE_KUTTA
+
+/* ---- the table ---- */
+
+#define TYPED_ENTRY(name, n) STEP_NAME(name),
+
+step_function *method_step_kernel(const struct method *method, const struct system *system)
+{
+    static const struct {
+        const struct method *method;
+        step_function *step[TYPED_COUNT];
+    } steps[] = {
+#define RUNGE_KUTTA(...) {&RK_ROW, {TYPED_MOTIONS(TYPED_ENTRY) TYPED_FLOWS(TYPED_ENTRY)}},
+#include "method/rows/rk.def"
+    };
+    if (method->rosenbrock)
+        return rosenbrock_step_kernel(method, system);
+    if (method->step != rk_step)
+        return NULL;
+    const int typed = typed_shape(system, false);
+    if (typed < 0)
+        return system->typed.row ? any_step_kernel(method) : NULL;
+    for (size_t i = 0; i < COUNT_OF(steps); i++)
+        if (strcmp(steps[i].method->row.name, method->row.name) == 0)
+            return steps[i].step[typed];
+    return NULL;
+}

@@ -1,0 +1,133 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Kernels of typed scenes of any size, and of what was typed on top of built-in ones: steps of any explicit Runge-Kutta
+ * method and of any splitting, with sums over the state in vectors.
+ */
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC optimize("O3") /* vectors */
+#endif
+#include <hooke/base.h>
+enum { MOST = LIMIT_VARIABLES };
+#include "method/kernel/typed.h"
+#include "method/step/step_body.h"
+
+/* The compiler need not think of nothing at all. */
+static inline int size_of(const struct system *system)
+{
+    if (system->n < 1)
+        __builtin_unreachable();
+    return system->n;
+}
+
+static void any_slope(const void *system, double t, const double *y, double *dydt)
+{
+    system_derivative(system, t, y, dydt);
+}
+
+/* A whole typed scene in one program: prepared once a march, not at each evaluation. */
+struct whole {
+    const struct system *system;
+    int positions; /* variables whose slopes are others; -1: not in one program */
+    bool force;    /* what does not depend on velocity is in one */
+    struct known known;
+};
+
+static void whole_take(struct whole *whole, const struct system *system)
+{
+    const int n = system->n, rows = system->order == 2 ? n / 2 : n;
+    whole->system = system;
+    const bool taken = n > 2 && known_take(&whole->known, system);
+    whole->positions = taken && sum_is_one(&whole->known.whole) ? n - rows : -1;
+    whole->force = taken && sum_is_one(&whole->known.force);
+}
+
+static void whole_slope(const void *of, double t, const double *y, double *dydt)
+{
+    const struct whole *whole = of;
+    const int n = whole->system->n, positions = whole->positions;
+    if (positions < 0) {
+        system_derivative(whole->system, t, y, dydt);
+        return;
+    }
+    memcpy(dydt, y + n - positions, (size_t)positions * sizeof *y);
+    one_evaluate(&whole->known.whole, n, n - positions, t, y, dydt + positions);
+}
+
+static void whole_force(const void *of, double t, const double *y, double *a)
+{
+    const struct whole *whole = of;
+    const int n = whole->system->n;
+    if (whole->force)
+        one_evaluate(&whole->known.force, n, n / 2, t, y, a);
+    else
+        system_force(whole->system, t, y, a);
+}
+
+static void whole_drag(const void *of, double t, const double *y, double *a)
+{
+    const struct whole *whole = of;
+    system_drag(whole->system, t, y, a);
+}
+
+/* ---- sums over the state ---- */
+
+/* Blocks of so many variables are summed up in registers; arrays of them are as long as whole blocks. */
+enum { BLOCK = 8 };
+
+#if defined(__x86_64__) && !defined(__clang__)
+#define CLONES __attribute__((target_clones("default", "avx2")))
+#else
+#define CLONES
+#endif
+
+static int stride_of(int n)
+{
+    return (n + BLOCK - 1) / BLOCK * BLOCK;
+}
+
+typedef double block __attribute__((vector_size(BLOCK * 8), aligned(8), may_alias));
+
+/* A combine_function. */
+CLONES static void combine_blocks(int n, int stride, const struct shares *shares, const double *k, const double *y,
+                                  double *z)
+{
+    for (int i = 0; i < n; i += BLOCK) {
+        block sum = {-0.0, -0.0, -0.0, -0.0, -0.0, -0.0, -0.0, -0.0};
+        for (int j = 0; j < shares->count; j++)
+            sum += shares->share[j] * *(const block *)(const void *)(k + shares->stage[j] * stride + i);
+        *(block *)(void *)(z + i) = *(const block *)(const void *)(y + i) + sum;
+    }
+}
+
+static int64_t any_rk(const struct method *method, const struct march *march)
+{
+    const struct system *system = march->step->system;
+    struct whole whole;
+    whole_take(&whole, system);
+    return picked_march(method, size_of(system), stride_of(system->n), combine_blocks, whole_slope, &whole, march);
+}
+
+static enum step_status any_step(const struct method *method, struct step *step)
+{
+    const struct system *system = step->system;
+    return picked_step(method, size_of(system), stride_of(system->n), combine_blocks, any_slope, system, step);
+}
+
+static int64_t any_split(const struct method *method, const struct march *march)
+{
+    const struct system *system = march->step->system;
+    const enum drag drag = system->velocity ? march->step->drag : DRAG_DEFAULT;
+    struct whole whole;
+    whole_take(&whole, system);
+    return split_march(method, system->n, drag, whole_force, whole_drag, &whole, march);
+}
+
+march_function *any_kernel(const struct method *method)
+{
+    return method->splitting ? any_split : method->step == rk_step ? any_rk : NULL;
+}
+
+step_function *any_step_kernel(const struct method *method)
+{
+    return method->step == rk_step ? any_step : NULL;
+}

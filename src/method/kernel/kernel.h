@@ -1,0 +1,151 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * What kernels share: shapes of scenes, each a list of terms in the order in which its model adds them, whose own
+ * functions are used again. A shape is a line below and a line in SHAPES or MODEL_SHAPES.
+ */
+#ifndef HOOKE_METHOD_KERNEL_KERNEL_H
+#define HOOKE_METHOD_KERNEL_KERNEL_H
+
+#include "scene/model/forces.h"
+#include "scene/model/params.h"
+#define FORCE_TERMS "scene/model/terms.def"
+#define FORCE_WEIGHT "scene/model/weight.def"
+enum { N = 2, MOST = 4, SHAPE_TERMS = 4 };
+#include "method/control/march_body.h"
+#include "method/rows/rows.h"
+
+#define JOIN_(a, b) a##b
+#define JOIN(a, b) JOIN_(a, b)
+
+/* Coefficients of the terms, in order, where the compiler can keep them in registers. */
+struct forces {
+    double c[SHAPE_TERMS][TERM_COEFFICIENTS];
+};
+
+INLINE void forces_take(struct forces *forces, const struct system *system)
+{
+    for (int i = 0; i < SHAPE_TERMS; i++)
+        memcpy(forces->c[i], system->term[i].c, sizeof forces->c[i]);
+}
+
+/* The terms' functions once more, and their flags as constants. */
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
+#define TERM_BODIES
+#include FORCE_TERMS
+#undef TERM_BODIES
+#pragma GCC diagnostic pop
+
+enum {
+#define CONSERVATIVE_TERM(name, flags, ...) name##_flags = (flags),
+#define POWERED_TERM(name, flags, ...) name##_flags = (flags),
+#include FORCE_TERMS
+    weight_flags = 0,
+    attraction_flags = 0,
+    well_flags = 0,
+};
+
+/* ---- shapes ---- */
+
+#define SHAPES(S) S(drag) S(damped_drag) S(driven) S(duffing) S(driven_duffing) S(vanderpol)
+#define MODEL_SHAPES(S) S(pendulum) S(driven_pendulum) S(kepler) S(henon_heiles)
+/* Runs have the propagator for these; studies, which compare methods, do not use it. */
+#define LINEAR_SHAPES(S) S(spring) S(damped)
+#define ALL_SHAPES(S) SHAPES(S) LINEAR_SHAPES(S) MODEL_SHAPES(S)
+
+#define TERMS_OF_spring(T) T(0, spring)
+#define TERMS_OF_damped(T) T(0, spring) T(1, damping)
+
+#define TERMS_OF_drag(T) T(0, spring) T(1, drag)
+#define TERMS_OF_damped_drag(T) T(0, spring) T(1, damping) T(2, drag)
+#define TERMS_OF_driven(T) T(0, spring) T(1, damping) T(2, drive)
+#define TERMS_OF_duffing(T) T(0, spring) T(1, cubic)
+#define TERMS_OF_driven_duffing(T) T(0, spring) T(1, damping) T(2, drive) T(3, cubic)
+#define TERMS_OF_vanderpol(T) T(0, spring) T(1, vanderpol)
+/* The pendulum's own damping and drive are the same text. */
+#define TERMS_OF_pendulum(T) T(0, weight)
+#define TERMS_OF_driven_pendulum(T) T(0, weight) T(1, damping) T(2, drive)
+#define TERMS_OF_kepler(T) T(0, attraction)
+#define TERMS_OF_henon_heiles(T) T(0, well)
+
+/* Their variables and models. */
+#define SHAPE_SIZE(shape) SIZE_##shape = 2,
+enum { SHAPES(SHAPE_SIZE) LINEAR_SHAPES(SHAPE_SIZE) SIZE_pendulum = 2, SIZE_driven_pendulum = 2, SIZE_kepler = 4, SIZE_henon_heiles = 4 };
+
+#define model_of_pendulum pendulum_model
+#define model_of_driven_pendulum pendulum_model
+#define model_of_kepler kepler_model
+#define model_of_henon_heiles henon_heiles_model
+
+#define TERM_ALWAYS(i, name) name##_add(forces->c[i], t, y, a);
+#define TERM_IF_FORCE(i, name)                                                                                         \
+    if (!(name##_flags & TERM_VELOCITY))                                                                               \
+        name##_add(forces->c[i], t, y, a);
+#define TERM_IF_DRAG(i, name)                                                                                          \
+    if (name##_flags & TERM_VELOCITY)                                                                                  \
+        name##_add(forces->c[i], t, y, a);
+#define TERM_NAME(i, name) #name,
+
+#define HAS_VELOCITY(i, name) | (name##_flags & TERM_VELOCITY)
+
+#define SHAPE_FUNCTIONS(shape)                                                                                         \
+    INLINE void shape##_force(const void *known, double t, const double *y, double *a)                                 \
+    {                                                                                                                  \
+        const struct forces *forces = known;                                                                           \
+        sum_begin(SIZE_##shape / 2, a);                                                                                \
+        TERMS_OF_##shape(TERM_IF_FORCE)                                                                                \
+    }                                                                                                                  \
+    INLINE void shape##_drag(const void *known, double t, const double *y, double *a)                                  \
+    {                                                                                                                  \
+        const struct forces *forces = known;                                                                           \
+        sum_begin(SIZE_##shape / 2, a);                                                                                \
+        TERMS_OF_##shape(TERM_IF_DRAG)                                                                                 \
+    }                                                                                                                  \
+    INLINE void shape##_slope(const void *known, double t, const double *y, double *dydt)                              \
+    {                                                                                                                  \
+        const struct forces *forces = known;                                                                           \
+        double *a = dydt + SIZE_##shape / 2;                                                                           \
+        copy_numbers(SIZE_##shape / 2, y + SIZE_##shape / 2, dydt);                                                    \
+        sum_begin(SIZE_##shape / 2, a);                                                                                \
+        TERMS_OF_##shape(TERM_ALWAYS)                                                                                  \
+    }
+ALL_SHAPES(SHAPE_FUNCTIONS)
+
+#define SHAPE_PLACE(shape) SHAPE_##shape,
+enum { ALL_SHAPES(SHAPE_PLACE) SHAPE_COUNT };
+
+static inline bool has_terms(const struct system *system, const struct model *model, const char *const *name)
+{
+    const int n = system->terms;
+    if (system->model != model || n > SHAPE_TERMS || name[n] || (n > 0 && !name[n - 1]))
+        return false;
+    int i = 0;
+    while (i < n && strcmp(system->term[i].row->row.name, name[i]) == 0)
+        i++;
+    return i == n;
+}
+
+struct shape_row {
+    const struct model *model;
+    const char *term[SHAPE_TERMS + 1];
+};
+
+#define OSCILLATOR_ROW(shape) {&oscillator_model, {TERMS_OF_##shape(TERM_NAME)}},
+#define MODEL_ROW(shape) {&model_of_##shape, {TERMS_OF_##shape(TERM_NAME)}},
+
+/* Which of these rows is the system's, -1: none. */
+static inline int shape_among(const struct system *system, const struct shape_row *rows, int count)
+{
+    for (int shape = 0; shape < count; shape++)
+        if (has_terms(system, rows[shape].model, rows[shape].term))
+            return shape;
+    return -1;
+}
+
+static inline int shape_of(const struct system *system)
+{
+    static const struct shape_row rows[] = {SHAPES(OSCILLATOR_ROW) LINEAR_SHAPES(OSCILLATOR_ROW) MODEL_SHAPES(MODEL_ROW)};
+    return shape_among(system, rows, SHAPE_COUNT);
+}
+
+#endif

@@ -1,0 +1,371 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Many trajectories at once: the same steps on LANES systems of one kind, in vectors as wide as the machine has. The
+ * latency of one trajectory's sums, which is what a single one waits for, is hidden by the others.
+ *
+ * Not target_clones: a vector type has its width from the instructions that its function may use, and one that is wider
+ * than they are lives in memory. So the text is included for each width, and the widest that runs here is taken.
+ */
+#define UNROLL _Pragma("GCC unroll 16")
+#include "method/kernel/kernel.h"
+#include "method/kernel/lanes.h"
+
+#include <stdlib.h>
+
+enum { LANE_COEFFICIENTS = 2, WORK_MOST = 64 };
+
+enum { TABLE_ROOM = 1 << 17 }; /* [double] a megabyte */
+
+struct lanes {
+    const struct method *method;
+    enum drag drag;
+    int shape;                 /* -1: typed */
+    struct typed_lanes *typed; /* NULL: not yet used */
+    double t0, h;
+    int64_t step; /* taken */
+    double c[SHAPE_TERMS][LANE_COEFFICIENTS][LANES];
+    double y[2][LANES];
+    double kept[2][LANES]; /* the last stage's slope, or the last force: what the next step begins with */
+    /* The drag's flow over h/2; with a divisor other than 1? */
+    double keep[LANES], least[LANES], pull[LANES];
+    bool divides;
+    /* Turning points: lanes are stepped across one at a time. */
+    bool turns;
+    const struct system *system[LANES];
+    step_function *scalar;
+    int64_t more[LANES]; /* evaluations that these took */
+    struct {
+        double lost[LANES], pull[LANES];
+    } frozen[WEIGHTS_MAX]; /* exact linear drag in each kick */
+    double omega[LANES], phase[LANES];
+    /* The cosine of the drive at each place of each step, where it is the same in all lanes. It outlives them: the next
+     * block may be driven alike. */
+    struct {
+        const struct method *method;
+        double omega, phase, t0, h;
+        int64_t from, count; /* steps */
+        double value[TABLE_ROOM];
+    } table;
+};
+
+/* A step of some lanes: the states before and after it, its first and its last slope. */
+struct lane_step {
+    double before[2][LANES], after[2][LANES], first[2][LANES], last[2][LANES];
+};
+
+struct lane_march {
+    int64_t first, count;
+    bool chain; /* the commonest: four stages, each from the one before; a drift, then a kick */
+    struct shares shares[STAGES_MAX]; /* of the stages from the second on; [0]: of the step */
+    double weight[WEIGHTS_MAX];       /* of drifts and kicks, times h */
+    const double *cosine; /* [count][places]; NULL: each lane has its own */
+    int places;
+    double *row;
+};
+
+typedef void lane_kernel(struct lanes *lanes, const struct lane_march *march);
+
+/* ---- shapes ---- */
+
+#define LANE_OSCILLATORS(S) LINEAR_SHAPES(S) SHAPES(S)
+#define LANE_MODELS(S) S(pendulum) S(driven_pendulum)
+#define LANE_SHAPES(S) LANE_OSCILLATORS(S) LANE_MODELS(S)
+
+#define LANE_PLACE(shape) LANE_##shape,
+enum { LANE_SHAPES(LANE_PLACE) LANE_SHAPE_COUNT };
+
+#define LANE_FLAG(i, name) | (name##_flags)
+#define LANE_FLAGS(shape) (0 TERMS_OF_##shape(LANE_FLAG))
+
+static void lanes_cosine(const struct lanes *lanes, double t, int first, int count, double *cosine)
+{
+    for (int i = 0; i < count; i++)
+        cosine[i] = cos(lanes->omega[first + i] * t + lanes->phase[first + i]);
+}
+
+/* A step of `count` lanes from `first` on is taken again by those that turned in it. */
+static __attribute__((noinline)) void lanes_turn(struct lanes *lanes, int first, int count, int64_t number,
+                                                 struct lane_step *of)
+{
+    for (int i = 0; i < count; i++) {
+        if (!lane_turns(of->before[1][i], of->after[1][i]))
+            continue;
+        double y[2] = {of->before[0][i], of->before[1][i]}, slope[2] = {of->first[0][i], of->first[1][i]};
+        double work[WORK_MOST];
+        struct step step = {.system = lanes->system[first + i],
+                            .drag = lanes->drag,
+                            .t = lanes->t0 + (double)number * lanes->h,
+                            .h = lanes->h,
+                            .y = y,
+                            .work = work,
+                            .kernel = lanes->scalar};
+        lanes->more[first + i] += lane_turn(lanes->method, &step, slope);
+        for (int j = 0; j < 2; j++) {
+            of->after[j][i] = y[j];
+            of->last[j][i] = slope[j];
+        }
+    }
+}
+
+/* ---- the widths ---- */
+
+/* [doubles] Narrower ones, which are there for old processors only, take the forms for any method. */
+#ifdef __x86_64__
+#define WIDE_UNROLLED 4
+#else
+#define WIDE_UNROLLED 2
+#endif
+
+#define WIDE 2
+#define TARGET
+#define WITH(name) name##_2
+#include "method/kernel/lane_steps.h"
+
+#ifdef __x86_64__
+#define WIDE 4
+#define TARGET __attribute__((target("avx2")))
+#define WITH(name) name##_4
+#include "method/kernel/lane_steps.h"
+
+#define WIDE 8
+#define TARGET __attribute__((target("avx512f")))
+#define WITH(name) name##_8
+#include "method/kernel/lane_steps.h"
+#endif
+
+static lane_kernel *kernel_of(const struct lanes *lanes)
+{
+    const int family = lanes->method->splitting != NULL;
+#ifdef __x86_64__
+    if (__builtin_cpu_supports("avx512f"))
+        return kernels_8[lanes->shape][family];
+    if (__builtin_cpu_supports("avx2"))
+        return kernels_4[lanes->shape][family];
+#endif
+    return kernels_2[lanes->shape][family];
+}
+
+/* ---- the drive ---- */
+
+static int places(const struct method *method)
+{
+    return method->tableau ? method->tableau->stages : method->splitting->count;
+}
+
+/* Times of the step as the bodies compute them. */
+static void table_step(const struct lanes *lanes, double t, double *value)
+{
+    const double omega = lanes->omega[0], phase = lanes->phase[0], h = lanes->h;
+    for (int place = 0; place < places(lanes->method); place++) {
+        if (lanes->method->tableau) {
+            value[place] = cos(omega * (t + lanes->method->tableau->c[place] * h) + phase);
+        } else if ((place % 2 == 0) == lanes->method->splitting->kick_first) {
+            value[place] = cos(omega * t + phase);
+        } else {
+            t += splitting_weight(lanes->method->splitting, place) * h;
+        }
+    }
+}
+
+static bool driven_alike(const struct lanes *lanes)
+{
+    bool alike = true;
+    for (int lane = 1; lane < LANES; lane++)
+        alike &= lanes->omega[lane] == lanes->omega[0] && lanes->phase[lane] == lanes->phase[0];
+    return alike;
+}
+
+/* Values for march->count steps from march->first on, as many as there is room for. */
+static void table_steps(struct lanes *lanes, struct lane_march *march)
+{
+    const int64_t most = TABLE_ROOM / march->places;
+    const bool same = lanes->table.method == lanes->method && lanes->table.omega == lanes->omega[0] &&
+                      lanes->table.phase == lanes->phase[0] && lanes->table.t0 == lanes->t0 &&
+                      lanes->table.h == lanes->h;
+    const int64_t behind = march->first - lanes->table.from;
+    if (!same || behind < 0 || behind > lanes->table.count || behind == most) {
+        lanes->table.method = lanes->method;
+        lanes->table.omega = lanes->omega[0];
+        lanes->table.phase = lanes->phase[0];
+        lanes->table.t0 = lanes->t0;
+        lanes->table.h = lanes->h;
+        lanes->table.from = march->first;
+        lanes->table.count = 0;
+    }
+    const int64_t from = lanes->table.from, end = march->first + march->count;
+    while (lanes->table.count < most && from + lanes->table.count < end) {
+        const int64_t i = lanes->table.count++;
+        table_step(lanes, lanes->t0 + (double)(from + i) * lanes->h, lanes->table.value + i * march->places);
+    }
+    const int64_t there = from + lanes->table.count - march->first;
+    march->count = march->count < there ? march->count : there;
+    march->cosine = lanes->table.value + (march->first - from) * march->places;
+}
+
+/* ---- what callers use ---- */
+
+struct lanes *lanes_create(void)
+{
+    struct lanes *lanes = aligned_alloc(64, (sizeof *lanes + 63) / 64 * 64);
+    if (lanes)
+        memset(lanes, 0, sizeof *lanes);
+    return lanes;
+}
+
+void lanes_destroy(struct lanes *lanes)
+{
+    if (lanes)
+        typed_lanes_destroy(lanes->typed);
+    free(lanes);
+}
+
+static int lane_shape_of(const struct system *system)
+{
+    static const struct shape_row rows[] = {LANE_OSCILLATORS(OSCILLATOR_ROW) LANE_MODELS(MODEL_ROW)};
+    return shape_among(system, rows, LANE_SHAPE_COUNT);
+}
+
+bool lanes_fit(const struct method *method, const struct system *system, enum drag drag, double h)
+{
+    const bool splits = method->splitting && (!system->velocity || drag == DRAG_EXPLICIT || drag == DRAG_EXACT);
+    if (!(h > 0) || !(method->tableau || splits) || system->oscillator.quadratic < 0 ||
+        method_meets_switches(method, system))
+        return false;
+    if (system->model->typed)
+        return typed_lanes_fit(method, system, drag);
+    return lane_shape_of(system) >= 0 && (splits || method_work_size(method, N) <= WORK_MOST);
+}
+
+bool lanes_alike(const struct system *a, const struct system *b)
+{
+    bool alike = a->model == b->model && a->t0 == b->t0 && a->terms == b->terms;
+    for (int i = 0; alike && i < a->terms; i++) /* typed: those of the same programs */
+        alike = a->term[i].row == b->term[i].row;
+    return alike;
+}
+
+bool lanes_begin(struct lanes *lanes, const struct method *method, enum drag drag, const struct system *like, double h)
+{
+    lanes->method = method;
+    lanes->drag = drag;
+    lanes->shape = like->model->typed ? -1 : lane_shape_of(like);
+    lanes->t0 = like->t0;
+    lanes->h = h;
+    lanes->step = 0;
+    lanes->divides = lanes->turns = false;
+    memset(lanes->more, 0, sizeof lanes->more);
+    memset(lanes->kept, 0, sizeof lanes->kept);
+    memset(lanes->omega, 0, sizeof lanes->omega);
+    memset(lanes->phase, 0, sizeof lanes->phase);
+    return lanes->shape >= 0 || typed_lanes_begin(&lanes->typed, method, drag, like, h);
+}
+
+void lanes_set(struct lanes *lanes, int lane, const struct system *system)
+{
+    const struct method *method = lanes->method;
+    if (lanes->shape < 0) {
+        typed_lanes_set(lanes->typed, lane, system);
+        return;
+    }
+    for (int i = 0; i < system->terms; i++)
+        for (int j = 0; j < LANE_COEFFICIENTS; j++)
+            lanes->c[i][j][lane] = system->term[i].c[j];
+    for (int i = 0; i < system->terms; i++)
+        if (system->term[i].row->flags & TERM_TIME) { /* the drive: c0 cos(c1 t + c2) */
+            lanes->omega[lane] = system->term[i].c[1];
+            lanes->phase[lane] = system->term[i].c[2];
+        }
+    lanes->y[0][lane] = system->start[0];
+    lanes->y[1][lane] = system->start[1];
+    lanes->system[lane] = system;
+    if (lane == 0 && method_turns(method, system)) {
+        lanes->turns = true;
+        lanes->scalar = method_step_kernel(method, system);
+    }
+    if (!method->splitting || !system->velocity || lanes->drag != DRAG_EXACT)
+        return;
+    struct split_way way;
+    split_choose(&way, method, lanes->drag);
+    const struct drag_flow half = oscillator_drag_flow(&system->oscillator, lanes->h / 2);
+    lanes->keep[lane] = half.keep;
+    lanes->least[lane] = half.least;
+    lanes->pull[lane] = half.pull;
+    lanes->divides |= half.least != 1 || half.pull != 0;
+    for (int i = 0; !way.around && i < way.splitting->count; i++) {
+        const struct frozen frozen = frozen_over(&system->oscillator, splitting_weight(way.splitting, i) * lanes->h);
+        lanes->frozen[i].lost[lane] = frozen.lost;
+        lanes->frozen[i].pull[lane] = frozen.pull;
+    }
+}
+
+static void march_prepare(const struct lanes *lanes, struct lane_march *march)
+{
+    const struct tableau *tableau = lanes->method->tableau;
+    const struct splitting *splitting = lanes->method->splitting;
+    march->places = places(lanes->method);
+    march->chain = tableau ? tableau->stages == 4 && !tableau->fsal : splitting->count == 2 && !splitting->kick_first;
+    for (int i = 0; splitting && i < splitting->count; i++)
+        march->weight[i] = splitting_weight(splitting, i) * lanes->h;
+    if (!tableau)
+        return;
+    shares_take(&march->shares[0], tableau->b, tableau->stages, lanes->h);
+    march->chain = march->chain && march->shares[0].count == 4;
+    for (int s = 1; s < tableau->stages; s++) {
+        shares_take(&march->shares[s], tableau_row(tableau, s), s, lanes->h);
+        march->chain = march->chain && march->shares[s].count == 1 && march->shares[s].stage[0] == s - 1;
+    }
+}
+
+void lanes_march(struct lanes *lanes, int64_t count, double *row)
+{
+    if (lanes->shape < 0) {
+        typed_lanes_march(lanes->typed, count, row);
+        return;
+    }
+    lane_kernel *const kernel = kernel_of(lanes);
+    const bool alike = driven_alike(lanes);
+    struct lane_march march;
+    march_prepare(lanes, &march);
+    while (count > 0) {
+        march.first = lanes->step;
+        march.count = count;
+        march.cosine = NULL;
+        march.row = row;
+        if (alike && lanes->omega[0] != 0)
+            table_steps(lanes, &march);
+        kernel(lanes, &march);
+        lanes->step += march.count;
+        count -= march.count;
+        row = row ? row + march.count * 2 * LANES : NULL;
+    }
+}
+
+void lanes_row(struct lanes *lanes, double *row)
+{
+    if (lanes->shape < 0)
+        typed_lanes_row(lanes->typed, row);
+    else
+        memcpy(row, lanes->y, sizeof lanes->y);
+}
+
+void lanes_state(const struct lanes *lanes, int lane, double *y)
+{
+    if (lanes->shape < 0) {
+        typed_lanes_state(lanes->typed, lane, y);
+        return;
+    }
+    y[0] = lanes->y[0][lane];
+    y[1] = lanes->y[1][lane];
+}
+
+int64_t lanes_evals(const struct lanes *lanes, int lane)
+{
+    if (lanes->shape < 0)
+        return typed_lanes_evals(lanes->typed, lane);
+    const struct tableau *tableau = lanes->method->tableau;
+    if (tableau)
+        return lane_evals(lanes->step, tableau->stages, tableau->fsal) + lanes->more[lane];
+    struct split_way way;
+    split_choose(&way, lanes->method, lanes->drag);
+    return lane_evals(lanes->step, way.kicks, way.continues);
+}

@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The oscillator's own forces below what was typed, in lanes: the functions of terms.def in loops for vectors. */
+#define UNROLL
+#include "method/kernel/kernel.h"
+
+#include "method/kernel/lanes.h"
+
+#if defined(__x86_64__) && !defined(__clang__)
+#define CLONES __attribute__((target_clones("default", "avx2", "avx512f")))
+#else
+#define CLONES
+#endif
+
+#define LANE_TERM(name)                                                                                                \
+    CLONES static void name##_lanes(const double *restrict c, double t, const double *restrict y, double *restrict a)  \
+    {                                                                                                                  \
+        for (int lane = 0; lane < LANES; lane++) {                                                                     \
+            double own[TERM_COEFFICIENTS], sum = a[lane];                                                              \
+            const double state[N] = {y[lane], y[LANES + lane]};                                                        \
+            for (int j = 0; j < TERM_COEFFICIENTS; j++)                                                                \
+                own[j] = c[j * LANES + lane];                                                                          \
+            name##_add(own, t, state, &sum);                                                                           \
+            a[lane] = sum;                                                                                             \
+        }                                                                                                              \
+    }
+#define CONSERVATIVE_TERM(name, ...) LANE_TERM(name)
+#define POWERED_TERM(name, ...) LANE_TERM(name)
+#include FORCE_TERMS
+
+lane_term_function *lane_term(const struct term_row *row)
+{
+    static const struct {
+        const char *name;
+        lane_term_function *add;
+    } rows[] = {
+#define CONSERVATIVE_TERM(name, ...) {#name, name##_lanes},
+#define POWERED_TERM(name, ...) {#name, name##_lanes},
+#include FORCE_TERMS
+    };
+    const struct row *own = catalog_find(&term_catalog, text_of(row->row.name));
+    if (!own || ((const struct term_row *)(const void *)own)->add != row->add)
+        return NULL;
+    for (size_t i = 0; i < COUNT_OF(rows); i++)
+        if (strcmp(rows[i].name, row->row.name) == 0)
+            return rows[i].add;
+    return NULL;
+}

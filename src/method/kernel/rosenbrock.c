@@ -1,0 +1,102 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Single steps of Rosenbrock methods: rosenbrock_body.h again for each row and the shapes that are
+ * not linear, with their Jacobians in place.
+ */
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC optimize("no-tree-vectorize") /* its pairs are pairs already */
+#endif
+#define UNROLL _Pragma("GCC unroll 32")
+#include "method/kernel/kernel.h"
+#include "method/step/rosenbrock_body.h"
+
+/* ---- what they are steps of ---- */
+
+#define MOTIONS(S) S(duffing) S(vanderpol) S(pendulum)
+#define FLOWS(S) S(robertson, 3)
+
+#define spring_slopes spring_jacobian
+#define cubic_slopes cubic_jacobian
+#define vanderpol_slopes vanderpol_jacobian
+#define weight_slopes weight_jacobian
+#define TERM_SLOPES(i, name) name##_slopes(forces->c[i], t, y, jac + N);
+#define MOTION_JACOBIAN(shape)                                                                     \
+    INLINE void shape##_jac(const void *known, double t, const double *y, double *jac)             \
+    {                                                                                              \
+        const struct forces *forces = known;                                                       \
+        jac[0] = jac[2] = jac[3] = 0;                                                              \
+        jac[1] = 1;                                                                                \
+        TERMS_OF_##shape(TERM_SLOPES)                                                              \
+    }
+MOTIONS(MOTION_JACOBIAN)
+
+#define TERMS_OF_robertson(T) T(0, reaction)
+
+#define TERM_JACOBIANS(i, name) name##_jacobian(forces->c[i], t, y, jac);
+#define FLOW_FUNCTIONS(shape, n)                                                                   \
+    INLINE void shape##_slope(const void *known, double t, const double *y, double *dydt)          \
+    {                                                                                              \
+        const struct forces *forces = known;                                                       \
+        sum_begin(n, dydt);                                                                        \
+        double *const a = dydt;                                                                    \
+        TERMS_OF_##shape(TERM_ALWAYS)                                                              \
+    }                                                                                              \
+    INLINE void shape##_jac(const void *known, double t, const double *y, double *jac)             \
+    {                                                                                              \
+        const struct forces *forces = known;                                                       \
+        for (int i = 0; i < (n) * (n); i++)                                                        \
+            jac[i] = 0;                                                                            \
+        TERMS_OF_##shape(TERM_JACOBIANS)                                                           \
+    }
+FLOWS(FLOW_FUNCTIONS)
+
+/* ---- steps ---- */
+
+#define ROW JOIN(rosenbrock_, __LINE__)
+#define NAME(shape) JOIN(shape##_rosenbrock_, __LINE__)
+#define ONE_MORE(i, name) +1
+#define STEP(shape, n)                                                                             \
+    static enum step_status NAME(shape)(const struct method *method, struct step *step)            \
+    {                                                                                              \
+        struct forces forces;                                                                      \
+        const struct rosenbrock_forces of = {shape##_slope, shape##_jac, &forces, false};          \
+        (void)method;                                                                              \
+        for (int i = 0; i < (0 TERMS_OF_##shape(ONE_MORE)); i++)                                   \
+            memcpy(forces.c[i], step->system->term[i].c, sizeof forces.c[i]);                      \
+        return rosenbrock_small_step(n, ROW.rosenbrock, &of, step);                                \
+    }
+#define MOTION_STEP(shape) STEP(shape, N)
+#define ROSENBROCK(...)                                                                            \
+    static const struct method ROW = {__VA_ARGS__};                                                \
+    MOTIONS(MOTION_STEP) FLOWS(STEP)
+#include "method/rows/rosenbrock.def"
+#undef ROSENBROCK
+
+/* ---- the table ---- */
+
+#define FLOW_PLACE(shape, n) SHAPE_##shape,
+enum { LAST_MOTION = SHAPE_COUNT - 1, FLOWS(FLOW_PLACE) PLACES };
+
+#define MOTION_ENTRY(shape) [SHAPE_##shape] = NAME(shape),
+#define FLOW_ENTRY(shape, n) [SHAPE_##shape] = NAME(shape),
+static const struct {
+    const struct method *method;
+    step_function *step[PLACES]; /* NULL: four variables, linear */
+} steps[] = {
+#define ROSENBROCK(...) {&ROW, {MOTIONS(MOTION_ENTRY) FLOWS(FLOW_ENTRY)}},
+#include "method/rows/rosenbrock.def"
+};
+
+#define model_of_robertson robertson_model
+#define FLOW_ROW(shape, n) MODEL_ROW(shape)
+
+step_function *rosenbrock_step_kernel(const struct method *method, const struct system *system)
+{
+    static const struct shape_row flows[] = {FLOWS(FLOW_ROW)};
+    const int flow = shape_among(system, flows, COUNT_OF(flows));
+    const int shape = flow >= 0 ? SHAPE_COUNT + flow : shape_of(system);
+    for (size_t i = 0; shape >= 0 && i < COUNT_OF(steps); i++)
+        if (strcmp(steps[i].method->row.name, method->row.name) == 0)
+            return steps[i].step[shape];
+    return NULL;
+}

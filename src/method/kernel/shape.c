@@ -1,0 +1,180 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * What kernels have of each shape of scene whatever the method: its forces as one function, and steps of any
+ * splitting, which wait for the forces rather than for the weights. Rows that people wait for have kernels of their own
+ * (kernel.c).
+ */
+#include "method/kernel/kernel.h"
+#include "method/kernel/typed.h"
+
+/* ---- forces as functions of what stands in registers ---- */
+
+#define RUN(name)                                                                                                      \
+    static struct leading name(const struct program *program, double t, double q, double v, const double *state,       \
+                               const double *given, double *output, double *frame)
+
+#define SHAPE_RUN(shape)                                                                                               \
+    RUN(shape##_run)                                                                                                   \
+    {                                                                                                                  \
+        const struct forces *forces = (const struct forces *)(const void *)frame;                                      \
+        const double line[N] = {q, v}, *const y = (int)SIZE_##shape == (int)N ? line : state;                          \
+        double a[2] = {-0.0, -0.0};                                                                                    \
+        (void)program, (void)given, (void)output;                                                                      \
+        TERMS_OF_##shape(TERM_ALWAYS);                                                                                 \
+        return (struct leading){a[0], a[1]};                                                                           \
+    }
+ALL_SHAPES(SHAPE_RUN)
+
+/* Any terms: the frame holds where the system is. */
+RUN(terms_run)
+{
+    const struct system *const *const at = (const struct system *const *)(const void *)frame;
+    const struct system *const system = *at;
+    const double line[N] = {q, v}, *const y = system->n == N ? line : state;
+    double a[2] = {-0.0, -0.0};
+    (void)program, (void)given, (void)output;
+    for (int i = 0; i < system->terms; i++)
+        system->term[i].row->add(system->term[i].c, t, y, a);
+    return (struct leading){a[0], a[1]};
+}
+
+/* False: there are more than two coordinates. */
+static bool built_in_take(const struct system *system, struct part *part, double *frame)
+{
+#define RUN_ENTRY(shape) shape##_run,
+    static program_function *const runs[] = {ALL_SHAPES(RUN_ENTRY)};
+    const int shape = shape_of(system);
+    if (system->order != 2 || system->n > MOST)
+        return false;
+    *part = (struct part){shape < 0 ? terms_run : runs[shape], NULL, system->term, frame};
+    if (shape < 0)
+        memcpy(frame, &system, sizeof(const struct system *));
+    else
+        forces_take((struct forces *)(void *)frame, system);
+    return true;
+}
+
+/* ---- typed ones ---- */
+
+static bool sum_take(struct sum *sum, struct known *known, int *room, const struct bound_term *term)
+{
+    int values;
+    const struct program *const program = term_program(term, &values);
+    const int places = program ? (int)program_frame(program) : 0;
+    if (places > *room)
+        return false;
+    *room -= places;
+    sum->part[sum->parts++] =
+        (struct part){program ? program_code(program) : NULL, program, term, known->frame + *room};
+    if (program)
+        program_prepare(program, known->frame + *room);
+    return true;
+}
+
+/* The sum of parts over one coordinate. */
+static struct leading sum_run(const struct program *program, double t, double q, double v, const double *state,
+                              const double *given, double *output, double *frame)
+{
+    const struct sum *sum = (const struct sum *)(const void *)frame;
+    const double y[2] = {q, v};
+    double a = -0.0;
+    (void)program, (void)state, (void)given, (void)output;
+    for (const struct part *part = sum->part; part < sum->part + sum->parts; part++) {
+        if (part->run)
+            a += part->run(part->program, t, q, v, NULL, part->term->c + 1, NULL, part->frame).first;
+        else
+            part->term->row->add(part->term->c, t, y, &a);
+    }
+    return (struct leading){a, 0};
+}
+
+bool sum_is_one(const struct sum *sum)
+{
+    return sum->parts == 1 && sum->part->run;
+}
+
+static void sum_close(struct sum *sum, const struct system *system)
+{
+    sum->all = sum_is_one(sum) ? sum->part[0] : (struct part){sum_run, NULL, system->term, (double *)(void *)sum};
+}
+
+bool known_take(struct known *known, const struct system *system)
+{
+    const struct bound_term *const whole = system_whole(system);
+    int room = FRAME;
+    known->whole.parts = known->force.parts = known->drag.parts = 0;
+    if (!system->typed.row)
+        return built_in_take(system, &known->whole.all, known->frame);
+    if (whole && !sum_take(&known->whole, known, &room, whole))
+        return false;
+    for (int i = 0; i < system->terms; i++) {
+        const struct bound_term *const term = &system->term[i];
+        if (!sum_take(term->row->flags & TERM_VELOCITY ? &known->drag : &known->force, known, &room, term) ||
+            (!whole && !sum_take(&known->whole, known, &room, term)))
+            return false;
+    }
+    sum_close(&known->whole, system);
+    sum_close(&known->force, system);
+    sum_close(&known->drag, system);
+    return true;
+}
+
+int typed_shape(const struct system *system, bool splits)
+{
+    struct known known;
+    if (!known_take(&known, system))
+        return -1;
+    const bool one =
+        !system->typed.row || (splits ? sum_is_one(&known.force) && (known.drag.parts == 0 || sum_is_one(&known.drag))
+                                      : sum_is_one(&known.whole));
+    const bool motion = system->order == 2;
+    switch (system->n) {
+    case 2:
+        return motion ? PLACE_typed_line : one ? PLACE_typed_two : -1;
+    case 3:
+        return !motion && one ? PLACE_typed_three : -1;
+    case 4:
+        return motion && one ? PLACE_typed_plane : -1;
+    default:
+        return -1;
+    }
+}
+
+/* ---- splittings ---- */
+
+#define SHAPE_SPLIT(shape)                                                                                             \
+    static int64_t shape##_split(const struct method *method, const struct march *march)                               \
+    {                                                                                                                  \
+        const bool velocity = (0 TERMS_OF_##shape(HAS_VELOCITY)) != 0;                                                 \
+        const enum drag drag = velocity ? march->step->drag : DRAG_DEFAULT;                                            \
+        struct forces forces;                                                                                          \
+        forces_take(&forces, march->step->system);                                                                     \
+        return split_march(method, SIZE_##shape, drag, shape##_force, shape##_drag, &forces, march);                   \
+    }
+ALL_SHAPES(SHAPE_SPLIT)
+
+TYPED_MOTIONS(SPLIT_FUNCTIONS)
+#define TYPED_SPLIT(name, n)                                                                                           \
+    static int64_t name##_split(const struct method *method, const struct march *march)                                \
+    {                                                                                                                  \
+        const bool velocity = march->step->system->velocity;                                                           \
+        const enum drag drag = velocity ? DRAG_EXPLICIT : DRAG_DEFAULT;                                                \
+        struct known known;                                                                                            \
+        known_take(&known, march->step->system);                                                                       \
+        return split_march(method, n, drag, name##_force, name##_drag, &known, march);                                 \
+    }
+TYPED_MOTIONS(TYPED_SPLIT)
+
+march_function *shape_split(int shape)
+{
+#define SPLIT_ENTRY(shape) shape##_split,
+    static march_function *const splits[SHAPE_COUNT] = {ALL_SHAPES(SPLIT_ENTRY)};
+    return splits[shape];
+}
+
+march_function *typed_split(int shape)
+{
+#define TYPED_SPLIT_ENTRY(name, n) name##_split,
+    static march_function *const splits[] = {TYPED_MOTIONS(TYPED_SPLIT_ENTRY)};
+    return shape < (int)COUNT_OF(splits) ? splits[shape] : NULL;
+}

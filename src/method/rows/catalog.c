@@ -1,0 +1,184 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The table of methods, and what is the same for all of them. */
+#include "method/rows/rows.h"
+
+#include <assert.h>
+
+/* clang-format off */
+static const struct method methods[] = {
+#define RUNGE_KUTTA(...) {.step = rk_step, .work = rk_work, __VA_ARGS__},
+#include "method/rows/rk.def"
+#define SPLITTING(...) {.step = split_step, .work = split_work, __VA_ARGS__},
+#include "method/rows/split.def"
+#define NYSTROM(...) {.step = nystrom_step, .work = nystrom_work, __VA_ARGS__},
+#include "method/rows/nystrom.def"
+#define IMPLICIT_RUNGE_KUTTA(...) {.step = implicit_step, .work = implicit_work, __VA_ARGS__},
+#include "method/rows/irk.def"
+#define ROSENBROCK(...) {.step = rosenbrock_step, .work = rosenbrock_work, __VA_ARGS__},
+#include "method/rows/rosenbrock.def"
+#define MULTISTEP(...) {.step = multistep_step, .work = multistep_work, .growth = multistep_growth, __VA_ARGS__},
+#include "method/rows/multistep.def"
+#define ALGORITHM(name, ...) {.step = name##_step, __VA_ARGS__},
+#include "method/rows/algorithms.def"
+#ifdef HOOKE_SUNDIALS
+#define YARDSTICK(known_as, known_for, known_from, ...)                                                                \
+    {.row = {known_as, "", known_for, known_from, NULL}, .step = cvode_step, .work = state_work,                      \
+     .dense = cvode_dense, .begin = cvode_begin, .end = cvode_end, .adapt = cvode_adapt, __VA_ARGS__},
+#include "method/rows/cvode.def"
+#endif
+};
+
+#ifndef HOOKE_SUNDIALS
+static const struct row absent[] = {
+#define YARDSTICK(known_as, ...)                                                                                       \
+    {known_as, "", "this program was built without SUNDIALS 6 (libsundials-dev): install it and build again", "", NULL},
+#include "method/rows/cvode.def"
+};
+#endif
+/* clang-format on */
+
+const struct catalog method_catalog = {
+    .kind = "method",
+    .rows = methods,
+    .count = COUNT_OF(methods),
+    .stride = sizeof methods[0],
+#ifndef HOOKE_SUNDIALS
+    .absent = absent,
+    .absences = COUNT_OF(absent),
+#endif
+};
+
+static const struct row drags[] = {
+    {"exact", "", "the drag's own motion is solved exactly: no limit on the step, no loss of order", "", NULL},
+    {"implicit", "", "the drag at the new velocity enters the step, solved in closed form", "", NULL},
+    {"explicit", "", "the drag at the old velocity enters the step: first order, and drag shrinks the stable step", "",
+     NULL},
+};
+
+const struct catalog drag_catalog = CATALOG("drag variant", drags);
+
+bool method_fits(const struct method *method, const struct system *system, enum drag drag, double h,
+                 struct error *error)
+{
+    if (method->flags & METHOD_YARDSTICK) {
+        error_set(error, ERROR_COMMAND, "%s chooses its own steps: it cannot take steps of a given size",
+                  method->row.name);
+        return error_hint(error, "give tol instead of dt");
+    }
+    return !method->splitting || split_fits(method, system, drag, h, error);
+}
+
+size_t state_work(const struct method *method, int n)
+{
+    (void)method;
+    return (size_t)n;
+}
+
+size_t method_work_size(const struct method *method, int n)
+{
+    return method->work(method, n);
+}
+
+bool method_begin(const struct method *method, struct step *step)
+{
+    step->library = method->begin ? method->begin(method, step) : NULL;
+    return step->library || !method->begin;
+}
+
+void method_end(const struct method *method, struct step *step)
+{
+    if (method->end)
+        method->end(step->library);
+    step->library = NULL;
+}
+
+static bool applies(const struct method *method, const struct system *system, enum drag *drag, struct error *error)
+{
+    const char *name = method->row.name;
+    if (method->flags & METHOD_SECOND_ORDER && system->order != 2) {
+        error_set(error, ERROR_COMMAND, "%s is for equations of motion y'' = a(t, y, y'), this scene is of first order",
+                  name);
+        return error_hint(error, "use rk4 or dopri5");
+    }
+    if (method->flags & METHOD_EXACT && !system_has_exact(system)) {
+        error_set(error, ERROR_COMMAND, "no exact solution is known for this scene, so '%s' cannot step it", name);
+        return error_hint(error,
+                          "the scene must be linear, with constant coefficients; use dopri5 with a small tol instead");
+    }
+    if (method->flags & METHOD_NO_VELOCITY && system->velocity) {
+        error_set(error, ERROR_COMMAND, "%s is for y'' = a(t, y): no force may depend on velocity", name);
+        return error_hint(error, "with damping or drag use verlet, rk4 or dopri5");
+    }
+    if (method->flags & METHOD_POTENTIAL && !system_has_potential(system)) {
+        error_set(error, ERROR_COMMAND, "%s is for forces that have a potential, besides drag", name);
+        return error_hint(error, "use implicit-midpoint or gauss4");
+    }
+    enum drag wanted = *drag == DRAG_DEFAULT ? method->drag : *drag;
+    if (wanted != DRAG_DEFAULT && !(method->drags & 1u << wanted)) {
+        const char *variant = drags[wanted - 1].name;
+        if (!method->drags)
+            return error_set(error, ERROR_COMMAND,
+                             "%s has no drag variants: drag is part of the force that it evaluates", name);
+        error_set(error, ERROR_COMMAND, "%s does not offer drag=%s, which is not of its order %d", name, variant,
+                  method->order);
+        return error_hint(error, "use %s drag=%s, or verlet drag=%s", name, drags[method->drag - 1].name, variant);
+    }
+    if (method->splitting && !split_applies(method, system, wanted, error))
+        return false;
+    *drag = wanted;
+    return true;
+}
+
+bool method_applies(const struct method *method, const struct system *system, enum drag *drag, struct error *error)
+{
+    if (!method_meets_switches(method, system))
+        return applies(method, system, drag, error);
+    struct system frozen; /* which is what it steps */
+    double branch[LIMIT_SWITCHES];
+    system_branches(system, system->t0, system->start, branch);
+    system_freeze(system, branch, &frozen);
+    return applies(method, &frozen, drag, error);
+}
+
+enum step_status method_step(const struct method *method, struct step *step)
+{
+    return step_take(method, step);
+}
+
+int method_dense_degree(const struct method *method)
+{
+    if (!method->dense)
+        return 3;
+    if (method->tableau)
+        return 3 + method->tableau->bends;
+    if (method->implicit)
+        return method->implicit->stages;
+    return method->rosenbrock ? method->rosenbrock->degree + 1 : DENSE_DEGREE;
+}
+
+void method_dense(const struct method *method, const struct step *step, const double *before, double theta, double *y)
+{
+    if (method->dense) {
+        method->dense(method, step, theta, y);
+        return;
+    }
+    /* Cubic Hermite through both ends (Hairer, Norsett, Wanner I, eq. II.6.7). */
+    const struct system *system = step->system;
+    double f0[LIMIT_VARIABLES], f1[LIMIT_VARIABLES], h = step->h;
+    system_derivative(system, step->t - h, before, f0);
+    system_derivative(system, step->t, step->y, f1);
+    for (int i = 0; i < system->n; i++) {
+        double rise = step->y[i] - before[i];
+        double bend = (1 - 2 * theta) * rise + (theta - 1) * h * f0[i] + theta * h * f1[i];
+        y[i] = (1 - theta) * before[i] + theta * step->y[i] + theta * (theta - 1) * bend;
+    }
+}
+
+void method_polynomial(const struct method *method, const struct step *step, int i, struct dense_polynomial *out)
+{
+    assert(method->dense && (method->tableau || method->rosenbrock));
+    if (method->tableau)
+        rk_polynomial(method, step, i, out);
+    else
+        rosenbrock_polynomial(method, step, i, out);
+}

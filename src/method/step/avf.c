@@ -1,0 +1,75 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * The average vector field method. Along the straight way from y to y' the work of the mean force is the difference of
+ * the potentials, so energy stays. Source: Quispel, McLaren 2008, J. Phys. A 41:045206.
+ *
+ * The mean is by Gauss's quadrature with six nodes: exact for a force that is a polynomial of degree 11 or less along
+ * that way, and to rounding for smooth ones where the way is not longer than their natural length.
+ */
+#include "method/step/newton.h"
+
+#define NODES 6
+
+/* On [0, 1]: the first half; the other is its mirror image (Abramowitz, Stegun 1964, table 25.4). */
+static const double node[NODES / 2] = {0.033765242898423986093849222753003, 0.16939530676686774316930020249005,
+                                       0.38069040695840154568474913915964};
+static const double weight[NODES / 2] = {0.085662246189585172520148071086366, 0.18038078652406930378491675691886,
+                                         0.23395696728634552369493517199478};
+
+/* As a Jacobian's guess the middle stands for all nodes; where the system is linear, it is the mean. */
+static const double half[] = {1. / 2}, one[] = {1}, two[] = {2};
+static const struct implicit_tableau middle = {
+    .stages = 1, .c = half, .a = half, .b = one, .d = one, .real = 2, .left = two, .right = one};
+
+/* sum += w f(t + c h, y + c z) */
+static void add_node(struct step *step, double t, double h, double c, double w, const double *y, const double *z,
+                     double *at, double *sum)
+{
+    int n = step->system->n;
+    double slope[LIMIT_VARIABLES];
+    for (int i = 0; i < n; i++)
+        at[i] = y[i] + c * z[i];
+    system_derivative(step->system, t + c * h, at, slope);
+    step->cost.evals++;
+    for (int i = 0; i < n; i++)
+        sum[i] += w * slope[i];
+}
+
+/* h (mean of f) - z */
+static void mean_rest(const struct newton *equations, struct step *step, int n, double t, double h, const double *y,
+                      const double *z, double *scratch, double *rest)
+{
+    (void)equations;
+    for (int i = 0; i < n; i++)
+        rest[i] = -0.0;
+    if (step->system->linear) {
+        add_node(step, t, h, 1. / 2, 1, y, z, scratch, rest);
+    } else {
+        for (int k = 0; k < NODES / 2; k++) {
+            add_node(step, t, h, node[k], weight[k], y, z, scratch, rest);
+            add_node(step, t, h, 1 - node[k], weight[k], y, z, scratch, rest);
+        }
+    }
+    for (int i = 0; i < n; i++)
+        rest[i] = h * rest[i] - z[i];
+}
+
+/* work: increments [n], then the solver's */
+size_t avf_work(const struct method *method, int n)
+{
+    (void)method;
+    return (size_t)n + newton_room(1, n);
+}
+
+enum step_status avf_step(const struct method *method, struct step *step)
+{
+    (void)method;
+    const struct newton mean = newton_of(&middle, mean_rest, step->system);
+    int n = step->system->n;
+    double *z = step->work, *own = z + n;
+    if (!step->warm)
+        newton_forget(own);
+    memset(z, 0, (size_t)n * sizeof *z);
+    enum step_status status = newton_solve(&mean, step, step->t, step->h, step->y, z, own);
+    return status == STEP_OK ? step_increase(step, z) : status;
+}

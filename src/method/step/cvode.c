@@ -1,0 +1,236 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * CVODE of SUNDIALS 6 behind the interface of a method: one of its own steps at a time, under its own control of order,
+ * step and error. Its serial vectors, its dense solver, our exact Jacobian.
+ */
+#include "method/step/step.h"
+
+#ifdef HOOKE_SUNDIALS
+#include <cvode/cvode.h>
+#include <float.h>
+#include <nvector/nvector_serial.h>
+#include <stdlib.h>
+#include <sunlinsol/sunlinsol_dense.h>
+#include <sunmatrix/sunmatrix_dense.h>
+#include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
+
+#define STEPS_MOST 100000 /* of its own, in one of ours */
+
+struct cvode {
+    SUNContext context;
+    void *memory;
+    N_Vector y, least; /* state in and out; absolute tolerances */
+    SUNMatrix matrix;
+    SUNLinearSolver linear;
+    SUNNonlinearSolver fixed_point;
+    const struct system *system;
+    double tol;
+    bool forward, wild;  /* wild: a slope was not finite in this step */
+    struct cost counted; /* since it began anew, and already in the step's */
+};
+
+/* What CVODE is told: 0, or 1, which makes it try a smaller step. */
+static int checked(struct cvode *c, const double *x, int count)
+{
+    for (int i = 0; i < count; i++)
+        if (!isfinite(x[i]))
+            return c->wild = true;
+    return 0;
+}
+
+static int slope(double t, N_Vector y, N_Vector f, void *data)
+{
+    struct cvode *c = data;
+    system_derivative(c->system, t, N_VGetArrayPointer(y), N_VGetArrayPointer(f));
+    return checked(c, N_VGetArrayPointer(f), c->system->n);
+}
+
+static int jacobian(double t, N_Vector y, N_Vector f, SUNMatrix matrix, void *data, N_Vector u, N_Vector v, N_Vector w)
+{
+    (void)f, (void)u, (void)v, (void)w;
+    struct cvode *c = data;
+    const int n = c->system->n;
+    double rows[LIMIT_VARIABLES * LIMIT_VARIABLES], *columns = SUNDenseMatrix_Data(matrix);
+    system_jacobian(c->system, t, N_VGetArrayPointer(y), rows);
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++)
+            columns[j * n + i] = rows[i * n + j];
+    return checked(c, rows, n * n);
+}
+
+/* ---- its memory ---- */
+
+void cvode_end(void *library)
+{
+    struct cvode *c = library;
+    if (!c)
+        return;
+    CVodeFree(&c->memory);
+    if (c->fixed_point)
+        SUNNonlinSolFree(c->fixed_point);
+    if (c->linear)
+        SUNLinSolFree(c->linear);
+    if (c->matrix)
+        SUNMatDestroy(c->matrix);
+    N_VDestroy(c->y);
+    N_VDestroy(c->least);
+    SUNContext_Free(&c->context);
+    free(c);
+}
+
+/* Fixed-point iteration for Adams and Newton's for backward differentiation, as CVODE's manual has them. */
+static bool choose_solver(struct cvode *c, bool stiff, int n)
+{
+    if (!stiff)
+        return (c->fixed_point = SUNNonlinSol_FixedPoint(c->y, 0, c->context)) &&
+               CVodeSetNonlinearSolver(c->memory, c->fixed_point) == CV_SUCCESS;
+    return (c->matrix = SUNDenseMatrix(n, n, c->context)) &&
+           (c->linear = SUNLinSol_Dense(c->y, c->matrix, c->context)) &&
+           CVodeSetLinearSolver(c->memory, c->linear, c->matrix) == CV_SUCCESS &&
+           CVodeSetJacFn(c->memory, jacobian) == CV_SUCCESS;
+}
+
+void *cvode_begin(const struct method *method, const struct step *step)
+{
+    const int n = step->system->n;
+    const bool stiff = method->flags & METHOD_IMPLICIT;
+    struct cvode *c = calloc(1, sizeof *c);
+    if (!c)
+        return NULL;
+    c->system = step->system;
+    if (SUNContext_Create(NULL, &c->context) == 0 && (c->y = N_VNew_Serial(n, c->context)) &&
+        (c->least = N_VNew_Serial(n, c->context)) && (c->memory = CVodeCreate(stiff ? CV_BDF : CV_ADAMS, c->context)) &&
+        CVodeSetErrFile(c->memory, NULL) == CV_SUCCESS && CVodeSetMaxHnilWarns(c->memory, -1) == CV_SUCCESS &&
+        CVodeInit(c->memory, slope, 0, c->y) == CV_SUCCESS && CVodeSetUserData(c->memory, c) == CV_SUCCESS &&
+        choose_solver(c, stiff, n))
+        return c;
+    cvode_end(c);
+    return NULL;
+}
+
+/* ---- stepping ---- */
+
+/* At t and y, with nothing remembered. */
+static bool begin_anew(struct cvode *c, const struct step *step, bool forward)
+{
+    const int n = step->system->n;
+    double *least = N_VGetArrayPointer(c->least);
+    memcpy(N_VGetArrayPointer(c->y), step->y, (size_t)n * sizeof *step->y);
+    for (int i = 0; i < n; i++)
+        least[i] = c->tol * step_scale(step)[i];
+    c->system = step->system;
+    c->forward = forward;
+    c->counted = (struct cost){0};
+    return CVodeReInit(c->memory, step->t, c->y) == CV_SUCCESS &&
+           CVodeSVtolerances(c->memory, c->tol, c->least) == CV_SUCCESS;
+}
+
+static void count(struct cvode *c, struct cost *cost)
+{
+    long evals = 0, jacobians = 0, iterations = 0, refused = 0, unsolved = 0;
+    CVodeGetNumRhsEvals(c->memory, &evals);
+    CVodeGetNumErrTestFails(c->memory, &refused);
+    CVodeGetNumStepSolveFails(c->memory, &unsolved);
+    if (c->linear) { /* each iteration is one solve */
+        CVodeGetNumJacEvals(c->memory, &jacobians);
+        CVodeGetNumNonlinSolvIters(c->memory, &iterations);
+    }
+    const struct cost now = {evals, jacobians, iterations, refused + unsolved};
+    cost->evals += now.evals - c->counted.evals;
+    cost->jacobians += now.jacobians - c->counted.jacobians;
+    cost->solves += now.solves - c->counted.solves;
+    cost->rejected += now.rejected - c->counted.rejected;
+    c->counted = now;
+}
+
+static enum step_status status_of(int flag, bool moved, bool wild)
+{
+    const bool done = flag == CV_SUCCESS || flag == CV_TSTOP_RETURN;
+    if (done && moved)
+        return STEP_OK;
+    if (wild)
+        return STEP_NONFINITE;
+    return done || flag == CV_ERR_FAILURE || flag == CV_TOO_CLOSE || flag == CV_TOO_MUCH_ACC ? STEP_STALLED
+                                                                                             : STEP_NO_SOLUTION;
+}
+
+/* One step of CVODE's own towards t_end; where it comes to in *t, the state there in c->y. */
+static enum step_status one_step(struct cvode *c, struct cost *cost, double from, double t_end, double *t)
+{
+    const struct system *system = c->system;
+    /* Only the sign and the size of the distance matter, for the first step. */
+    const double natural = system->order == 2 ? system->scale[0] / system->scale[system->n / 2] : 1;
+    const double towards = isfinite(t_end) ? t_end : from + copysign(natural, t_end);
+    c->wild = false;
+    int flag = CVodeSetStopTime(c->memory, t_end);
+    if (flag == CV_SUCCESS)
+        flag = CVode(c->memory, towards, c->y, t, CV_ONE_STEP);
+    count(c, cost);
+    return status_of(flag, *t != from, c->wild);
+}
+
+/* What every step ends with: the state if it is one. */
+static enum step_status take(struct cvode *c, struct step *step)
+{
+    if (step->error) {
+        CVodeGetEstLocalErrors(c->memory, c->least);
+        memcpy(step->error, N_VGetArrayPointer(c->least), (size_t)step->system->n * sizeof *step->error);
+    }
+    return step_finish(step, N_VGetArrayPointer(c->y));
+}
+
+enum step_status cvode_adapt(const struct method *method, struct step *step, struct controller *controller,
+                             double t_end)
+{
+    (void)method;
+    struct cvode *c = step->library;
+    const bool forward = t_end > step->t;
+    double t = step->t;
+    if (!c)
+        return STEP_NO_SOLUTION;
+    c->system = step->system; /* which may be frozen anew */
+    c->tol = fmax(controller->tol, 10 * DBL_EPSILON);
+    enum step_status status = STEP_OK;
+    if ((!step->warm || forward != c->forward) && !begin_anew(c, step, forward))
+        status = STEP_NO_SOLUTION;
+    if (status == STEP_OK)
+        status = one_step(c, &step->cost, step->t, t_end, &t);
+    if (status == STEP_OK)
+        status = take(c, step);
+    step->warm = status == STEP_OK;
+    if (status != STEP_OK)
+        return status;
+    step->h = controller->last = t - step->t;
+    step->t = t;
+    CVodeGetCurrentStep(c->memory, &controller->h);
+    return STEP_OK;
+}
+
+/* Over a given distance, as inside a step that it has made: as many of its own steps as the tolerance asks for. */
+enum step_status cvode_step(const struct method *method, struct step *step)
+{
+    (void)method;
+    struct cvode *c = step->library;
+    const double end = step->t + step->h;
+    double t = step->t;
+    if (!c || c->tol == 0 || !begin_anew(c, step, step->h > 0))
+        return STEP_NO_SOLUTION;
+    for (int i = 0; t != end; i++) {
+        enum step_status status = i < STEPS_MOST ? one_step(c, &step->cost, t, end, &t) : STEP_STALLED;
+        if (status != STEP_OK)
+            return status;
+    }
+    return take(c, step);
+}
+
+/* The polynomial through its memory (Nordsieck's array), which is where its next step starts from. */
+void cvode_dense(const struct method *method, const struct step *step, double theta, double *y)
+{
+    (void)method;
+    const struct cvode *c = step->library;
+    const int n = step->system->n;
+    const bool there = CVodeGetDky(c->memory, step->t - (1 - theta) * step->h, 0, c->y) == CV_SUCCESS;
+    for (int i = 0; i < n; i++)
+        y[i] = there ? N_VGetArrayPointer(c->y)[i] : NAN;
+}
+#endif

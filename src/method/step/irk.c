@@ -1,0 +1,160 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* One step of any implicit Runge-Kutta tableau. Source: Hairer, Wanner 1996, Solving ODEs II, IV.6, IV.8. */
+#include <assert.h>
+
+#include "method/step/irk_body.h"
+
+/*
+ * Stage by stage: slopes [stages][n], then z, sum, base [n], then the solver's.
+ * All at once: increments z [stages][n], then the solver's.
+ */
+size_t implicit_work(const struct method *method, int n)
+{
+    const struct implicit_tableau *tableau = method->implicit;
+    size_t values = (size_t)tableau->stages * (size_t)n;
+    return tableau->diagonal != 0 ? values + 3 * (size_t)n + newton_room(1, n)
+                                  : values + newton_room(tableau->stages, n);
+}
+
+/* ---- stage by stage ---- */
+
+static bool estimate_diagonal(const struct implicit_tableau *tableau, struct step *step, const double *slope,
+                              double *own)
+{
+    int n = step->system->n, stages = tableau->stages;
+    for (int i = 0; i < n; i++) {
+        double sum = -0.0;
+        for (int s = 0; s < stages; s++)
+            sum += (tableau->b[s] - tableau->companion[s]) * slope[s * n + i];
+        step->error[i] = step->h * sum;
+    }
+    return newton_filter(&newton_euler, step, step->t, tableau->diagonal * step->h, step->y, step->error, own);
+}
+
+static void slope_of(const void *system, double t, const double *y, double *dydt)
+{
+    system_derivative(system, t, y, dydt);
+}
+
+static enum step_status stage_of(const void *system, struct step *step, double t, double h, const double *y, double *z,
+                                 double *sum, double *work)
+{
+    (void)system;
+    return newton_stage(step, t, h, y, z, sum, work);
+}
+
+static enum step_status diagonal_step(const struct implicit_tableau *tableau, struct step *step)
+{
+    const int n = step->system->n, stages = tableau->stages;
+    double *slope = step->work, *z = slope + stages * n, *sum = z + n, *base = sum + n, *own = base + n;
+    if (!step->warm)
+        newton_forget(own);
+    const enum step_status status =
+        diagonal_stages(tableau, n, stage_of, slope_of, step->system, step, step->warm, slope, z, sum, base, own);
+    if (status != STEP_OK)
+        return status;
+    if (step->error && tableau->companion && !estimate_diagonal(tableau, step, slope, own))
+        return STEP_NO_SOLUTION;
+    if (stiffly_accurate(tableau) && !step->low)
+        return step_finish(step, sum);
+    diagonal_increment(tableau, n, step->h, slope, z);
+    return step_increase(step, z);
+}
+
+/* ---- all at once ---- */
+
+/*
+ * The polynomial through 0 at theta = 0 and the increments z_s at theta = c_s, divided by theta, in Newton's form: of
+ * one component, in place.
+ */
+static void divide_differences(const struct implicit_tableau *tableau, double *z)
+{
+    int stages = tableau->stages;
+    const double *c = tableau->c;
+    for (int s = 0; s < stages; s++)
+        z[s] /= c[s];
+    for (int level = 1; level < stages; level++)
+        for (int s = stages; s-- > level;)
+            z[s] = (z[s] - z[s - 1]) / (c[s] - c[s - level]);
+}
+
+static double polynomial(const struct implicit_tableau *tableau, const double *difference, double theta)
+{
+    double value = difference[tableau->stages - 1];
+    for (int s = tableau->stages - 1; s-- > 0;)
+        value = difference[s] + (theta - tableau->c[s]) * value;
+    return theta * value;
+}
+
+/* The collocation polynomial, from the end of the step. */
+void implicit_dense(const struct method *method, const struct step *step, double theta, double *y)
+{
+    const struct implicit_tableau *tableau = method->implicit;
+    int n = step->system->n;
+    const double *z = step->work;
+    for (int i = 0; i < n; i++) {
+        double difference[3];
+        for (int s = 0; s < tableau->stages; s++)
+            difference[s] = z[s * n + i];
+        divide_differences(tableau, difference);
+        y[i] = step->y[i] + (polynomial(tableau, difference, theta) - polynomial(tableau, difference, 1));
+    }
+}
+
+/* (real - h J)^-1 (h f(t, at) + sum_s estimate_s z_s) */
+static bool estimate(const struct implicit_tableau *tableau, struct step *step, const double *at, const double *z,
+                     double *own)
+{
+    int n = step->system->n;
+    double slope[LIMIT_VARIABLES];
+    system_derivative(step->system, step->t, at, slope);
+    step->cost.evals++;
+    for (int i = 0; i < n; i++)
+        step->error[i] = step->h * slope[i] + weighted_sum(tableau->estimate, tableau->stages, z, n, i);
+    return newton_filter(tableau, step, step->t, step->h, step->y, step->error, own);
+}
+
+/* In a first step and after a rejection the estimate of a stiff error is too large by far: once more from there. */
+static bool estimate_again(const struct implicit_tableau *tableau, struct step *step, const double *z, double *own)
+{
+    const struct system *system = step->system;
+    const double *scale = step_scale(step);
+    double at[LIMIT_VARIABLES], sum = 0;
+    for (int i = 0; i < system->n; i++) {
+        double ratio = step->error[i] / fmax(scale[i], fabs(step->y[i]));
+        sum += ratio * ratio;
+        at[i] = step->y[i] + step->error[i];
+    }
+    return sqrt(sum / system->n) <= step->tol || estimate(tableau, step, at, z, own);
+}
+
+static enum step_status coupled_step(const struct implicit_tableau *tableau, struct step *step)
+{
+    const struct newton equations = newton_of(tableau, newton_stages, step->system);
+    const int n = step->system->n, stages = tableau->stages;
+    double *z = step->work, *own = z + stages * n;
+    assert(stages <= 3);
+    if (!step->warm)
+        newton_forget(own);
+    /*
+     * From 0, not from the last step's polynomial: that would save iterations, but leads steps that are too long past a
+     * fold (van der Pol) to solutions that are none, and would make a step depend on the one before.
+     */
+    memset(z, 0, (size_t)(stages * n) * sizeof *z);
+    enum step_status status = newton_solve(&equations, step, step->t, step->h, step->y, z, own);
+    if (status != STEP_OK)
+        return status;
+    if (step->error && tableau->estimate &&
+        (!estimate(tableau, step, step->y, z, own) || (!step->warm && !estimate_again(tableau, step, z, own))))
+        return STEP_NO_SOLUTION;
+    double increment[LIMIT_VARIABLES];
+    for (int i = 0; i < n; i++)
+        increment[i] = weighted_sum(tableau->d, stages, z, n, i);
+    return step_increase(step, increment);
+}
+
+enum step_status implicit_step(const struct method *method, struct step *step)
+{
+    return method->implicit->diagonal != 0 ? diagonal_step(method->implicit, step)
+                                           : coupled_step(method->implicit, step);
+}

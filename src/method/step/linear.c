@@ -1,0 +1,152 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Linear stability: the one-step matrix of a method on q'' + 2 zeta q' + q = 0 (or + 0, or - q) and the largest step
+ * that does not grow. The frequency is 1, so that h is x = omega dt and the state is already the scaled one.
+ */
+#include "method/step/step.h"
+
+#include <assert.h>
+
+/* Growth above 1 that is taken for rounding. */
+static const double MARGIN = 1e-12;
+
+/* The search: where it begins (over zeta) and ends, and its relative steps, fine near pi, where splittings have narrow
+ * windows. */
+static const double X_FIRST = 1e-4, X_LAST = 1e8;
+
+static double next_x(double x)
+{
+    return x * (x > 3.05 && x < 3.25 ? 1.00005 : x > 0.3 && x < 30 ? 1.003 : 1.03);
+}
+
+enum { WORK_MAX = 4096 };
+
+struct oscillation {
+    const struct method *method;
+    enum drag drag;
+    double zeta;
+    enum stiffness_sign sign;
+    struct system system;
+};
+
+double stiffness_sign_value(enum stiffness_sign sign)
+{
+    return sign == STIFFNESS_POSITIVE ? 1 : sign == STIFFNESS_ZERO ? 0 : -1;
+}
+
+static bool oscillation_init(struct oscillation *oscillation, const struct method *method, enum drag drag, double zeta,
+                             enum stiffness_sign sign)
+{
+    const struct {
+        const char *name;
+        double value;
+    } given[] = {{"m", 1}, {"k", stiffness_sign_value(sign)}, {"gamma", 2 * zeta}};
+    struct scene scene;
+    struct error ignored;
+    scene_init(&scene, NULL);
+    for (size_t i = 0; i < COUNT_OF(given); i++)
+        if (!scene_set(&scene, param_index(given[i].name), (struct measured){given[i].value, 0}, &ignored))
+            return false;
+    if (!scene_bind(&scene, &oscillation->system, &ignored))
+        return false;
+    oscillation->method = method;
+    oscillation->drag = drag;
+    oscillation->zeta = zeta;
+    oscillation->sign = sign;
+    return !(method->flags & METHOD_YARDSTICK) &&
+           method_applies(method, &oscillation->system, &oscillation->drag, &ignored);
+}
+
+/* Columns are the images of the unit vectors; NaN where the step fails. */
+static void amplify(const struct oscillation *oscillation, double x, double matrix[4])
+{
+    double work[WORK_MAX];
+    assert(method_work_size(oscillation->method, 2) <= WORK_MAX);
+    for (int column = 0; column < 2; column++) {
+        double y[2] = {column == 0, column == 1};
+        struct step step = {.system = &oscillation->system, .drag = oscillation->drag, .h = x, .y = y, .work = work};
+        bool ok = method_step(oscillation->method, &step) == STEP_OK;
+        matrix[column] = ok ? y[0] : NAN;
+        matrix[2 + column] = ok ? y[1] : NAN;
+    }
+}
+
+bool method_amplification(const struct method *method, enum drag drag, double x, double zeta, double matrix[4])
+{
+    struct oscillation oscillation;
+    if (method->growth || !oscillation_init(&oscillation, method, drag, zeta, STIFFNESS_POSITIVE))
+        return false;
+    amplify(&oscillation, x, matrix);
+    return !isnan(matrix[0]) && !isnan(matrix[1]);
+}
+
+double matrix_spectral_radius(const double m[4])
+{
+    double mean = (m[0] + m[3]) / 2, half = (m[0] - m[3]) / 2;
+    double split = half * half + m[1] * m[2]; /* eigenvalues: mean +- sqrt(split) */
+    return split >= 0 ? fabs(mean) + sqrt(split) : sqrt(mean * mean - split);
+}
+
+static double growth_factor(const struct oscillation *oscillation, double x)
+{
+    if (oscillation->method->growth)
+        return oscillation->method->growth(oscillation->method, x, oscillation->zeta, oscillation->sign);
+    double matrix[4];
+    amplify(oscillation, x, matrix);
+    return matrix_spectral_radius(matrix);
+}
+
+double method_growth_signed(const struct method *method, enum drag drag, double x, double zeta,
+                            enum stiffness_sign sign)
+{
+    struct oscillation oscillation;
+    return oscillation_init(&oscillation, method, drag, zeta, sign) ? growth_factor(&oscillation, x) : NAN;
+}
+
+double method_growth(const struct method *method, enum drag drag, double x, double zeta)
+{
+    return method_growth_signed(method, drag, x, zeta, STIFFNESS_POSITIVE);
+}
+
+/* Above 0: this step grows. */
+static double growth(const struct oscillation *oscillation, double x)
+{
+    double radius = growth_factor(oscillation, x);
+    return isnan(radius) ? HUGE_VAL : radius - 1;
+}
+
+double method_stable_limit_signed(const struct method *method, enum drag drag, double zeta, enum stiffness_sign sign)
+{
+    struct oscillation oscillation;
+    if (!oscillation_init(&oscillation, method, drag, zeta, sign))
+        return NAN;
+    double low = 0, high = X_FIRST / fmax(1, fabs(zeta));
+    while (growth(&oscillation, high) <= MARGIN) {
+        low = high;
+        high = next_x(high);
+        if (high > X_LAST)
+            return HUGE_VAL;
+    }
+    if (low == 0)
+        return 0;
+    /* Growth like x^q from 0 on passes the margin too: then a little below it is already more than rounding. */
+    double before = growth(&oscillation, 0.9 * low), margin = MARGIN;
+    if (before > MARGIN / 10)
+        return 0;
+    if (before < -MARGIN) { /* true decay turns into growth: where exactly */
+        margin = 0;
+        low *= 0.9;
+    }
+    while (high - low > 1e-14 * high) {
+        double x = low + (high - low) / 2;
+        if (x == low || x == high)
+            break;
+        *(growth(&oscillation, x) <= margin ? &low : &high) = x;
+    }
+    return low;
+}
+
+double method_stable_limit(const struct method *method, enum drag drag, double zeta)
+{
+    return method_stable_limit_signed(method, drag, zeta, STIFFNESS_POSITIVE);
+}

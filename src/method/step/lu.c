@@ -1,0 +1,90 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Small dense linear systems, real and complex. Source: Golub, Van Loan 1996, Matrix Computations, 3.4. */
+#include "method/step/lu_body.h"
+
+INSTANCE bool factor_complex(int n, double *re)
+{
+    double *im = re + LU_ROOM(n);
+    for (int p = 0; p < n; p++) {
+        int best = p;
+        for (int i = p + 1; i < n; i++)
+            if (fabs(re[i * n + p]) + fabs(im[i * n + p]) > fabs(re[best * n + p]) + fabs(im[best * n + p]))
+                best = i;
+        /* 1/(x + i y), scaled by its size: neither part of the square over- or underflows */
+        double size = fabs(re[best * n + p]) + fabs(im[best * n + p]), unit = 1 / size;
+        if (unit == 0 || !isfinite(unit))
+            return false;
+        double x = re[best * n + p] * unit, y = im[best * n + p] * unit;
+        double inverse = unit / (x * x + y * y), inverse_re = x * inverse, inverse_im = -y * inverse;
+        re[n * n + p] = best;
+        if (best != p)
+            for (int j = p; j < n; j++) {
+                swap(&re[p * n + j], &re[best * n + j]);
+                swap(&im[p * n + j], &im[best * n + j]);
+            }
+        re[p * n + p] = inverse_re;
+        im[p * n + p] = inverse_im;
+        for (int i = p + 1; i < n; i++) {
+            double u = re[i * n + p] * inverse_re - im[i * n + p] * inverse_im;
+            double v = re[i * n + p] * inverse_im + im[i * n + p] * inverse_re;
+            re[i * n + p] = u;
+            im[i * n + p] = v;
+            for (int j = p + 1; j < n; j++) {
+                re[i * n + j] -= u * re[p * n + j] - v * im[p * n + j];
+                im[i * n + j] -= u * im[p * n + j] + v * re[p * n + j];
+            }
+        }
+    }
+    return true;
+}
+
+INSTANCE void solve_complex(int n, const double *a, double *re, double *im)
+{
+    const double *b = a + LU_ROOM(n);
+    for (int p = 0; p < n; p++) {
+        int best = (int)a[n * n + p];
+        if (best != p) {
+            swap(&re[p], &re[best]);
+            swap(&im[p], &im[best]);
+        }
+        for (int i = p + 1; i < n; i++) {
+            re[i] -= a[i * n + p] * re[p] - b[i * n + p] * im[p];
+            im[i] -= a[i * n + p] * im[p] + b[i * n + p] * re[p];
+        }
+    }
+    for (int i = n; i-- > 0;) {
+        for (int j = i + 1; j < n; j++) {
+            re[i] -= a[i * n + j] * re[j] - b[i * n + j] * im[j];
+            im[i] -= a[i * n + j] * im[j] + b[i * n + j] * re[j];
+        }
+        double x = re[i], y = im[i];
+        re[i] = x * a[i * n + i] - y * b[i * n + i];
+        im[i] = x * b[i * n + i] + y * a[i * n + i];
+    }
+}
+
+bool lu_factor(int n, double *a)
+{
+    return n == 1 ? lu_factor_size(1, a) : n == 2 ? lu_factor_size(2, a) : n == 3 ? lu_factor_size(3, a) : lu_factor_size(n, a);
+}
+
+void lu_solve(int n, const double *a, double *b)
+{
+    n == 1 ? lu_solve_size(1, a, b) : n == 2 ? lu_solve_size(2, a, b) : n == 3 ? lu_solve_size(3, a, b) : lu_solve_size(n, a, b);
+}
+
+bool lu_factor_complex(int n, double *a)
+{
+    return n == 1   ? factor_complex(1, a)
+           : n == 2 ? factor_complex(2, a)
+           : n == 3 ? factor_complex(3, a)
+                    : factor_complex(n, a);
+}
+
+void lu_solve_complex(int n, const double *a, double *re, double *im)
+{
+    n == 1   ? solve_complex(1, a, re, im)
+    : n == 2 ? solve_complex(2, a, re, im)
+    : n == 3 ? solve_complex(3, a, re, im)
+             : solve_complex(n, a, re, im);
+}

@@ -1,0 +1,72 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Elimination for one size: for those in lu.c, and again in kernels. One text, so both give the same bits. The diagonal
+ * of the factors holds the reciprocals. Source: Golub, Van Loan 1996, Matrix Computations, 3.4.
+ */
+#ifndef HOOKE_METHOD_STEP_LU_BODY_H
+#define HOOKE_METHOD_STEP_LU_BODY_H
+
+#include "method/step/lu.h"
+
+#include <math.h>
+
+#define INSTANCE static inline __attribute__((always_inline))
+
+INSTANCE void swap(double *a, double *b)
+{
+    double c = *a;
+    *a = *b;
+    *b = c;
+}
+
+INSTANCE bool lu_factor_size(int n, double *a)
+{
+    for (int p = 0; p < n; p++) {
+        int best = p;
+        for (int i = p + 1; i < n; i++)
+            if (fabs(a[i * n + p]) > fabs(a[best * n + p]))
+                best = i;
+        double inverse = 1 / a[best * n + p];
+        if (inverse == 0 || !isfinite(inverse))
+            return false;
+        a[n * n + p] = best;
+        for (int i = p + 1; i < n; i++) /* a place that the compiler knows: small matrices stay in registers */
+            for (int j = p; j < n && i == best; j++)
+                swap(&a[p * n + j], &a[i * n + j]);
+        a[p * n + p] = inverse;
+        for (int i = p + 1; i < n; i++) {
+            double factor = a[i * n + p] *= inverse;
+            for (int j = p + 1; j < n; j++)
+                a[i * n + j] -= factor * a[p * n + j];
+        }
+    }
+    return true;
+}
+
+INSTANCE void lu_solve_size(int n, const double *a, double *b)
+{
+    for (int p = 0; p < n; p++) {
+        int best = (int)a[n * n + p];
+        for (int i = p + 1; i < n; i++)
+            if (i == best)
+                swap(&b[p], &b[i]);
+        for (int i = p + 1; i < n; i++)
+            b[i] -= a[i * n + p] * b[p];
+    }
+    for (int i = n; i-- > 0;) {
+        for (int j = i + 1; j < n; j++)
+            b[i] -= a[i * n + j] * b[j];
+        b[i] *= a[i * n + i];
+    }
+}
+
+/* Is the determinant of what was factored negative? The diagonal holds the reciprocals of the pivots. */
+INSTANCE bool lu_negative(int n, const double *a)
+{
+    bool negative = false;
+    for (int p = 0; p < n; p++)
+        negative ^= (a[p * n + p] < 0) != ((int)a[n * n + p] != p);
+    return negative;
+}
+
+#endif

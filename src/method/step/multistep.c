@@ -1,0 +1,237 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * One step of a linear multistep method, and its growth. Source: Hairer, Norsett, Wanner 1993, Solving ODEs I, III.1.
+ *
+ * A step that has no history of its own length h behind it (the first ones, a last shorter one) is one step of a
+ * one-step method of higher order: radau5 for backward differentiation, because it survives what is stiff, dop853 for
+ * the others; in shorter steps where that one has no solution. So the beginning never limits the order or the step.
+ */
+#include "method/step/step.h"
+
+#include <complex.h>
+
+/* work: how many values are there, their h, then the values [steps][n] (f, or y where differences are formed), the
+ * newest first; then two states and what the starter or the solver needs. */
+enum { COUNT, H, HEAD };
+
+enum { DEGREE_MAX = 6, ITERATIONS = 100 };
+
+static const double ARRIVED = 1e-9; /* the order is 3: what remains after such a move is below rounding */
+
+/* Substeps of a start: the shortest, and how many there may be. */
+static const double SHORTEST = 1e-9; /* of h */
+enum { SUBSTEPS = 1000 };
+static const double SENSIBLE = 1e-4; /* estimated error, relative to the values */
+
+static const struct method *starter(const struct method *method)
+{
+    const char *name = method->multistep->values ? "radau5" : "dop853";
+    return (const struct method *)(const void *)catalog_find(&method_catalog, text_of(name));
+}
+
+size_t multistep_work(const struct method *method, int n)
+{
+    size_t start = method_work_size(starter(method), n), solve = newton_work(method, n);
+    return HEAD + (size_t)(method->multistep->steps + 2) * (size_t)n + (start > solve ? start : solve);
+}
+
+/* What a step may change, to take it back. */
+struct before {
+    double y[LIMIT_VARIABLES], low[LIMIT_VARIABLES];
+};
+
+static void keep(const struct step *step, struct before *before)
+{
+    const size_t size = (size_t)step->system->n * sizeof *step->y;
+    memcpy(before->y, step->y, size);
+    if (step->low)
+        memcpy(before->low, step->low, size);
+}
+
+static void take_back(struct step *step, const struct before *before)
+{
+    const size_t size = (size_t)step->system->n * sizeof *step->y;
+    memcpy(step->y, before->y, size);
+    if (step->low)
+        memcpy(step->low, before->low, size);
+}
+
+/*
+ * One step of the starter where that succeeds; else a quarter of it, and so on, and after each success twice as much.
+ * Success: the estimated error, relative to the values, is at most `most`, because a step far beyond the limit of
+ * stability comes out finite, but as nonsense.
+ */
+static enum step_status substeps(const struct method *one_step, struct step *one, double t, double h, double most)
+{
+    const double limit = most * most * one->system->n;
+    double done = 0, length = 1; /* shares of h */
+    enum step_status failure = STEP_NO_SOLUTION;
+    for (int i = 0; i < SUBSTEPS && done < 1 && length >= SHORTEST; i++) {
+        const double share = fmin(length, 1 - done);
+        struct before before;
+        keep(one, &before);
+        one->t = t + done * h;
+        one->h = share * h;
+        one->warm = false;
+        const enum step_status status = method_step(one_step, one);
+        if (status == STEP_OK && scaled_square(one->system->n, step_scale(one), one->error, before.y, one->y) <= limit) {
+            done = share < 1 - done ? done + share : 1;
+            length = 2 * share;
+            continue;
+        }
+        failure = status == STEP_OK ? STEP_NONFINITE : status;
+        length = share / 4;
+        take_back(one, &before);
+    }
+    return done < 1 ? failure : STEP_OK;
+}
+
+static enum step_status start(const struct method *method, struct step *step, double *work)
+{
+    double error[LIMIT_VARIABLES];
+    struct step one = *step;
+    struct before before;
+    one.error = error;
+    one.work = work;
+    one.again = false; /* it has evaluated nothing yet */
+    if (method->multistep->values) /* differences of states know nothing of compensated sums */
+        one.low = NULL;
+    keep(&one, &before);
+    enum step_status status = substeps(starter(method), &one, step->t, step->h, SENSIBLE);
+    if (status != STEP_OK) { /* in as many steps there is nothing better */
+        take_back(&one, &before);
+        status = substeps(starter(method), &one, step->t, step->h, HUGE_VAL);
+    }
+    if (status != STEP_OK)
+        take_back(&one, &before);
+    step->cost = one.cost;
+    return status;
+}
+
+static void derivative(struct step *step, double t, const double *y, double *f)
+{
+    system_derivative(step->system, t, y, f);
+    step->cost.evals++;
+}
+
+/* sum_j w_j past_j[i] over the weights that are not zero, the newest first */
+static double weighted(const double *w, int count, const double *past, int n, int i)
+{
+    double sum = -0.0;
+    for (int j = 0; j < count; j++)
+        if (w[j] != 0)
+            sum += w[j] * past[j * n + i];
+    return sum;
+}
+
+enum step_status multistep_step(const struct method *method, struct step *step)
+{
+    const struct multistep *multistep = method->multistep;
+    const int n = step->system->n, steps = multistep->steps;
+    const double h = step->h, *y = step->y;
+    double *head = step->work, *past = head + HEAD, *z = past + steps * n, *next = z + n, *own = next + n;
+
+    int count = step->warm && head[H] == h ? (int)head[COUNT] : 0;
+    if (count == steps)
+        count--; /* the oldest leaves */
+    memmove(past + n, past, (size_t)(count * n) * sizeof *past);
+    if (multistep->values)
+        memcpy(past, y, (size_t)n * sizeof *y);
+    else
+        derivative(step, step->t, y, past);
+    head[COUNT] = ++count;
+    head[H] = h;
+    if (count < steps)
+        return start(method, step, own);
+
+    if (multistep->values) { /* z = (- sum_j v_j y_n+1-j + h f(t + h, z)) / v_0 */
+        const double *v = multistep->values;
+        for (int i = 0; i < n; i++)
+            next[i] = -weighted(v + 1, steps, past, n, i) / v[0];
+        enum step_status status = implicit_euler_solve(step, step->t + h, h / v[0], next, z, own);
+        return status == STEP_OK ? step_finish(step, z) : status;
+    }
+    for (int i = 0; i < n; i++)
+        z[i] = h * weighted(multistep->predict, steps, past, n, i);
+    if (multistep->correct) {
+        for (int i = 0; i < n; i++)
+            z[i] += y[i];
+        derivative(step, step->t + h, z, next);
+        for (int i = 0; i < n; i++)
+            z[i] = h * (multistep->correct[0] * next[i] + weighted(multistep->correct + 1, steps - 1, past, n, i));
+    }
+    return step_increase(step, z);
+}
+
+/* ---- growth: the characteristic polynomial's largest root ---- */
+
+static double complex reciprocal(double complex z)
+{
+    return conj(z) / (creal(z) * creal(z) + cimag(z) * cimag(z));
+}
+
+/* p[0] mu^degree + … + p[degree]; all roots at once (Aberth 1973, Math. Comp. 27:339). */
+static double largest_root(int degree, const double complex *p)
+{
+    double complex root[DEGREE_MAX];
+    for (int i = 0; i < degree; i++)
+        root[i] = cexp((2 * M_PI * i / degree + 0.4) * (double complex)_Complex_I);
+    double move = 1;
+    for (int iteration = 0; iteration < ITERATIONS && move > ARRIVED; iteration++) {
+        move = 0;
+        for (int i = 0; i < degree; i++) {
+            double complex value = p[0], slope = 0, push = 0;
+            for (int j = 1; j <= degree; j++) {
+                slope = slope * root[i] + value;
+                value = value * root[i] + p[j];
+            }
+            for (int j = 0; j < degree; j++)
+                if (j != i)
+                    push += reciprocal(root[i] - root[j]);
+            double complex step = value * reciprocal(slope - value * push);
+            root[i] -= step;
+            move = fmax(move, fabs(creal(step)) + fabs(cimag(step)));
+        }
+    }
+    double largest = 0;
+    for (int i = 0; i < degree; i++) {
+        double size = cabs(root[i]);
+        if (isnan(size))
+            return NAN;
+        largest = fmax(largest, size);
+    }
+    return largest;
+}
+
+/* On y' = lambda y, z = h lambda (Hairer, Wanner 1996, Solving ODEs II, V.1). */
+static double growth_of(const struct multistep *multistep, double complex z)
+{
+    int steps = multistep->steps;
+    double complex p[DEGREE_MAX + 1] = {0}; /* of y_n+1, y_n, … */
+    if (multistep->values) {
+        for (int j = 0; j <= steps; j++)
+            p[j] = multistep->values[j];
+        p[0] -= z;
+    } else {
+        const double *c = multistep->correct;
+        double complex f = c ? z * c[0] : 1; /* what the predicted value is multiplied by */
+        p[0] = 1;
+        p[1] = c ? -1 - f : -1;
+        for (int j = 0; j < steps; j++)
+            p[1 + j] -= f * z * multistep->predict[j];
+        for (int j = 1; c && j < steps; j++)
+            p[j] -= z * c[j];
+    }
+    return largest_root(steps, p);
+}
+
+double multistep_growth(const struct method *method, double x, double zeta, enum stiffness_sign sign)
+{
+    const double product = stiffness_sign_value(sign), /* of the two eigenvalues, and what parts them */
+        split = product > 0 ? (zeta - 1) * (zeta + 1) : zeta * zeta - product;
+    if (split < 0) /* a complex pair */
+        return growth_of(method->multistep, x * (-zeta + sqrt(-split) * (double complex)_Complex_I));
+    const double fast = -copysign(fabs(zeta) + sqrt(split), zeta);
+    return fmax(growth_of(method->multistep, x * fast),
+                growth_of(method->multistep, fast != 0 ? x * (product / fast) : 0));
+}

@@ -1,0 +1,384 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * The stages of implicit methods: for any forces in newton.c, and again where they are known to the compiler in
+ * kernel_implicit.c. One text, so both give the same bits.
+ * Source: Hairer, Wanner 1996, Solving ODEs II, IV.8 (transformed systems, stopping); Hairer, McLachlan, Razakarivony
+ * 2008, BIT 48:231 (to rounding).
+ */
+#ifndef HOOKE_METHOD_STEP_NEWTON_BODY_H
+#define HOOKE_METHOD_STEP_NEWTON_BODY_H
+
+#include <float.h>
+
+#include "method/step/lu_body.h"
+#include "method/step/newton.h"
+
+#ifndef INLINE
+#define INLINE static inline __attribute__((always_inline))
+#endif
+
+/* Halvings of an increment that does not bring the equations nearer to 0, and iterations before giving up. */
+enum { HALVINGS = 8, ITERATIONS = 30 };
+
+#define STANDSTILL 1e-10 /* an increment this small (relative) that shrinks no more is rounding */
+#define SLOW 0.1         /* increments that shrink by less than this want a new Jacobian */
+#define CONTRACTS 0.5    /* increments that shrink by this stay near where they began (Newton-Kantorovich) */
+
+#define LOST (DBL_EPSILON / 32) /* an increment that changes no digit */
+
+static const double newton_one[] = {1}, newton_now[] = {0};
+#define NEWTON_EULER                                                                                                   \
+    {.stages = 1,                                                                                                      \
+     .c = newton_now,                                                                                                  \
+     .a = newton_one,                                                                                                  \
+     .b = newton_one,                                                                                                  \
+     .d = newton_one,                                                                                                  \
+     .real = 1,                                                                                                        \
+     .left = newton_one,                                                                                               \
+     .right = newton_one}
+
+/* What newton_room() holds. */
+struct room {
+    double *h;    /* of the factors, 0: there are none */
+    double *rate; /* by which increments shrank in the last solution */
+    double *slope, *rest, *move, *jacobian, *real, *complex;
+};
+
+INLINE struct room room_of(int stages, int n, double *work)
+{
+    struct room room = {.h = work, .rate = work + 1, .slope = work + 2};
+    room.rest = room.slope + stages * n;
+    room.move = room.rest + stages * n;
+    room.jacobian = room.move + stages * n;
+    room.real = room.jacobian + n * n;
+    room.complex = room.real + LU_ROOM(n);
+    return room;
+}
+
+/* A size that the compiler knows needs no choice among them. */
+INLINE bool newton_lu(int n, double *a)
+{
+    return __builtin_constant_p(n) ? lu_factor_size(n, a) : lu_factor(n, a);
+}
+
+INLINE void newton_lu_solve(int n, const double *a, double *x)
+{
+    __builtin_constant_p(n) ? lu_solve_size(n, a, x) : lu_solve(n, a, x);
+}
+
+/* The factors of real - h J and alpha + i beta - h J, with J at t and y. */
+INLINE bool newton_factor(const struct newton *equations, struct step *step, int n, double t, double h,
+                          const double *y, struct room *room)
+{
+    const struct implicit_tableau *tableau = equations->tableau;
+    double *re = room->complex, *im = re + LU_ROOM(n);
+    equations->jacobian(equations->forces, t, y, room->jacobian);
+    step->cost.jacobians++;
+    *room->h = 0;
+    for (int i = 0; i < n * n; i++) {
+        double hj = h * room->jacobian[i], unit = i % (n + 1) == 0;
+        room->real[i] = tableau->real * unit - hj;
+        re[i] = tableau->alpha * unit - hj;
+        im[i] = tableau->beta * unit;
+    }
+    if ((tableau->real != 0 && !newton_lu(n, room->real)) || (tableau->beta != 0 && !lu_factor_complex(n, re)))
+        return false;
+    *room->h = h;
+    return true;
+}
+
+/* x_i = sum_j m_ij x_j for each component of x [stages][n] */
+INLINE void mix_stages(int stages, int n, const double *m, double *x)
+{
+    for (int i = 0; i < n; i++) {
+        double old[3];
+        for (int s = 0; s < stages; s++)
+            old[s] = x[s * n + i];
+        for (int s = 0; s < stages; s++) {
+            double sum = -0.0;
+            for (int j = 0; j < stages; j++)
+                sum += m[s * stages + j] * old[j];
+            x[s * n + i] = sum;
+        }
+    }
+}
+
+INLINE void newton_mix(int stages, int n, const double *m, double *x)
+{
+    stages == 1 ? mix_stages(1, n, m, x) : stages == 2 ? mix_stages(2, n, m, x) : mix_stages(3, n, m, x);
+}
+
+/* x [stages][n] becomes (1 - h a J)^-1 x. */
+INLINE void newton_increment(const struct implicit_tableau *tableau, struct step *step, int n, const struct room *room,
+                             double *x)
+{
+    int pair = tableau->real != 0;
+    newton_mix(tableau->stages, n, tableau->left, x);
+    if (pair)
+        newton_lu_solve(n, room->real, x);
+    if (tableau->beta != 0)
+        lu_solve_complex(n, room->complex, x + pair * n, x + (pair + 1) * n);
+    newton_mix(tableau->stages, n, tableau->right, x);
+    step->cost.solves++;
+}
+
+/* What the increments z are off by; slope and rest [stages][n] */
+INLINE void newton_rest(const struct newton *equations, struct step *step, int n, double t, double h, const double *y,
+                        const double *z, double *slope, double *rest)
+{
+    const struct implicit_tableau *tableau = equations->tableau;
+    const int stages = tableau->stages;
+    double sum[LIMIT_VARIABLES];
+    for (int s = 0; s < stages; s++) {
+        for (int i = 0; i < n; i++)
+            sum[i] = y[i] + z[s * n + i];
+        equations->slope(equations->forces, t + tableau->c[s] * h, sum, slope + s * n);
+    }
+    step->cost.evals += stages;
+    memcpy(rest, slope, (size_t)(stages * n) * sizeof *rest);
+    newton_mix(stages, n, tableau->a, rest);
+    for (int i = 0; i < stages * n; i++)
+        rest[i] = h * rest[i] - z[i];
+}
+
+/* Largest of x [stages][n], each component by its weight; NaN if one is. */
+INLINE double newton_size(int stages, int n, const double *weight, const double *x)
+{
+    double largest = 0;
+    for (int s = 0; s < stages; s++)
+        for (int i = 0; i < n; i++) {
+            double size = fabs(x[s * n + i]) * weight[i];
+            if (!(size <= largest))
+                largest = size;
+            if (isnan(size))
+                return size;
+        }
+    return largest;
+}
+
+/* A new Jacobian, at the middle stage of where the iteration has come to. */
+INLINE bool newton_renew(const struct newton *equations, struct step *step, int n, double t, double h,
+                         const double *y, const double *z, struct room *room)
+{
+    const struct implicit_tableau *tableau = equations->tableau;
+    const int middle = tableau->stages / 2;
+    double sum[LIMIT_VARIABLES];
+    for (int i = 0; i < n; i++)
+        sum[i] = y[i] + z[middle * n + i];
+    return newton_factor(equations, step, n, t + tableau->c[middle] * h, h, sum, room);
+}
+
+/* Is the determinant, as far as it is real, positive as in short steps? */
+INLINE bool newton_positive(const struct implicit_tableau *tableau, int n, const struct room *room)
+{
+    return tableau->real == 0 || !lu_negative(n, room->real);
+}
+
+/* Half of the last increment is taken back. */
+INLINE void newton_halve(int count, double *z, double *move)
+{
+    for (int i = 0; i < count; i++) {
+        move[i] /= 2;
+        z[i] -= move[i];
+    }
+}
+
+/*
+ * Until increments stop decreasing: a tolerance would bias the rounding. An increment that does not bring the equations
+ * nearer to 0 is halved. near: is the solution the one beside the guess? It is where increments shrink from the first
+ * one on, and the determinant is positive, as it is in short steps.
+ */
+INLINE enum step_status newton_iterate(const struct newton *equations, struct step *step, int n, double t, double h,
+                                       const double *y, double *z, const double *weight, struct room *room, bool *near)
+{
+    const struct implicit_tableau *tableau = equations->tableau;
+    const int stages = tableau->stages;
+    double last = HUGE_VAL, off = HUGE_VAL;
+    *near = newton_positive(tableau, n, room);
+    for (int iteration = 0, halvings = 0; iteration < ITERATIONS;) {
+        equations->rest(equations, step, n, t, h, y, z, room->slope, room->rest);
+        double rest = newton_size(stages, n, weight, room->rest);
+        if (iteration == 0 && !isfinite(rest))
+            return STEP_NONFINITE;
+        if (!(rest < off) && last > STANDSTILL) {
+            if (++halvings > HALVINGS)
+                return STEP_NO_SOLUTION;
+            *near = false;
+            newton_halve(stages * n, z, room->move);
+            continue;
+        }
+        memcpy(room->move, room->rest, (size_t)(stages * n) * sizeof *z);
+        newton_increment(tableau, step, n, room, room->move);
+        double size = newton_size(stages, n, weight, room->move);
+        for (int i = 0; i < stages * n; i++)
+            z[i] += room->move[i];
+        if (size > CONTRACTS * last && size > STANDSTILL)
+            *near = false;
+        if (step->system->linear || size <= DBL_EPSILON / 2 || (size >= last && size <= STANDSTILL)) {
+            *near = *near && newton_positive(tableau, n, room);
+            return STEP_OK;
+        }
+        if (size > SLOW * last && !newton_renew(equations, step, n, t, h, y, z, room))
+            return STEP_NO_SOLUTION;
+        last = size;
+        off = rest;
+        halvings = 0;
+        iteration++;
+    }
+    *near = false;
+    return last <= STANDSTILL ? STEP_OK : STEP_NO_SOLUTION;
+}
+
+/*
+ * The solution from z = 0. Where it is not sure to be the one that belongs to y, it is followed from a step of length 0:
+ * over y' = -y^2 the equation of a step has two solutions, and in long steps Newton's iteration may find the wrong one.
+ */
+INLINE enum step_status newton_to_rounding(const struct newton *equations, struct step *step, int n, double t, double h,
+                                           const double *y, double *z, const double *weight, struct room *room)
+{
+    bool near;
+    const enum step_status status = newton_iterate(equations, step, n, t, h, y, z, weight, room, &near);
+    if (step->system->linear || status == STEP_NONFINITE || (status == STEP_OK && near))
+        return status;
+    if (newton_follow(equations, step, n, t, h, y, z, weight, room->h))
+        return STEP_OK;
+    return status;
+}
+
+/* 1/size of each variable: what increments are measured by */
+INLINE void newton_weights(const double *scale, int n, const double *y, double *weight)
+{
+    for (int i = 0; i < n; i++) {
+        double size = fabs(y[i]);
+        weight[i] = 1 / (size > scale[i] ? size : scale[i]);
+    }
+}
+
+/* ---- one stage in closed form ---- */
+
+/*
+ * q' = q + h v', v' = v + h (F(q) - stiffness h v' - damping v' - quadratic |v'| v'): a scalar equation in v', because
+ * the force that does not depend on velocity is linear in q. force: that at t and y; dragged:
+ * o->quadratic is not 0.
+ */
+INLINE enum step_status oscillator_stage(const struct oscillator *o, bool dragged, double force, struct step *step, double h,
+                                         const double *y, double *z, double *sum)
+{
+    const double a = 1 + o->damping * h + o->stiffness * h * h, inverse = 1 / a; /* the same in each step */
+    const double bend = 4 * (o->quadratic * h * inverse) * inverse, r = y[1] + h * force, u = r * inverse;
+    step->cost.evals++;
+    step->cost.solves++;
+    if (!isfinite(a) || !isfinite(r))
+        return STEP_NONFINITE;
+    const double v = dragged ? 2 * u / (1 + sqrt(1 + bend * fabs(r))) : u; /* drag_root() */
+    const double share = dragged ? o->quadratic * h * fabs(v) : -0.0;
+    const double held = h * (o->stiffness * h + o->damping) * v, lost = dragged ? share * v : -0.0;
+    /* Where it is small, the increment by the force: the rounding of a would shift v in the same way at every step. */
+    const bool small = fabs(a - 1 + share) < 1;
+    z[0] = h * v;
+    z[1] = small ? (h * force - held) - lost : v - y[1];
+    sum[0] = y[0] + z[0];
+    sum[1] = small ? y[1] + z[1] : v;
+    return isfinite(v) ? STEP_OK : STEP_NO_SOLUTION;
+}
+
+/* ---- one stage of an equation of motion ---- */
+
+/* A derivative of the velocity's equation, and its sign as in short steps. False: there is no next iterate. */
+INLINE bool motion_factor(jacobian_function *slopes, const void *forces, struct step *step, double t,
+                          double h, const double *at, double *inverse, bool *positive)
+{
+    double jacobian[4];
+    slopes(forces, t, at, jacobian);
+    step->cost.jacobians++;
+    *inverse = 1 / (1 - h * (h * jacobian[2] + jacobian[3]));
+    *positive = *inverse > 0;
+    return *inverse != 0 && isfinite(*inverse);
+}
+
+/*
+ * v' = v + h a(t, q + h v', v'), one equation for x = v' - v: what newton_iterate() does with both variables. Where
+ * increments shrink so fast that the next one would be lost in rounding, it is not waited for.
+ */
+INLINE enum step_status motion_iterate(slope_function *slope, jacobian_function *slopes, const void *forces,
+                                       struct step *step, double t, double h, const double *y, double *x,
+                                       double weight, bool *near)
+{
+    double inverse, last = HUGE_VAL, off = HUGE_VAL, move = 0, sum[2] = {y[0], y[1]}, dydt[2];
+    bool positive;
+    if (!motion_factor(slopes, forces, step, t, h, sum, &inverse, &positive))
+        return STEP_NO_SOLUTION;
+    *near = positive;
+    for (int iteration = 0, halvings = 0; iteration < ITERATIONS;) {
+        sum[1] = y[1] + *x;
+        sum[0] = y[0] + h * sum[1];
+        slope(forces, t, sum, dydt);
+        step->cost.evals++;
+        const double rest = h * dydt[1] - *x, size_of_rest = fabs(rest) * weight;
+        if (iteration == 0 && !isfinite(rest))
+            return STEP_NONFINITE;
+        if (!(size_of_rest < off) && last > STANDSTILL) {
+            if (++halvings > HALVINGS)
+                return STEP_NO_SOLUTION;
+            *near = false;
+            move /= 2;
+            *x -= move;
+            continue;
+        }
+        move = rest * inverse;
+        step->cost.solves++;
+        const double size = fabs(move) * weight;
+        *x += move;
+        if (size > CONTRACTS * last && size > STANDSTILL)
+            *near = false;
+        if (size <= DBL_EPSILON / 2 || (size >= last && size <= STANDSTILL) || (iteration > 0 && size * size <= LOST * last)) {
+            *near = *near && positive;
+            return STEP_OK;
+        }
+        if (size > SLOW * last) {
+            sum[1] = y[1] + *x;
+            sum[0] = y[0] + h * sum[1];
+            if (!motion_factor(slopes, forces, step, t, h, sum, &inverse, &positive))
+                return STEP_NO_SOLUTION;
+        }
+        last = size;
+        off = size_of_rest;
+        halvings = 0;
+        iteration++;
+    }
+    *near = false;
+    return last <= STANDSTILL ? STEP_OK : STEP_NO_SOLUTION;
+}
+
+/*
+ * newton_stage() to rounding for q'' = a(t, q, q') of one coordinate: z and y + z [2]; work: for newton_follow(). The
+ * functions stand alone, so that a compiler that knows them inlines them.
+ */
+INLINE enum step_status motion_stage(slope_function *slope, jacobian_function *slopes, const void *forces,
+                                     struct step *step, double t, double h, const double *y, double *z,
+                                     double *sum, double *work)
+{
+    double weight[2], x = 0;
+    bool near;
+    newton_weights(step_scale(step), 2, y, weight);
+    const double by_position = fabs(h) * weight[0];
+    const double larger = weight[1] > by_position ? weight[1] : by_position;
+    enum step_status status = motion_iterate(slope, slopes, forces, step, t, h, y, &x, larger, &near);
+    z[1] = x;
+    z[0] = h * (y[1] + x);
+    if (status != STEP_NONFINITE && !(status == STEP_OK && near)) {
+        static const struct implicit_tableau euler = NEWTON_EULER;
+        const struct newton equations = {&euler, newton_stages, slope, slopes, forces};
+        double all[2] = {z[0], z[1]}, from[2] = {y[0], y[1]};
+        if (newton_follow(&equations, step, 2, t, h, from, all, weight, work)) {
+            z[0] = all[0];
+            z[1] = all[1];
+            status = STEP_OK;
+        }
+    }
+    sum[0] = y[0] + z[0];
+    sum[1] = y[1] + z[1];
+    return status;
+}
+
+#endif

@@ -1,0 +1,148 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* One step of any Rosenbrock method, and its dense output. */
+#include "method/step/rosenbrock_body.h"
+
+/* Distance of the two points of a difference quotient in t, as a share of h: its error stays far below the step's. */
+static const double APART = 1. / 8192;
+
+/* work: u [stages][n], the Jacobian, four states, the matrix. */
+size_t rosenbrock_work(const struct method *method, int n)
+{
+    return (size_t)(method->rosenbrock->stages + n + 4) * (size_t)n + LU_ROOM(n);
+}
+
+void rosenbrock_time_derivative(struct step *step, double *slope, double *after)
+{
+    const struct system *system = step->system;
+    const struct oscillator *o = &system->oscillator;
+    int n = system->n;
+    if (o->whole && system->order == 2 && n == 2) {
+        slope[0] = 0;
+        slope[1] = -o->drive * o->omega * sin(o->omega * step->t + o->phase);
+        return;
+    }
+    double earlier = step->t - step->h * (APART / 2), later = step->t + step->h * (APART / 2);
+    system_derivative(system, earlier, step->y, slope);
+    system_derivative(system, later, step->y, after);
+    step->cost.evals += 2;
+    for (int i = 0; i < n; i++)
+        slope[i] = later != earlier ? (after[i] - slope[i]) / (later - earlier) : 0;
+}
+
+static void slope_of(const void *system, double t, const double *y, double *dydt)
+{
+    system_derivative(system, t, y, dydt);
+}
+
+static void jacobian_of(const void *system, double t, const double *y, double *jac)
+{
+    system_jacobian(system, t, y, jac);
+}
+
+/* u_i from y, by the factors of a matrix; sum [n]: scratch. False: it is singular. */
+static bool large_stages(const struct rosenbrock *rosenbrock, struct step *step, double *sum)
+{
+    const struct system *system = step->system;
+    const int n = system->n, stages = rosenbrock->stages;
+    const double h = step->h, t = step->t, *a = rosenbrock->a, *c = rosenbrock->c, *y = step->y;
+    double *const u = step->work, *const jacobian = u + stages * n, *const first = jacobian + n * n;
+    double *const drift = first + n, *const z = drift + n, *const later = z + n, *const matrix = later + n;
+    const double *f = first, diagonal = 1 / (rosenbrock->gamma * h), rate = 1 / h;
+    if (!step->again) {
+        if (!system->autonomous)
+            rosenbrock_time_derivative(step, drift, later);
+        system_jacobian(system, t, y, jacobian);
+        system_derivative(system, t, y, first);
+        step->cost.jacobians++;
+        step->cost.evals++;
+    }
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++)
+            matrix[i * n + j] = (i == j ? diagonal : -0.0) - jacobian[i * n + j];
+    if (!lu_factor(n, matrix))
+        return false;
+    for (int s = 0; s < stages; a += s, c += s, s++) {
+        if (s > 0 && !rosenbrock_same_point(rosenbrock, a, s)) {
+            f = later;
+            rosenbrock_combine(n, a, s, u, sum);
+            for (int i = 0; i < n; i++)
+                z[i] = y[i] + sum[i];
+            system_derivative(system, t + rosenbrock->alpha[s] * h, z, later);
+            step->cost.evals++;
+        }
+        rosenbrock_combine(n, c, s, u, sum);
+        for (int i = 0; i < n; i++)
+            sum[i] *= rate;
+        if (!system->autonomous && rosenbrock->d[s] != 0)
+            for (int i = 0; i < n; i++)
+                sum[i] += rosenbrock->d[s] * h * drift[i];
+        for (int i = 0; i < n; i++)
+            u[s * n + i] = f[i] + sum[i];
+        lu_solve(n, matrix, u + s * n);
+        step->cost.solves++;
+    }
+    return true;
+}
+
+static enum step_status large_step(const struct rosenbrock *rosenbrock, struct step *step)
+{
+    const int n = step->system->n, stages = rosenbrock->stages;
+    const double *const u = step->work;
+    double sum[LIMIT_VARIABLES];
+    if (!large_stages(rosenbrock, step, sum))
+        return STEP_NO_SOLUTION;
+    for (int i = 0; i < n && step->error && rosenbrock->companion; i++)
+        step->error[i] = weighted_difference(rosenbrock->m, rosenbrock->companion, stages, u, n, i);
+    rosenbrock_combine(n, rosenbrock->m, stages, u, sum);
+    return step_increase(step, sum);
+}
+
+enum step_status rosenbrock_step(const struct method *method, struct step *step)
+{
+    const struct rosenbrock *rosenbrock = method->rosenbrock;
+    const struct rosenbrock_forces of = {slope_of, jacobian_of, step->system, !step->system->autonomous};
+    const int n = step->system->n;
+    return n == 1   ? rosenbrock_small_step(1, rosenbrock, &of, step)
+           : n == 2 ? rosenbrock_small_step(2, rosenbrock, &of, step)
+           : n == 3 ? rosenbrock_small_step(3, rosenbrock, &of, step)
+                    : large_step(rosenbrock, step);
+}
+
+void rosenbrock_dense(const struct method *method, const struct step *step, double theta, double *y)
+{
+    const struct rosenbrock *rosenbrock = method->rosenbrock;
+    const double *u = step->work;
+    int n = step->system->n, stages = rosenbrock->stages;
+    double sum[LIMIT_VARIABLES];
+    for (int i = 0; i < n; i++)
+        y[i] = 0;
+    for (int m = rosenbrock->degree; m-- > 0;) {
+        rosenbrock_combine(n, rosenbrock->dense + m * stages, stages, u, sum);
+        for (int i = 0; i < n; i++)
+            y[i] = y[i] * theta + sum[i];
+    }
+    rosenbrock_combine(n, rosenbrock->m, stages, u, sum);
+    for (int i = 0; i < n; i++)
+        y[i] = step->y[i] + (1 - theta) * (theta * y[i] - sum[i]);
+}
+
+/*
+ * theta (1 - theta) (e_0 + e_1 theta + …), degree 4 at most, in the form of Hermite's: between the brackets
+ * e_0 + theta (twist + (1 - theta) (d_0 + theta d_1)).
+ */
+void rosenbrock_polynomial(const struct method *method, const struct step *step, int i, struct dense_polynomial *out)
+{
+    const struct rosenbrock *rosenbrock = method->rosenbrock;
+    const int n = step->system->n, stages = rosenbrock->stages;
+    double e[ROSENBROCK_DEGREE] = {0};
+    for (int m = 0; m < rosenbrock->degree; m++)
+        e[m] = weighted_sum(rosenbrock->dense + m * stages, stages, step->work, n, i);
+    const double last = -e[3], bend = last - e[2];
+    *out = (struct dense_polynomial){.end = step->y[i],
+                                     .h = 1,
+                                     .rise = weighted_sum(rosenbrock->m, stages, step->work, n, i),
+                                     .first = e[0],
+                                     .twist = e[1] - bend,
+                                     .bends = 2,
+                                     .bend = {bend, last}};
+}

@@ -1,0 +1,283 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * One step of a Rosenbrock method: of any row and system in rosenbrock.c, and again where both are
+ * known to the compiler in kernel_rosenbrock.c. One text, so both give the same bits. Source:
+ * Hairer, Wanner 1996, Solving ODEs II, IV.7, eq. 7.25.
+ */
+#ifndef HOOKE_METHOD_STEP_ROSENBROCK_BODY_H
+#define HOOKE_METHOD_STEP_ROSENBROCK_BODY_H
+
+#include "method/step/lu_body.h"
+#include "method/step/step.h"
+
+#ifndef UNROLL
+#define UNROLL
+#endif
+#ifndef INLINE
+#define INLINE static inline __attribute__((always_inline))
+#endif
+
+typedef void jacobian_function(const void *forces, double t, const double *y,
+                               double *jac); /* [n][n] */
+
+/* What a step is of; `forces` is whatever the functions know. */
+struct rosenbrock_forces {
+    slope_function *slope;
+    jacobian_function *jacobian;
+    const void *forces;
+    bool timed; /* the slope depends on t, too */
+};
+
+/* sum_j w_j u_j over the weights that are not zero, from the first to the last */
+INLINE void rosenbrock_combine(int n, const double *w, int count, const double *u, double *sum)
+{
+    for (int i = 0; i < n; i++)
+        sum[i] = -0.0;
+    for (int j = 0; j < count; j++)
+        for (int i = 0; i < n && w[j] != 0; i++)
+            sum[i] += w[j] * u[j * n + i];
+}
+
+/* Stage s is at the same point of time and space as the one before it (ros3p): f is known. row: its
+ * part of a. */
+INLINE bool rosenbrock_same_point(const struct rosenbrock *rosenbrock, const double *row, int s)
+{
+    bool same = row[s - 1] == 0 && rosenbrock->alpha[s] == rosenbrock->alpha[s - 1];
+    UNROLL for (int j = 0; j < s - 1; j++) same = same && row[j] == row[j - (s - 1)];
+    return same;
+}
+
+/* df/dt at (t, y) into `slope`; two states of scratch. Closed form for the driven oscillator, else
+ * by differences. */
+void rosenbrock_time_derivative(struct step *step, double *slope, double *after);
+
+INLINE void rosenbrock_copy(int count, const double *from, double *to)
+{
+    for (int i = 0; i < count; i++)
+        to[i] = from[i];
+}
+
+/* ---- up to 3 unknowns: pairs of numbers in registers, and the inverse, a shorter chain than two
+ * substitutions ---- */
+
+enum { INVERTED = 3, STAGES_MOST = 8 };
+
+typedef double pair __attribute__((vector_size(16)));
+
+struct few {
+    pair of[2]; /* the last one is 0 where their number is odd */
+};
+
+INLINE double few_get(const struct few *x, int i)
+{
+    return x->of[i / 2][i % 2];
+}
+
+INLINE struct few few_of(int n, const double *x)
+{
+    struct few few = {{{x[0], n > 1 ? x[1] : 0}, {n > 2 ? x[2] : 0, 0}}};
+    return few;
+}
+
+/* sum += a x */
+INLINE void few_add(int n, struct few *sum, double a, const struct few *x)
+{
+    const pair factor = {a, a};
+    for (int q = 0; q < (n + 1) / 2; q++)
+        sum->of[q] += factor * x->of[q];
+}
+
+/* sum_j w_j u_j over the weights that are not zero, from the first to the last */
+INLINE struct few few_sum(int n, const double *w, int count, const struct few *u)
+{
+    struct few sum = {{{-0.0, -0.0}, {-0.0, -0.0}}};
+    UNROLL for (int j = 0; j < count; j++) if (w[j] != 0) few_add(n, &sum, w[j], &u[j]);
+    return sum;
+}
+
+/* sum = start + sum_j column_j x_j */
+INLINE struct few few_multiply(int n, const struct few *column, const double *x, struct few start)
+{
+    for (int j = 0; j < n; j++)
+        few_add(n, &start, x[j], &column[j]);
+    return start;
+}
+
+/*
+ * Columns of the inverse of diagonal - jacobian, by elimination with partial pivoting: of rows that
+ * have changed places, then the columns go back. False: there is none.
+ */
+INLINE bool few_eliminate(int n, double diagonal, const double *jacobian, struct few *column)
+{
+    double a[INVERTED][INVERTED], x[INVERTED] = {0};
+    int best[INVERTED];
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++)
+            a[i][j] = (i == j ? diagonal : -0.0) - jacobian[i * n + j];
+    for (int p = 0; p < n; p++) {
+        double most = fabs(a[p][p]);
+        best[p] = p;
+        for (int i = p + 1; i < n; i++)
+            if (fabs(a[i][p]) > most) {
+                most = fabs(a[i][p]);
+                best[p] = i;
+            }
+        for (int i = p + 1; i < n; i++) /* places that the compiler knows: all stays in registers */
+            for (int j = 0; j < n && i == best[p]; j++)
+                swap(&a[p][j], &a[i][j]);
+        a[p][p] = 1 / a[p][p];
+        if (a[p][p] == 0 || !isfinite(a[p][p]))
+            return false;
+        for (int i = p + 1; i < n; i++) {
+            a[i][p] *= a[p][p];
+            for (int j = p + 1; j < n; j++)
+                a[i][j] -= a[i][p] * a[p][j];
+        }
+    }
+    for (int k = 0; k < n; k++) {
+        for (int i = 0; i < n; i++)
+            x[i] = i == k;
+        for (int p = k; p < n; p++) /* 0 before */
+            for (int i = p + 1; i < n; i++)
+                x[i] = p == k ? -a[i][p] : x[i] - a[i][p] * x[p];
+        for (int i = n; i-- > 0;) {
+            for (int j = i + 1; j < n; j++)
+                x[i] -= a[i][j] * x[j];
+            x[i] *= a[i][i];
+        }
+        column[k] = few_of(n, x);
+    }
+    for (int p = n; p-- > 0;)
+        for (int i = p + 1; i < n; i++)
+            if (i == best[p]) {
+                const struct few other = column[p];
+                column[p] = column[i];
+                column[i] = other;
+            }
+    return true;
+}
+
+/* Two unknowns by their determinant, which is as exact as the second pivot, but neither in need of
+ * choosing rows nor of two divisions one after the other; where it over- or underflows by
+ * elimination. */
+__attribute__((noinline, cold)) static bool
+few_eliminate_two(double diagonal, const double *jacobian, struct few *column)
+{
+    return few_eliminate(2, diagonal, jacobian, column);
+}
+
+INLINE bool few_inverse(int n, double diagonal, const double *jacobian, struct few *column)
+{
+    if (n != 2)
+        return few_eliminate(n, diagonal, jacobian, column);
+    const double a = diagonal - jacobian[0], d = diagonal - jacobian[3],
+                 det = a * d - jacobian[1] * jacobian[2];
+    const double size = fabs(det), over = 1 / det;
+    if (size > 1e-290 && size < 1e290) {
+        column[0] = (struct few){{{d * over, jacobian[2] * over}}};
+        column[1] = (struct few){{{jacobian[1] * over, a * over}}};
+        return true;
+    }
+    double copied[4];
+    struct few rare[INVERTED];
+    rosenbrock_copy(4, jacobian, copied);
+    if (!few_eliminate_two(diagonal, copied, rare))
+        return false;
+    column[0] = rare[0];
+    column[1] = rare[1];
+    return true;
+}
+
+struct few_start {
+    double jacobian[INVERTED * INVERTED], first[INVERTED],
+        drift[INVERTED]; /* at y: the slope, and how it changes with t */
+};
+
+/* u_i from y */
+INLINE void few_stages(int n, const struct rosenbrock *rosenbrock,
+                       const struct rosenbrock_forces *of, struct step *step, const double *y,
+                       const struct few_start *start, const struct few *column, struct few *u)
+{
+    const double h = step->h, t = step->t, rate = 1 / h;
+    const struct few at = few_of(n, y), nothing = {{{-0.0, -0.0}, {-0.0, -0.0}}};
+    double f[INVERTED], z[INVERTED];
+    int evals = 0;
+    rosenbrock_copy(n, start->first, f);
+    UNROLL for (int s = 0; s < rosenbrock->stages; s++)
+    {
+        const double *const a = rosenbrock->a + s * (s - 1) / 2, *const c = rosenbrock->c +
+                                                                            s * (s - 1) / 2;
+        if (s > 0 && !rosenbrock_same_point(rosenbrock, a, s)) {
+            struct few state =
+                few_sum(n, a, s - 1, u); /* the newest last: nothing else waits for it */
+            for (int q = 0; q < (n + 1) / 2; q++)
+                state.of[q] = at.of[q] + state.of[q];
+            if (a[s - 1] != 0)
+                few_add(n, &state, a[s - 1], &u[s - 1]);
+            for (int i = 0; i < n; i++)
+                z[i] = few_get(&state, i);
+            of->slope(of->forces, t + rosenbrock->alpha[s] * h, z, f);
+            evals++;
+        }
+        const struct few sum = few_sum(n, c, s, u);
+        double right[INVERTED];
+        for (int i = 0; i < n; i++) {
+            right[i] = few_get(&sum, i) * rate;
+            if (of->timed && rosenbrock->d[s] != 0)
+                right[i] += rosenbrock->d[s] * h * start->drift[i];
+        }
+        for (int i = 0; i < n; i++)
+            right[i] = f[i] + right[i];
+        u[s] = few_multiply(n, column, right, nothing);
+    }
+    step->cost.evals += evals;
+    step->cost.solves += rosenbrock->stages;
+}
+
+/* Where the compiler knows n, which is at most INVERTED. */
+INLINE enum step_status rosenbrock_small_step(int n, const struct rosenbrock *rosenbrock,
+                                              const struct rosenbrock_forces *of, struct step *step)
+{
+    const int stages = rosenbrock->stages;
+    double *const kept = step->work, *const jacobian = kept + stages * n,
+                  *const first = jacobian + n * n;
+    double *const drift = first + n, *const error = step->error, y[INVERTED], increment[INVERTED];
+    struct few u[STAGES_MOST], column[INVERTED];
+    struct few_start start;
+    if (n < 1 || stages < 1)
+        __builtin_unreachable();
+    rosenbrock_copy(n, step->y, y);
+    if (step->again) {
+        rosenbrock_copy(n * n, jacobian, start.jacobian);
+        rosenbrock_copy(n, first, start.first);
+    } else {
+        if (of->timed)
+            rosenbrock_time_derivative(step, drift, drift + n);
+        of->jacobian(of->forces, step->t, y, start.jacobian);
+        of->slope(of->forces, step->t, y, start.first);
+        step->cost.jacobians++;
+        step->cost.evals++;
+        rosenbrock_copy(n * n, start.jacobian, jacobian);
+        rosenbrock_copy(n, start.first, first);
+    }
+    for (int i = 0; i < n && of->timed; i++)
+        start.drift[i] = drift[i];
+    if (!few_inverse(n, 1 / (rosenbrock->gamma * step->h), start.jacobian, column))
+        return STEP_NO_SOLUTION;
+    few_stages(n, rosenbrock, of, step, y, &start, column, u);
+    UNROLL for (int s = 0; s < stages; s++) for (int i = 0; i < n; i++) kept[s * n + i] =
+        few_get(&u[s], i);
+    if (error && rosenbrock->companion) {
+        struct few sum = {{{-0.0, -0.0}, {-0.0, -0.0}}};
+        UNROLL for (int s = 0; s < stages; s++) if (rosenbrock->m[s] != rosenbrock->companion[s])
+            few_add(n, &sum, rosenbrock->m[s] - rosenbrock->companion[s], &u[s]);
+        for (int i = 0; i < n; i++)
+            error[i] = few_get(&sum, i);
+    }
+    const struct few sum = few_sum(n, rosenbrock->m, stages, u);
+    for (int i = 0; i < n; i++)
+        increment[i] = few_get(&sum, i);
+    return step_increase(step, increment);
+}
+
+#endif

@@ -1,0 +1,134 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * The drifts and kicks of a splitting's step: for any of them (split.c), and again where weights and forces are known
+ * to the compiler (kernel.c). One text, so both give the same bits.
+ */
+#ifndef HOOKE_METHOD_STEP_SPLIT_BODY_H
+#define HOOKE_METHOD_STEP_SPLIT_BODY_H
+
+#include "method/step/step.h"
+
+#ifndef UNROLL
+#define UNROLL
+#endif
+#define INLINE static inline __attribute__((always_inline))
+
+typedef void force_function(const void *context, double t, const double *y, double *a);
+
+struct split_forces {
+    force_function *force; /* that does not depend on velocity */
+    force_function *drag;  /* the rest */
+    const void *context;   /* of these */
+    const struct oscillator *oscillator;
+};
+
+/* How a step goes: constant over a run. */
+struct split_way {
+    const struct splitting *splitting;
+    enum drag drag; /* DRAG_DEFAULT: there is none */
+    bool symmetric;
+    bool around;    /* the drag's own flow stands at the step's ends */
+    bool continues; /* a step that begins and ends with a kick begins where the last one left the force */
+    int kicks;      /* forces evaluated a step, one fewer where the first is known */
+};
+
+INLINE void split_choose(struct split_way *way, const struct method *method, enum drag drag)
+{
+    const struct splitting *splitting = method->splitting;
+    const bool symmetric = (method->flags & METHOD_SYMMETRIC) != 0;
+    *way = (struct split_way){.splitting = splitting,
+                              .drag = drag,
+                              .symmetric = symmetric,
+                              .around = drag == DRAG_EXACT && symmetric && method->order <= 2,
+                              .continues = splitting->kick_first && splitting->count % 2 == 1,
+                              .kicks = (splitting->count + splitting->kick_first) / 2};
+}
+
+INLINE bool split_known(const struct split_way *way, const struct step *step)
+{
+    return way->continues && step->warm;
+}
+
+/* v' = E v + F (1 - E)/gamma over w, E = exp(-gamma w) */
+struct frozen {
+    double lost, pull; /* 1 - E, (1 - E)/gamma */
+};
+
+INLINE struct frozen frozen_over(const struct oscillator *oscillator, double w)
+{
+    const double gamma = oscillator->damping, lost = -expm1(-gamma * w);
+    return (struct frozen){lost, gamma != 0 ? lost / gamma : w};
+}
+
+/* v' = v + w (F + drag at v'), one component */
+INLINE double kick_from_end(const struct oscillator *o, double w, double force, double v)
+{
+    return drag_root(1 + o->damping * w, o->quadratic * w, v + w * force);
+}
+
+/*
+ * v' = v + w F, and the ways in which drag can enter. side: of the step's middle, < 0 before, 0 in it, > 0 after; a
+ * step without symmetry is all "after".
+ */
+INLINE void split_kick(const struct split_way *way, int n, const struct split_forces *forces,
+                       const struct frozen *prepared, int side, double t, double w, const double *pull, double *z,
+                       double *low)
+{
+    const int d = n / 2;
+    const struct oscillator *o = forces->oscillator;
+    if (way->drag == DRAG_EXPLICIT || (way->drag == DRAG_IMPLICIT && side < 0)) { /* the drag at v */
+        double drag[LIMIT_VARIABLES];
+        forces->drag(forces->context, t, z, drag);
+        for (int i = 0; i < d; i++)
+            step_add(&z[d + i], low ? &low[d + i] : NULL, w * (pull[i] + drag[i]));
+    } else if (way->drag == DRAG_IMPLICIT && side > 0) { /* at v' */
+        for (int i = 0; i < d; i++)
+            z[d + i] = kick_from_end(o, w, pull[i], z[d + i]);
+    } else if (way->drag == DRAG_IMPLICIT) { /* at (v + v')/2: half a kick from the end, then half a kick from there */
+        for (int i = 0; i < d; i++) {
+            const double v = z[d + i];
+            z[d + i] = 2 * kick_from_end(o, w / 2, pull[i], v) - v;
+        }
+    } else if (way->drag == DRAG_EXACT && !way->around) {
+        const struct frozen frozen = prepared ? *prepared : frozen_over(o, w);
+        for (int i = 0; i < d; i++)
+            step_add(&z[d + i], low ? &low[d + i] : NULL, pull[i] * frozen.pull - z[d + i] * frozen.lost);
+    } else {
+        for (int i = 0; i < d; i++)
+            step_add(&z[d + i], low ? &low[d + i] : NULL, w * pull[i]);
+    }
+}
+
+/*
+ * z [n] in: the state, out: after the step; pull [n/2]: the last force, known: that at the start. half: the drag's flow
+ * over h/2. frozen [count]: prepared for the kicks, or NULL.
+ */
+INLINE void split_stages(const struct split_way *way, int n, const struct split_forces *forces,
+                         const struct drag_flow *half, const struct frozen *frozen, double t, double h, double *z,
+                         double *pull, double *low, bool known)
+{
+    const struct splitting *splitting = way->splitting;
+    const int d = n / 2, count = splitting->count;
+    if (way->around)
+        for (int j = d; j < n; j++)
+            z[j] = drag_flow_apply(half, z[j]);
+    UNROLL for (int i = 0; i < count; i++)
+    {
+        const double w = splitting_weight(splitting, i) * h;
+        if ((i % 2 == 0) == splitting->kick_first) {
+            if (!(i == 0 && known))
+                forces->force(forces->context, t, z, pull);
+            split_kick(way, n, forces, frozen ? &frozen[i] : NULL, way->symmetric ? 2 * i + 1 - count : 1, t, w, pull,
+                       z, low);
+        } else {
+            for (int j = 0; j < d; j++)
+                step_add(&z[j], low ? &low[j] : NULL, w * z[d + j]);
+            t += w;
+        }
+    }
+    if (way->around)
+        for (int j = d; j < n; j++)
+            z[j] = drag_flow_apply(half, z[j]);
+}
+
+#endif

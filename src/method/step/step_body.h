@@ -1,0 +1,69 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* rk_step() for kernels: the method and what evaluates the slope are known to the compiler. Needs MOST variables. */
+#ifndef HOOKE_METHOD_STEP_STEP_BODY_H
+#define HOOKE_METHOD_STEP_STEP_BODY_H
+
+#include "method/control/march_body.h"
+#include "method/control/rk_error.h"
+
+INLINE enum step_status one_step(const struct method *method, int n, slope_function *slope, const void *forces,
+                                 struct step *step)
+{
+    const struct tableau *tableau = method->tableau;
+    const int stages = tableau->stages;
+    double k[STAGES_MAX * MOST], z[MOST], y[MOST];
+    if (n < 1)
+        __builtin_unreachable(); /* else gcc thinks that y may be empty */
+    if (step->low)
+        return rk_step(method, step);
+    for (int i = 0; i < n; i++)
+        y[i] = step->y[i];
+    const bool known = (tableau->fsal && step->warm) || step->again;
+    const double *first = step->work + (tableau->fsal && step->warm ? (stages - 1) * n : 0);
+    for (int i = 0; i < n; i++)
+        k[i] = first[i];
+    rk_stages(tableau, n, slope, forces, step->t, step->h, y, k, z, NULL, known);
+    step->cost.evals += stages - known;
+    for (int i = 0; i < stages * n; i++)
+        step->work[i] = k[i];
+    step->work[(stages + tableau->extra + 1) * n] = false; /* the interpolant's stages are not there */
+    if (step->error && tableau->companion)
+        step->square = rk_estimate(tableau, n, step_scale(step), step->h, k, y, z, step->error);
+    bool finite = true;
+    for (int i = 0; i < n; i++)
+        finite = finite && isfinite(z[i]);
+    if (!finite)
+        return STEP_NONFINITE;
+    for (int i = 0; i < n; i++)
+        step->y[i] = z[i];
+    return STEP_OK;
+}
+
+/*
+ * As one_step(), of any method, with picked_march()'s stride;
+ */
+INLINE enum step_status picked_step(const struct method *method, int n, int stride, combine_function *combine,
+                                    slope_function *slope, const void *forces, struct step *step)
+{
+    const struct tableau *tableau = method->tableau;
+    const int stages = tableau->stages;
+    struct shares shares[STAGES_MAX];
+    double k[STAGES_MAX * MOST], z[MOST], y[MOST];
+    if (step->low)
+        return rk_step(method, step);
+    stages_take(shares, tableau, step->h);
+    blocks_begin(stages, n, stride, k, y);
+    copy_numbers(n, step->y, y);
+    const bool known = (tableau->fsal && step->warm) || step->again;
+    copy_numbers(n, step->work + (tableau->fsal && step->warm ? (stages - 1) * n : 0), k);
+    picked_stages(tableau, shares, n, stride, combine, slope, forces, step->t, step->h, y, k, z, known);
+    step->cost.evals += stages - known;
+    for (int s = 0; s < stages; s++)
+        copy_numbers(n, k + s * stride, step->work + s * n);
+    step->work[(stages + tableau->extra + 1) * n] = false;
+    if (step->error && tableau->companion)
+        step->square = rk_estimate(tableau, n, step_scale(step), step->h, step->work, y, z, step->error);
+    return step_finish(step, z);
+}
+
+#endif

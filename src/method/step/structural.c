@@ -1,0 +1,322 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * The methods of structural dynamics: one scheme for y'' = F(t, y, v) that carries the acceleration from step to step.
+ *
+ * Over tau = theta h:   y+ = y + tau v + tau^2 ((1/2 - beta) a + beta a+),  v+ = v + tau ((1 - gamma) a + gamma a+)
+ * with                  (1 - alpha_m) a+ + alpha_m a = F at the fraction 1 - alpha_f of the way from y, v to y+, v+;
+ * then                  a' = a + (a+ - a) / theta, and y', v' by the first line over h.
+ *
+ * Source: Newmark 1959; Wilson 1973 (theta); Hilber, Hughes, Taylor 1977 (alpha_f); Chung, Hulbert 1993 (both alphas).
+ */
+#include "method/step/newton_body.h"
+
+struct structural {
+    double theta, alpha_m, alpha_f, beta, gamma;
+};
+
+/* An increment this large loses so many digits to rounding that one solve of a linear system is not enough. */
+static const double LARGE = 8;
+
+/*
+ * work: acceleration [n/2]; then a+, its increment, F, factors; the state's increment, where F is, Jacobian; what
+ * following a solution takes
+ */
+size_t structural_work(const struct method *method, int n)
+{
+    (void)method;
+    return 4 * (size_t)(n / 2) + LU_ROOM(n / 2) + 2 * (size_t)n + (size_t)n * (size_t)n + newton_room(1, n);
+}
+
+/* The factors of (1 - alpha_m) - (1 - alpha_f) (beta tau^2 dF/dy + gamma tau dF/dv) */
+static bool factor(const struct structural *s, struct step *step, double t, double tau, const double *at,
+                   double *jacobian, double *factors)
+{
+    int n = step->system->n, d = n / 2;
+    double part = 1 - s->alpha_f, by_position = part * s->beta * tau * tau, by_velocity = part * s->gamma * tau;
+    system_jacobian(step->system, t, at, jacobian);
+    step->cost.jacobians++;
+    for (int i = 0; i < d; i++) {
+        const double *row = jacobian + (d + i) * n;
+        for (int j = 0; j < d; j++)
+            factors[i * d + j] = (i == j ? 1 - s->alpha_m : 0) - (by_position * row[j] + by_velocity * row[d + j]);
+    }
+    return lu_factor(d, factors);
+}
+
+/* Largest of the state's increments that belong to this one of the acceleration, in natural sizes; NaN if one is. */
+static double size_of(const struct step *step, double by_position, double by_velocity, const double *move)
+{
+    int n = step->system->n, d = n / 2;
+    double largest = 0;
+    for (int i = 0; i < n; i++) {
+        double size =
+            fabs((i < d ? by_position : by_velocity) * move[i % d]) / fmax(step->system->scale[i], fabs(step->y[i]));
+        if (!(size <= largest))
+            largest = size;
+    }
+    return largest;
+}
+
+/* ---- the solution that belongs to the start ---- */
+
+/* The equation of a step for the state's increment z over h, without a+: that is what moves the velocities. */
+struct increment {
+    const struct structural *structural;
+    const struct system *system;
+    const double *y, *a; /* [n], [n/2] */
+};
+
+/* The share 1 - alpha_f of the way from y to `to` */
+static void between(const struct increment *increment, const double *to, double *at)
+{
+    for (int i = 0; i < increment->system->n; i++)
+        at[i] = increment->y[i] + (1 - increment->structural->alpha_f) * (to[i] - increment->y[i]);
+}
+
+/*
+ * z_y = h (v + beta/gamma z_v) + h^2 (1/2 - beta/gamma) a,  z_v = h (a + gamma (F - a) / (1 - alpha_m))
+ */
+static void increment_rest(const struct newton *equations, struct step *step, int n, double t, double h,
+                           const double *y, const double *z, double *force, double *rest)
+{
+    const struct increment *all = equations->forces;
+    const struct structural *s = all->structural;
+    const int d = n / 2;
+    const double ratio = s->beta / s->gamma, *a = all->a;
+    double to[LIMIT_VARIABLES], at[LIMIT_VARIABLES];
+    for (int i = 0; i < n; i++)
+        to[i] = y[i] + z[i];
+    between(all, to, at);
+    system_acceleration(all->system, t + equations->tableau->c[0] * h, at, force);
+    step->cost.evals++;
+    for (int i = 0; i < d; i++) {
+        rest[i] = h * (y[d + i] + ratio * z[d + i] + h * (1. / 2 - ratio) * a[i]) - z[i];
+        rest[d + i] = h * (a[i] + s->gamma * (force[i] - a[i]) / (1 - s->alpha_m)) - z[d + i];
+    }
+}
+
+/* Of what is there times h, at the end `to` of the step */
+static void increment_jacobian(const void *forces, double t, const double *to, double *jacobian)
+{
+    const struct increment *all = forces;
+    const struct structural *s = all->structural;
+    const int n = all->system->n, d = n / 2;
+    double at[LIMIT_VARIABLES] = {0};
+    between(all, to, at);
+    system_jacobian(all->system, t, at, jacobian);
+    for (int i = 0; i < d; i++)
+        for (int j = 0; j < n; j++) {
+            jacobian[i * n + j] = j == d + i ? s->beta / s->gamma : 0;
+            jacobian[(d + i) * n + j] *= s->gamma * (1 - s->alpha_f) / (1 - s->alpha_m);
+        }
+}
+
+/* As newton_follow(); a+ by the force there. */
+static bool follow(const struct structural *s, struct step *step, double tau, const double *a, double *ahead, double *z,
+                   double *at, double *work)
+{
+    const int n = step->system->n;
+    const double share = 1 - s->alpha_f;
+    struct implicit_tableau tableau = newton_euler;
+    tableau.c = &share;
+    const struct increment all = {.structural = s, .system = step->system, .y = step->y, .a = a};
+    const struct newton equations = {.tableau = &tableau,
+                                     .rest = increment_rest,
+                                     .jacobian = increment_jacobian,
+                                     .forces = &all};
+    double weight[LIMIT_VARIABLES] = {0};
+    newton_weights(step_scale(step), n, step->y, weight);
+    if (!newton_follow(&equations, step, n, step->t, tau, step->y, z, weight, work))
+        return false;
+    for (int i = 0; i < n; i++)
+        at[i] = step->y[i] + share * z[i];
+    system_acceleration(step->system, step->t + share * tau, at, ahead);
+    step->cost.evals++;
+    for (int i = 0; i < n / 2; i++)
+        ahead[i] = (ahead[i] - s->alpha_m * a[i]) / (1 - s->alpha_m);
+    return true;
+}
+
+/* ---- a step ---- */
+
+/*
+ * a+ [n/2] and the state's increment z [n] over tau, kept in step with it: each has its own rounding only. near: as in
+ * newton_iterate().
+ */
+static enum step_status iterate(const struct structural *s, struct step *step, double tau, const double *a,
+                                double *ahead, double *z, bool *near)
+{
+    const struct system *system = step->system;
+    const int n = system->n, d = n / 2;
+    const double *y = step->y, t = step->t + (1 - s->alpha_f) * tau;
+    const double by_position = s->beta * tau * tau, by_velocity = s->gamma * tau;
+    double *move = ahead + d, *force = move + d, *factors = force + d, *at = z + n, *jacobian = at + n;
+    for (int i = 0; i < d; i++) {
+        ahead[i] = a[i];
+        z[i] = tau * y[d + i] + tau * tau / 2 * a[i];
+        z[d + i] = tau * a[i];
+    }
+    double last = HUGE_VAL;
+    *near = true;
+    for (int iteration = 0; iteration < ITERATIONS; iteration++) {
+        for (int i = 0; i < n; i++)
+            at[i] = y[i] + (1 - s->alpha_f) * z[i];
+        system_acceleration(system, t, at, force);
+        step->cost.evals++;
+        for (int i = 0; i < d; i++) {
+            move[i] = force[i] - ((1 - s->alpha_m) * ahead[i] + s->alpha_m * a[i]);
+            if (!isfinite(move[i]))
+                return iteration == 0 ? STEP_NONFINITE : STEP_NO_SOLUTION;
+        }
+        if (iteration == 0 && !factor(s, step, t, tau, at, jacobian, factors))
+            return STEP_NO_SOLUTION;
+        *near = *near && !lu_negative(d, factors);
+        lu_solve(d, factors, move);
+        step->cost.solves++;
+        for (int i = 0; i < d; i++) {
+            ahead[i] += move[i];
+            z[i] += by_position * move[i];
+            z[d + i] += by_velocity * move[i];
+        }
+        double size = size_of(step, by_position, by_velocity, move);
+        if (size > CONTRACTS * last && size > STANDSTILL)
+            *near = false;
+        if ((system->linear && size <= LARGE) || size <= DBL_EPSILON / 2 || (size >= last && size <= STANDSTILL))
+            return STEP_OK;
+        if (!system->linear && size > SLOW * last) {
+            for (int i = 0; i < n; i++)
+                at[i] = y[i] + (1 - s->alpha_f) * z[i];
+            if (!factor(s, step, t, tau, at, jacobian, factors))
+                return STEP_NO_SOLUTION;
+        }
+        last = size;
+    }
+    *near = false;
+    return last <= STANDSTILL ? STEP_OK : STEP_NO_SOLUTION;
+}
+
+/* The solution that belongs to y: where the iteration may have found another one, it is followed from h = 0. */
+static enum step_status solve(const struct structural *s, struct step *step, double tau, const double *a, double *ahead,
+                              double *z)
+{
+    const int n = step->system->n;
+    bool near;
+    const enum step_status status = iterate(s, step, tau, a, ahead, z, &near);
+    if (step->system->linear || status == STEP_NONFINITE || (status == STEP_OK && near))
+        return status;
+    return follow(s, step, tau, a, ahead, z, z + n, z + 2 * n + n * n) ? STEP_OK : status;
+}
+
+static enum step_status structural_step(const struct structural *s, struct step *step)
+{
+    const int n = step->system->n, d = n / 2;
+    const double h = step->h, *y = step->y;
+    double *a = step->work, *ahead = a + d, *z = ahead + 3 * d + LU_ROOM(d);
+    if (!step->warm) {
+        system_acceleration(step->system, step->t, y, a);
+        step->cost.evals++;
+    }
+    enum step_status status = solve(s, step, s->theta * h, a, ahead, z);
+    if (status != STEP_OK)
+        return status;
+    if (s->theta != 1)
+        for (int i = 0; i < d; i++) {
+            ahead[i] = a[i] + (ahead[i] - a[i]) / s->theta;
+            z[i] = h * y[d + i] + h * h * ((1. / 2 - s->beta) * a[i] + s->beta * ahead[i]);
+            z[d + i] = h * ((1 - s->gamma) * a[i] + s->gamma * ahead[i]);
+        }
+    memcpy(a, ahead, (size_t)d * sizeof *a);
+    return step_increase(step, z);
+}
+
+enum step_status newmark_step(const struct method *method, struct step *step)
+{
+    (void)method;
+    return structural_step(&(const struct structural){.theta = 1, .beta = 1. / 4, .gamma = 1. / 2}, step);
+}
+
+/* alpha_f = 0.1: beta = (1 + alpha_f)^2/4, gamma = 1/2 + alpha_f */
+enum step_status hht_step(const struct method *method, struct step *step)
+{
+    (void)method;
+    return structural_step(&(const struct structural){.theta = 1, .alpha_f = 0.1, .beta = 0.3025, .gamma = 0.6}, step);
+}
+
+/*
+ * rho = 0.8: alpha_m = (2 rho - 1)/(rho + 1), alpha_f = rho/(rho + 1), beta = (1 - alpha_m + alpha_f)^2/4,
+ * gamma = 1/2 - alpha_m + alpha_f
+ */
+enum step_status generalised_alpha_step(const struct method *method, struct step *step)
+{
+    (void)method;
+    return structural_step(
+        &(const struct structural){
+            .theta = 1, .alpha_m = 1. / 3, .alpha_f = 4. / 9, .beta = 25. / 81, .gamma = 11. / 18},
+        step);
+}
+
+enum step_status wilson_theta_step(const struct method *method, struct step *step)
+{
+    (void)method;
+    return structural_step(&(const struct structural){.theta = 1.4, .beta = 1. / 6, .gamma = 1. / 2}, step);
+}
+
+/* ---- growth: the amplification matrix of position, velocity and acceleration ---- */
+
+static void oscillator_add(const double *c, double t, const double *y, double *a)
+{
+    (void)t;
+    a[0] -= c[1] * y[0] + c[0] * y[1];
+}
+
+static void oscillator_jacobian(const double *c, double t, const double *y, double *jac)
+{
+    (void)t, (void)y;
+    jac[0] -= c[1];
+    jac[1] -= c[0];
+}
+
+/* One real root of r^3 - a r^2 + b r - c by bisection takes the other two to a quadratic equation. */
+static double spectral_radius(const double m[9])
+{
+    double a = m[0] + m[4] + m[8];
+    double b = (m[0] * m[4] - m[1] * m[3]) + (m[0] * m[8] - m[2] * m[6]) + (m[4] * m[8] - m[5] * m[7]);
+    double c =
+        m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) + m[2] * (m[3] * m[7] - m[4] * m[6]);
+    double high = 1 + fmax(fabs(a), fmax(fabs(b), fabs(c))), low = -high; /* Cauchy's bound */
+    if (!isfinite(high))
+        return NAN;
+    for (int i = 0; i < 200; i++) {
+        double r = low + (high - low) / 2;
+        *(((r - a) * r + b) * r - c < 0 ? &low : &high) = r;
+    }
+    double sum = a - low, product = b - low * sum, split = sum * sum / 4 - product;
+    return fmax(fabs(low), split >= 0 ? fabs(sum) / 2 + sqrt(split) : sqrt(product));
+}
+
+double structural_growth(const struct method *method, double x, double zeta, enum stiffness_sign sign)
+{
+    static const struct term_row row = {
+        .flags = TERM_LINEAR | TERM_VELOCITY, .add = oscillator_add, .jacobian = oscillator_jacobian};
+    const struct system system = {.n = 2,
+                                  .order = 2,
+                                  .terms = 1,
+                                  .term = {{&row, {2 * zeta, stiffness_sign_value(sign)}}},
+                                  .linear = true,
+                                  .autonomous = true,
+                                  .velocity = true,
+                                  .mass = 1,
+                                  .scale = {1, 1}};
+    double matrix[9];
+    for (int column = 0; column < 3; column++) { /* in units of 1, 1/x and 1/x^2: then no entry is large */
+        double work[64], y[2] = {column == 0, column == 1 ? 1 / x : 0};
+        struct step step = {.system = &system, .h = x, .y = y, .work = work, .warm = true};
+        work[0] = column == 2 ? 1 / x / x : 0;
+        if (method->step(method, &step) != STEP_OK)
+            return NAN;
+        matrix[column] = y[0];
+        matrix[3 + column] = y[1] * x;
+        matrix[6 + column] = work[0] * x * x;
+    }
+    return spectral_radius(matrix);
+}

@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A recording beside a run: which observable of the run it holds, in which scale, and how far they are apart. */
+#include "plot/figure/curves.h"
+
+#include <hooke/plot.h>
+
+#include <math.h>
+
+#define FOLLOWS 0.01 /* share of the variance that a scaled recording shares with the run, at least */
+#define ROUNDING 1e-9 /* of the unit of the recording: an offset below is none */
+
+/* The span of a run, its earlier end first. */
+static void run_span(const struct run *run, double span[2])
+{
+    const double first = trace_time(run->trace, 0), last = trace_time(run->trace, trace_count(run->trace) - 1);
+    span[0] = fmin(first, last);
+    span[1] = fmax(first, last);
+}
+
+/* Samples of a series, which has no gaps, that a run spans. */
+static size_t spanned(const struct run *run, const struct series *data)
+{
+    double span[2];
+    size_t count = 0;
+    run_span(run, span);
+    for (size_t i = 0; i < data->n; i++)
+        count += data->t[i] >= span[0] && data->t[i] <= span[1];
+    return count;
+}
+
+/* Sums over the samples that a run spans: of x, what the run does there, and of y, what was recorded. */
+struct moments {
+    double n, x, y, xx, xy, yy; /* the last three about the means */
+    double apart;               /* of (x - y)^2 */
+};
+
+/* Means and squares in one pass (Welford 1962). */
+static void sum_up(const struct run *run, const struct series *data, int derivative, struct moments *s)
+{
+    double span[2];
+    run_span(run, span);
+    *s = (struct moments){.n = 0};
+    for (size_t i = 0; i < data->n; i++) {
+        if (!(data->t[i] >= span[0] && data->t[i] <= span[1]))
+            continue;
+        const double x = run_motion(run, data->t[i], derivative), y = data->y[i];
+        if (!isfinite(x - y))
+            continue;
+        const double dx = x - s->x, dy = y - s->y;
+        s->n++;
+        s->x += dx / s->n;
+        s->y += dy / s->n;
+        s->xx += dx * (x - s->x);
+        s->xy += dx * (y - s->y);
+        s->yy += dy * (y - s->y);
+        s->apart += (x - y) * (x - y);
+    }
+}
+
+bool quantity_is_scaled(enum quantity quantity)
+{
+    return quantity == QUANTITY_VOLTAGE || quantity == QUANTITY_FORCE;
+}
+
+bool recorded_bare(const struct recording *recording)
+{
+    const struct column *value = &recording->column[recording->value];
+    return value->quantity == QUANTITY_OTHER && !value->unit[0];
+}
+
+int recorded_derivative(const struct recording *recording, const struct run *run)
+{
+    const enum quantity quantity = recording->column[recording->value].quantity;
+    if (!run)
+        return quantity_order(quantity) > 0 ? quantity_order(quantity) : 0;
+    const struct system *system = &run->system;
+    if (quantity == system_variable(system, 0).quantity || recorded_bare(recording))
+        return 0;
+    if (system->order != 2)
+        return -1;
+    if (quantity_is_scaled(quantity))
+        return 0;
+    if (quantity == system_variable(system, system->n / 2).quantity)
+        return 1;
+    return quantity == model_quantity(system->model, observable_named("a")) ? 2 : -1;
+}
+
+struct variable run_derivative(const struct run *run, int derivative)
+{
+    if (derivative < 2)
+        return system_variable(&run->system, derivative * run->system.n / 2);
+    return (struct variable){.name = "a", .quantity = model_quantity(run->system.model, observable_named("a"))};
+}
+
+static bool can_compare(const struct run *run, const struct recording *recording)
+{
+    const size_t rows = trace_count(run->trace);
+    return run->system.n == 2 && run->system.order == 2 && rows > 1 &&
+           recorded_derivative(recording, run) >= 0 &&
+           trace_time(run->trace, rows - 1) > trace_time(run->trace, 0);
+}
+
+/* y = a + b x by least squares, the noise being in what was recorded; turned round, as the run is what is drawn. */
+static void fit_scale(const struct moments *s, struct data_distance *d)
+{
+    const double slope = s->xy / s->xx, left = s->yy - slope * s->xy;
+    const bool follows = s->xy * s->xy > FOLLOWS * s->xx * s->yy;
+    d->scaled = true;
+    d->gain = follows ? 1 / slope : NAN;
+    d->at_zero = follows ? s->x - s->y / slope : NAN;
+    d->rms = sqrt(fmax(s->xx > 0 ? left : s->yy, 0) / s->n);
+}
+
+struct data_distance run_data_distance(const struct run *run, struct recording *recording)
+{
+    struct arena arena = {0};
+    struct series all, good;
+    struct error ignored;
+    struct data_distance result = {.rms = NAN, .gain = 1};
+    if (!recording)
+        return result;
+    result.derivative = recorded_derivative(recording, run);
+    if (!can_compare(run, recording))
+        return result;
+    const enum quantity own = recording->column[recording->value].quantity;
+    result.quantity = recorded_bare(recording) ? system_variable(&run->system, 0).quantity : own;
+    if (find_faults(recording, &arena, &ignored)) {
+        struct recording clean = *recording; /* its arrays are shared */
+        clean.cleaned = true;
+        if (recording_series(recording, &arena, 2, &all, &ignored) &&
+            recording_series(&clean, &arena, 2, &good, &ignored)) {
+            const size_t used = spanned(run, &good);
+            struct moments moments;
+            sum_up(run, &good, result.derivative, &moments);
+            result.bad = used >= 2 ? spanned(run, &all) - used : 0;
+            if (used >= 2 && quantity_is_scaled(own) && own != system_variable(&run->system, 0).quantity)
+                fit_scale(&moments, &result);
+            else if (used >= 2)
+                result.rms = sqrt(moments.apart / (double)used);
+        }
+    }
+    arena_reset(&arena);
+    return result;
+}
+
+void put_scale(const struct data_distance *data, const struct run *run, struct buffer *text)
+{
+    const struct variable first = system_variable(&run->system, 0);
+    const char *unit = quantity_unit(data->quantity);
+    buffer_format(text, "1 %s = ", unit);
+    buffer_quantity(text, data->gain, first.quantity, 4);
+    buffer_format(text, ", 0 %s at %s = ", unit, first.name);
+    const bool rounding = fabs(data->at_zero) < ROUNDING * fabs(data->gain);
+    buffer_quantity(text, rounding ? 0 : data->at_zero, first.quantity, 4);
+}

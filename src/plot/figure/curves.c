@@ -1,0 +1,331 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The numbers behind the curves of a session's figures. */
+#include "plot/figure/curves.h"
+
+#include <hooke/plot.h>
+
+#include <math.h>
+#include <string.h>
+
+#define ROWS_ALL 4096       /* so many rows are taken as they are */
+#define VISITS_A_PERIOD 256 /* a screen looks at no more of them */
+#define VISITS_MOST (1 << 17)
+#define SPECTRUM_SAMPLES 4096
+#define SAMPLES_A_PERIOD 24 /* of a spectrum: its axis goes to ten times the line */
+
+/* ---- rows ---- */
+
+/* The first row whose time is at or after t on the way of the run, which may go backwards. */
+static size_t row_after(const struct run *run, double t)
+{
+    const size_t n = trace_count(run->trace);
+    const double way = trace_time(run->trace, n - 1) < trace_time(run->trace, 0) ? -1 : 1;
+    size_t low = 0, high = n;
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+        if (way * trace_time(run->trace, middle) < way * t)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+#define VARIABLES_MOST 8 /* whose extremes are kept */
+#define EXTREMES_MOST (2 * VARIABLES_MOST + 2)
+
+/* Not at the same place of each stride: an oscillation could be in step with it. */
+static size_t visited(size_t i, size_t stride)
+{
+    return i + (stride > 1 ? (i / stride * 0x9E3779B97F4A7C15u >> 40) % stride : 0);
+}
+
+/* What the extremes are of: each variable, and of second order q v of the first coordinate; up and down. */
+static int extremes_of(const struct run *run, const double *y, double value[EXTREMES_MOST])
+{
+    const int variables = run->system.n < VARIABLES_MOST ? run->system.n : VARIABLES_MOST;
+    int count = 0;
+    for (int i = 0; i < variables; i++) {
+        value[count++] = y[i];
+        value[count++] = -y[i];
+    }
+    if (run->system.order == 2) {
+        value[count++] = y[0] * y[run->system.n / 2];
+        value[count++] = -(y[0] * y[run->system.n / 2]);
+    }
+    return count;
+}
+
+/*
+ * Of a share of the rows the first, the last, and those where the variables, and q v of the first coordinate, are least
+ * and largest: there positions, velocities and the error of the energy have their extremes (the modified energy of a
+ * symplectic method differs by terms in q v, q^2, v^2; Hairer, Lubich, Wanner IX.8).
+ */
+static size_t choose_of_share(const struct run *run, size_t from, size_t to, size_t stride, size_t *out)
+{
+    size_t at[EXTREMES_MOST + 2];
+    double best[EXTREMES_MOST], value[EXTREMES_MOST];
+    const int extremes = extremes_of(run, trace_state(run->trace, from), best);
+    for (int e = 0; e <= extremes; e++)
+        at[e] = from;
+    at[extremes + 1] = to - 1;
+    for (size_t i = from; i < to; i += stride) {
+        const size_t row = visited(i, stride) < to ? visited(i, stride) : to - 1;
+        extremes_of(run, trace_state(run->trace, row), value);
+        for (int e = 0; e < extremes; e++) {
+            if (value[e] > best[e]) {
+                best[e] = value[e];
+                at[e] = row;
+            }
+        }
+    }
+    size_t n = 0;
+    for (int i = 0; i < extremes + 2; i++) { /* ascending, each once */
+        size_t place = n;
+        while (place > 0 && out[place - 1] > at[i])
+            place--;
+        if (place > 0 && out[place - 1] == at[i])
+            continue;
+        memmove(out + place + 1, out + place, (n - place) * sizeof *out);
+        out[place] = at[i];
+        n++;
+    }
+    return n;
+}
+
+static size_t power_of_two(double least)
+{
+    size_t power = 1;
+    while ((double)power < least)
+        power *= 2;
+    return power;
+}
+
+/* Which rows lie in the window. */
+static void find_rows(const struct run *run, const struct row_request *request, size_t *first, size_t *end)
+{
+    const size_t count = trace_count(run->trace);
+    const bool backwards = trace_time(run->trace, count - 1) < trace_time(run->trace, 0);
+    const double last = backwards ? request->from : request->to;
+    *first = row_after(run, backwards ? request->to : request->from);
+    *end = row_after(run, last);
+    while (*end < count && trace_time(run->trace, *end) == last)
+        ++*end;
+    if (request->screen) {
+        *first -= *first > 0;
+        *end += *end < count;
+    }
+    if (*end < *first)
+        *end = *first;
+}
+
+/*
+ * Strides and shares are powers of two and begin at multiples of themselves: while a run grows the rows that were
+ * chosen stay chosen.
+ */
+bool choose_rows(const struct run *run, const struct row_request *request, struct arena *arena,
+                 struct chosen_rows *rows, struct error *error)
+{
+    size_t first, end;
+    find_rows(run, request, &first, &end);
+    const double n = (double)(end - first), shares = 4.0 * (request->columns > 0 ? request->columns : 1);
+    const double a_period = n * request->period / (request->to - request->from) / VISITS_A_PERIOD;
+    const size_t stride =
+        !request->screen ? 1 : power_of_two(fmax(a_period > 2 ? fmin(a_period / 2, n) : 1, n / VISITS_MOST));
+    const bool all = !request->screen || n / (double)stride <= ROWS_ALL;
+    const size_t share = all ? stride : power_of_two(fmax(n / shares, (double)stride));
+    *rows = (struct chosen_rows){
+        arena_array(arena, (end - first) / share * (all ? 1 : EXTREMES_MOST + 2) + 3 * (EXTREMES_MOST + 2),
+                    sizeof *rows->row),
+        0};
+    if (!rows->row)
+        return error_memory(error);
+    for (size_t from = first, to; from < end; from = to) {
+        to = from - from % share + share;
+        to = to < end ? to : end;
+        if (all)
+            rows->row[rows->n++] = from;
+        else
+            rows->n += choose_of_share(run, from, to, stride, rows->row + rows->n);
+    }
+    if (rows->n > 0 && rows->row[rows->n - 1] < end - 1)
+        rows->row[rows->n++] = end - 1;
+    return true;
+}
+
+/* ---- values ---- */
+
+bool run_never_changed(const struct run *run)
+{
+    struct system start;
+    struct error ignored;
+    if (!scene_bind(&run->scene, &start, &ignored) || start.terms != run->system.terms ||
+        start.mass != run->system.mass || (run->plan.ledger && start.conservative))
+        return false;
+    for (int i = 0; i < start.terms; i++)
+        if (!bound_term_equal(&start.term[i], &run->system.term[i]))
+            return false;
+    return true;
+}
+
+/* Whether a row and one system say all that the observable needs. What the state alone says does not depend on the
+ * system. */
+static bool follows_from_row(const struct run *run, const struct observable *observable)
+{
+    for (int i = 0; i < run->system.n; i++)
+        if (strcmp(system_variable(&run->system, i).name, observable->row.name) == 0)
+            return true;
+    return observable->needs == 0 ||
+           (trace_count(run->trace) > ROWS_ALL && !(observable->needs & (NEED_WORK | NEED_RATIO | NEED_CENTRE)) &&
+            run->system.order == 2 && (run->plan.exact_known || !(observable->needs & NEED_EXACT)) &&
+            run_never_changed(run));
+}
+
+void state_at_rows(const struct run *run, int i, const struct chosen_rows *rows, double *out)
+{
+    for (size_t row = 0; row < rows->n; row++)
+        out[row] = trace_state(run->trace, rows->row[row])[i];
+}
+
+bool values_at_rows(const struct run *run, const struct observable *observable, const struct chosen_rows *rows,
+                    struct arena *arena, double *out, struct error *error)
+{
+    if (!follows_from_row(run, observable)) {
+        double *column = arena_array(arena, trace_count(run->trace), sizeof *column);
+        if (!column)
+            return error_memory(error);
+        if (!run_column(run, observable, column, error))
+            return false;
+        for (size_t i = 0; i < rows->n; i++)
+            out[i] = column[rows->row[i]];
+        return true;
+    }
+    double exact[LIMIT_VARIABLES];
+    struct sample sample = {.run = run, .exact = exact, .system = &run->system};
+    for (size_t i = 0; i < rows->n; i++) {
+        sample.t = trace_time(run->trace, rows->row[i]);
+        sample.y = trace_state(run->trace, rows->row[i]);
+        if (observable->needs & NEED_EXACT)
+            system_exact(&run->system, run->system.t0, run->system.start, sample.t, exact, NULL);
+        out[i] = observable->value(&sample);
+    }
+    return true;
+}
+
+/* Cubic Hermite between two values with their slopes; x: part of the way, h: its length. */
+static double hermite(double x, double h, double left, double left_slope, double right, double right_slope)
+{
+    const double z = 1 - x;
+    return z * z * (1 + 2 * x) * left + x * x * (3 - 2 * x) * right + h * x * z * (z * left_slope - x * right_slope);
+}
+
+static double acceleration(const struct system *system, double t, const double *y)
+{
+    double a[LIMIT_VARIABLES];
+    system_acceleration(system, t, y, a);
+    return a[0];
+}
+
+/* The acceleration of the state that lies between two rows. */
+static double acceleration_between(const struct system *system, double t, double x, double h, const double *left,
+                                   const double *right)
+{
+    double state[LIMIT_VARIABLES];
+    const int half = system->n / 2;
+    for (int i = 0; i < half; i++) {
+        state[i] = hermite(x, h, left[i], left[i + half], right[i], right[i + half]);
+        state[i + half] = (1 - x) * left[i + half] + x * right[i + half];
+    }
+    return acceleration(system, t, state);
+}
+
+double run_motion(const struct run *run, double t, int derivative)
+{
+    const size_t after = row_after(run, t), count = trace_count(run->trace);
+    const int half = run->system.order == 2 ? run->system.n / 2 : 0;
+    if (after == count || (half == 0 && derivative > 0))
+        return NAN;
+    const double *right = trace_state(run->trace, after);
+    const double b = trace_time(run->trace, after);
+    const struct system *system = run_system_to(run, after);
+    if (b == t)
+        return derivative == 2 ? acceleration(system, t, right) : right[derivative * half];
+    if (after == 0)
+        return NAN;
+    const double *left = trace_state(run->trace, after - 1);
+    const double a = trace_time(run->trace, after - 1), h = b - a, x = (t - a) / h;
+    if (half == 0)
+        return (1 - x) * left[0] + x * right[0];
+    if (derivative == 0)
+        return hermite(x, h, left[0], left[half], right[0], right[half]);
+    if (derivative == 1)
+        return hermite(x, h, left[half], acceleration(system, a, left), right[half], acceleration(system, b, right));
+    return acceleration_between(system, t, x, h, left, right);
+}
+
+double run_position(const struct run *run, double t)
+{
+    return run_motion(run, t, 0);
+}
+
+/* ---- envelopes ---- */
+
+#define ENVELOPE_MOST 120
+#define ENVELOPE_LEAST 3
+
+/* Windows of two periods, or more where there are many; fewer and longer ones where a gap leaves one empty. */
+bool data_envelope(const struct series *series, struct arena *arena, struct curve *curve, struct error *error)
+{
+    struct overview overview;
+    struct reading reading[ENVELOPE_MOST];
+    double at[ENVELOPE_MOST];
+    series_overview(series, arena, &overview);
+    int count = overview.oscillates ? (int)fmin(fmax(overview.periods / 2, ENVELOPE_LEAST), ENVELOPE_MOST) : 1;
+    const double from = series->t[0], span = series->t[series->n - 1] - from;
+    for (;; count /= 2) {
+        for (int i = 0; i < count; i++)
+            at[i] = from + (i + 0.5) / count * span;
+        if (series_amplitudes(series, arena, at, count, span / count, reading, error))
+            break;
+        if (count < 2 * ENVELOPE_LEAST)
+            return false;
+    }
+    double *x = arena_array(arena, (size_t)count, sizeof *x), *y = arena_array(arena, (size_t)count, sizeof *y);
+    if (!x || !y)
+        return error_memory(error);
+    for (int i = 0; i < count; i++) {
+        x[i] = reading[i].t;
+        y[i] = reading[i].amplitude.value;
+    }
+    curve->x = x;
+    curve->y = y;
+    curve->n = (size_t)count;
+    return true;
+}
+
+/* ---- spectra ---- */
+
+bool data_spectrum(const struct series *series, struct arena *arena, struct curve *curve, struct error *error)
+{
+    if (!series_spectrum(series, arena, &curve->x, &curve->y, &curve->n))
+        return error_set(error, ERROR_COMMAND, "a spectrum needs at least 8 samples");
+    return true;
+}
+
+bool run_even_series(const struct run *run, double from, double to, double period, struct arena *arena,
+                     struct series *series, struct error *error)
+{
+    const double step = isfinite(period) ? fmax(run->settings.dt, period / SAMPLES_A_PERIOD) : run->settings.dt;
+    const double most = floor((to - from) / step);
+    const size_t n = most > SPECTRUM_SAMPLES ? SPECTRUM_SAMPLES : (size_t)fmax(most, 0);
+    double *t = arena_array(arena, n + 1, sizeof *t), *y = arena_array(arena, n + 1, sizeof *y);
+    if (!t || !y)
+        return error_memory(error);
+    *series = (struct series){t, y, 0, system_variable(&run->system, 0).quantity};
+    for (size_t i = 0; i < n; i++) {
+        t[series->n] = to - (double)(n - i) * step;
+        y[series->n] = run_position(run, t[series->n]);
+        series->n += isfinite(y[series->n]) ? 1 : 0;
+    }
+    return true;
+}

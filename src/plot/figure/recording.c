@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Recordings in figures: which one is drawn, its curves, what is left of it beside a fit or a run. */
+#include "plot/figure/drawing.h"
+
+#include <hooke/plot.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* Whether the fit of the session is one of this recording. */
+static bool has_fit_of(const struct session *session, const struct recording *recording)
+{
+    char name[sizeof session->fit_of];
+    snprintf(name, sizeof name, "data %s", recording->name);
+    return session->has_fit && strcmp(name, session->fit_of) == 0;
+}
+
+/* The derivative of the position that a kind of plot shows; -1: something else. */
+static int shown_derivative(enum plot_kind kind)
+{
+    return kind == PLOT_POSITION ? 0 : kind == PLOT_VELOCITY ? 1 : kind == PLOT_ACCELERATION ? 2 : -1;
+}
+
+bool recording_shows(const struct recording *recording, const struct run *run, enum plot_kind kind)
+{
+    const int shown = shown_derivative(kind);
+    return shown >= 0 && recorded_derivative(recording, run) == shown;
+}
+
+int figure_recording(const struct session *session, enum plot_kind kind)
+{
+    const struct run *run = session_run(session);
+    const struct recording *recording = session_recording(session);
+    if (!recording || (kind == PLOT_RESIDUAL && !run && !has_fit_of(session, recording)))
+        return -1;
+    const bool own = recording_shows(recording, run, kind);
+    /* Without a run the plot of positions shows whatever was recorded. */
+    const bool alone = kind == PLOT_POSITION || kind == PLOT_SPECTRUM || kind == PLOT_ENVELOPE ||
+                       kind == PLOT_PERIOD || kind == PLOT_RESIDUAL;
+    const bool derived =
+        plot_needs_motion(kind) && recording->column[recording->value].quantity == QUANTITY_LENGTH;
+    if (!run)
+        return own || alone || derived ? session->current_recording : -1;
+    if (!own && !(kind == PLOT_RESIDUAL && recorded_derivative(recording, run) >= 0))
+        return -1;
+    const double a = trace_time(run->trace, 0), b = trace_time(run->trace, trace_count(run->trace) - 1);
+    return fmin(a, b) < recording->window[1] && fmax(a, b) > recording->window[0] ? session->current_recording : -1;
+}
+
+/* Positions, velocities or energies of the recording. */
+static bool recorded_values(struct drawing *d, const struct recording *recording, struct series *series)
+{
+    const struct data_motion *motion = &d->motion;
+    if (!drawing_needs_motion(d, recording)) {
+        if (!recording_series(recording, d->arena, 1, series, d->error))
+            return false;
+        *series = series_window(*series, d->window[0], d->window[1]);
+        return true;
+    }
+    return motion_series(motion, d->request->kind == PLOT_ENERGY, d->window[0], d->window[1], d->arena, series,
+                         d->error);
+}
+
+/* v against y: about the equilibrium, in the units of the phase plot. */
+static bool recorded_phase(struct drawing *d, struct series series, struct curve *curve)
+{
+    const struct data_motion *motion = &d->motion;
+    double *x = arena_array(d->arena, series.n, sizeof *x), *y = arena_array(d->arena, series.n, sizeof *y);
+    if (!x || !y)
+        return error_memory(d->error);
+    for (size_t i = 0, row = 0; i < series.n; i++) {
+        while (motion->t[row] < series.t[i])
+            row++;
+        x[i] = motion->y[row] - motion->middle;
+        y[i] = series.y[i] / d->omega0;
+    }
+    curve->t = series.t;
+    curve->x = x;
+    curve->y = y;
+    return true;
+}
+
+/* Of a voltage or a force: where it lies on the axis of the run that it is laid over. */
+static bool scale_values(const struct drawing *d, struct series *series)
+{
+    const struct session *session = d->session;
+    const struct data_distance data = run_data_distance(session->run[d->request->run[0]]->run,
+                                                        session->recording[d->request->recording]->recording);
+    double *y = arena_array(d->arena, series->n, sizeof *y);
+    if (!y)
+        return error_memory(d->error);
+    for (size_t i = 0; i < series->n; i++)
+        y[i] = data.at_zero + data.gain * series->y[i];
+    series->y = y;
+    if (!isfinite(data.gain))
+        series->n = 0; /* it does not follow the run */
+    return true;
+}
+
+bool drawing_recording(struct drawing *d, const struct recording *recording)
+{
+    struct series series;
+    struct curve *curve = &d->curve[d->curves];
+    if (!recorded_values(d, recording, &series))
+        return false;
+    if (d->request->runs > 0 && d->request->kind == PLOT_POSITION &&
+        quantity_is_scaled(recording->column[recording->value].quantity)) {
+        if (!scale_values(d, &series))
+            return false;
+        if (series.n == 0)
+            return true;
+    }
+    *curve = (struct curve){.label = d->request->runs ? "data" : recording->name,
+                            .x = series.t,
+                            .y = series.y,
+                            .n = series.n,
+                            .points = true};
+    d->curves++;
+    if (d->request->kind == PLOT_PHASE)
+        return recorded_phase(d, series, curve);
+    if (d->request->kind == PLOT_ENVELOPE)
+        return data_envelope(&series, d->arena, curve, d->error);
+    if (d->request->kind != PLOT_SPECTRUM)
+        return true;
+    curve->points = false;
+    return drawing_spectrum(d, &series, curve);
+}
+
+bool drawing_residual(struct drawing *d, const struct recording *recording)
+{
+    const bool fitted = has_fit_of(d->session, recording);
+    const struct run *run = d->request->runs ? d->session->run[d->request->run[0]]->run : NULL;
+    if (!fitted && !run)
+        return error_set(d->error, ERROR_COMMAND, "a residual needs a fit of this recording, or a run beside it");
+    if (!drawing_recording(d, recording))
+        return false;
+    struct curve *curve = &d->curve[d->curves - 1];
+    double *left = arena_array(d->arena, curve->n + 1, sizeof *left);
+    if (!left)
+        return error_memory(d->error);
+    const double shift = recording->zero - d->session->fit_zero; /* since the fit */
+    struct data_distance data = {.gain = 1};
+    if (fitted)
+        session_fit_values(d->session, curve->x, curve->n, left);
+    else
+        data = run_data_distance(run, d->session->recording[d->request->recording]->recording);
+    for (size_t i = 0; i < curve->n; i++)
+        left[i] = curve->y[i] -
+                  (fitted ? left[i] - shift
+                          : (run_motion(run, curve->x[i], data.derivative) - data.at_zero) / data.gain);
+    curve->y = left;
+    curve->label = fitted ? "data - fit" : "data - run";
+    return true;
+}

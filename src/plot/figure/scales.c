@@ -1,0 +1,219 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Axes of a figure: ranges that were asked for, and what becomes of curves of very different size: a logarithmic axis
+ * where all is positive, else a second panel. */
+#include "plot/figure/drawing.h"
+
+#include <hooke/plot.h>
+
+#include <math.h>
+
+#define ALIKE 10          /* sizes up to this factor share an axis */
+#define DECADES_LEFT 1e-6 /* of the smallest curve: what falls below is left out of a logarithmic axis */
+#define FLAT 0.01         /* an energy that varies by less is shown from zero */
+#define AIR 0.04          /* of a range, beyond the curves */
+
+/* ---- ranges that were asked for ---- */
+
+static bool has_ends(const struct figure_range *range)
+{
+    return range && (!isnan(range->end[0]) || !isnan(range->end[1]));
+}
+
+/* What the curves span along an axis, of what can be seen along the other. */
+static void find_extent(const struct drawing *d, bool vertical, double extent[2])
+{
+    const struct figure_range *across = vertical ? d->request->x : d->request->y;
+    extent[0] = HUGE_VAL;
+    extent[1] = -HUGE_VAL;
+    for (int c = 0; c < d->curves; c++) {
+        const struct curve *curve = &d->curve[c];
+        const double *value = vertical ? curve->y : curve->x, *other = vertical ? curve->x : curve->y;
+        for (size_t i = 0; i < curve->n; i++) {
+            if (!isfinite(value[i]) || (across && (other[i] < across->end[0] || other[i] > across->end[1])))
+                continue;
+            extent[0] = fmin(extent[0], value[i]);
+            extent[1] = fmax(extent[1], value[i]);
+        }
+    }
+}
+
+static bool fits_axis(const struct drawing *d, const struct figure_range *range, const struct axis *axis,
+                      enum quantity quantity)
+{
+    if (range->quantity == QUANTITY_OTHER || range->quantity == quantity)
+        return true;
+    const char *label = axis->label ? axis->label : "", *unit = axis->unit && *axis->unit ? axis->unit : "1";
+    error_at(d->error, range->text, "the axis of %s is in %s", label, unit);
+    return error_hint(d->error, "a number without a unit is in %s",
+                      quantity_unit(quantity)[0] ? quantity_unit(quantity) : "1");
+}
+
+static bool fix_range(const struct drawing *d, bool vertical, enum quantity quantity, struct figure *figure)
+{
+    const struct figure_range *range = vertical ? d->request->y : d->request->x;
+    struct axis *axis = vertical ? &figure->y : &figure->x;
+    const double air = axis->log || !(vertical || figure->plane) ? 0 : AIR;
+    double extent[2];
+    if (!has_ends(range))
+        return true;
+    if (!fits_axis(d, range, axis, quantity))
+        return false;
+    find_extent(d, vertical, extent);
+    axis->from = range->end[0];
+    axis->to = range->end[1];
+    if (isnan(range->end[0]))
+        axis->from = extent[0] - air * (range->end[1] - extent[0]);
+    if (isnan(range->end[1]))
+        axis->to = extent[1] + air * (extent[1] - range->end[0]);
+    axis->fixed = true;
+    if (axis->log && !(axis->from > 0))
+        return error_at(d->error, range->text, "a logarithmic axis begins above zero");
+    if (!(axis->from < axis->to))
+        return error_at(d->error, range->text, "nothing is drawn in this range");
+    if ((vertical || figure->plane) && !figure->equal)
+        axis_suit(axis, quantity, fmax(fabs(axis->from), fabs(axis->to)));
+    return true;
+}
+
+/* ---- curves of different size ---- */
+
+/* Of what is inside of the window of time. */
+static double size_of_curve(const struct drawing *d, int i, bool x)
+{
+    const struct curve *curve = &d->curve[i];
+    const bool timed = plot_is_timed(d->request->kind);
+    double most = 0;
+    for (size_t row = 0; row < curve->n; row++) {
+        const double value = x ? curve->x[row] : curve->y[row];
+        if (isfinite(value) && (!timed || (curve->x[row] >= d->window[0] && curve->x[row] <= d->window[1])))
+            most = fmax(most, fabs(value));
+    }
+    return most;
+}
+
+/* Of each curve; of a plane the larger of both. NULL: no memory. */
+static const double *curve_sizes(const struct drawing *d, const struct figure *figure)
+{
+    double *size = arena_array(d->arena, (size_t)d->curves + 1, sizeof *size);
+    for (int i = 0; size && i < d->curves; i++) {
+        size[i] = size_of_curve(d, i, false);
+        if (figure->equal)
+            size[i] = fmax(size[i], size_of_curve(d, i, true));
+    }
+    return size;
+}
+
+static double least_size(const double *size, int n)
+{
+    double least = HUGE_VAL;
+    for (int i = 0; i < n; i++)
+        least = size[i] > 0 ? fmin(least, size[i]) : least;
+    return least;
+}
+
+/* The size between the curves that differ most from their neighbours; 0: all are alike. What rests has no size. */
+static double parting_size(const double *size, int n)
+{
+    double most = 0, widest = 1, parting = 0;
+    for (int i = 0; i < n; i++) {
+        double next = HUGE_VAL;
+        most = fmax(most, size[i]);
+        for (int j = 0; j < n; j++)
+            next = size[j] > size[i] ? fmin(next, size[j]) : next;
+        if (size[i] > 0 && isfinite(next) && next / size[i] > widest) {
+            widest = next / size[i];
+            parting = sqrt(size[i]) * sqrt(next);
+        }
+    }
+    return most > ALIKE * least_size(size, n) ? parting : 0;
+}
+
+static bool is_positive(const struct drawing *d, enum quantity quantity)
+{
+    if (!plot_rows[d->request->kind].positive && quantity != QUANTITY_ENERGY)
+        return false;
+    for (int c = 0; c < d->curves; c++)
+        for (size_t i = 0; i < d->curve[c].n; i++)
+            if (d->curve[c].y[i] < 0)
+                return false;
+    return true;
+}
+
+static double panel_size(const struct drawing *d, bool x, int panel)
+{
+    double size = 0;
+    for (int i = 0; i < d->curves; i++)
+        if (d->curve[i].panel == panel)
+            size = fmax(size, size_of_curve(d, i, x));
+    return size;
+}
+
+static bool part_panels(struct drawing *d, struct figure *figure, enum quantity across, enum quantity up,
+                        const double *size, double parting)
+{
+    struct axis *second = arena_array(d->arena, 2, sizeof *second);
+    if (!second)
+        return error_memory(d->error);
+    for (int i = 0; i < d->curves; i++)
+        d->curve[i].panel = size[i] > parting;
+    second[0] = figure->x;
+    second[1] = figure->y;
+    for (int panel = 0; panel < 2; panel++) {
+        struct axis *x = panel ? &second[0] : &figure->x, *y = panel ? &second[1] : &figure->y;
+        y->label = drawing_y_label(d, panel);
+        if (!y->label)
+            return error_memory(d->error);
+        axis_suit(y, up, panel_size(d, false, panel));
+        if (figure->plane)
+            axis_suit(x, across, panel_size(d, true, panel));
+        if (figure->equal) {
+            y->factor = x->factor;
+            y->unit = x->unit;
+        }
+    }
+    figure->second = second;
+    return true;
+}
+
+/* An energy that seems not to vary at all does so by this much. */
+static bool note_flat(struct drawing *d, struct figure *figure)
+{
+    double extent[2];
+    find_extent(d, true, extent);
+    const double varies = (extent[1] - extent[0]) / fmax(fabs(extent[0]), fabs(extent[1]));
+    if (d->request->follow || !(figure->y.flat > 0) || !(varies > 1e-15 && varies <= figure->y.flat))
+        return true;
+    struct buffer text = {0};
+    buffer_format(&text, "%s%svaries by %.2g of its size, 'y=:' shows it", figure->note ? figure->note : "",
+                  figure->note ? ", " : "", varies);
+    figure->note = text.failed ? NULL : arena_text(d->arena, buffer_text(&text));
+    buffer_free(&text);
+    return figure->note || error_memory(d->error);
+}
+
+/* [0], [1] of the quantity on the horizontal and the vertical axis. */
+bool drawing_scales(struct drawing *d, struct figure *figure, const enum quantity quantity[2])
+{
+    const struct figure_request *request = d->request;
+    const bool asked = has_ends(request->y) || (figure->plane && has_ends(request->x));
+    figure->y.log = request->log;
+    if (!fix_range(d, true, quantity[1], figure) || !fix_range(d, false, quantity[0], figure))
+        return false;
+    figure->y.flat = request->y                                                          ? -1
+                     : request->kind == PLOT_ENERGY || request->kind == PLOT_ENVELOPE ? FLAT
+                                                                                       : 0;
+    const bool one = asked || request->full || request->log;
+    if (one)
+        return true;
+    const double *size = curve_sizes(d, figure);
+    if (!size)
+        return error_memory(d->error);
+    const double parting = parting_size(size, d->curves);
+    if (!(parting > 0))
+        return note_flat(d, figure);
+    if (!is_positive(d, quantity[1]))
+        return part_panels(d, figure, quantity[0], quantity[1], size, parting);
+    figure->y.log = true;
+    figure->y.least = DECADES_LEFT * least_size(size, d->curves);
+    return true;
+}

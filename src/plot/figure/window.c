@@ -1,0 +1,250 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The kinds of plots, for which models they are, and which part of the time they show. */
+#include "plot/figure/drawing.h"
+
+#include <hooke/plot.h>
+
+#include <math.h>
+
+#define TWO_PI 6.28318530717958647692
+#define TRAIL_PERIODS 2 /* of the phase plot */
+
+const struct plot_row plot_rows[] = {
+    [PLOT_POSITION] = {.row = {"position", "", "y against t, or all coordinates", "", NULL},
+                       .label = "y",
+                       .periods = true},
+    [PLOT_VELOCITY] = {.row = {"velocity", "", "v against t", "", NULL}, .periods = true},
+    [PLOT_ACCELERATION] = {.row = {"acceleration", "", "a against t", "", NULL},
+                           .observable = "a",
+                           .label = "a",
+                           .periods = true},
+    [PLOT_PHASE] = {.row = {"phase", "",
+                            "v against y, the last two periods unless a window is given; of first order the second "
+                            "value against the first",
+                            "", NULL}},
+    [PLOT_ORBIT] = {.row = {"orbit", "", "the second coordinate against the first, as long as phase", "", NULL}},
+    [PLOT_ENERGY] = {.row = {"energy", "", "energy against t", "", NULL},
+                     .observable = "energy",
+                     .label = "E",
+                     .positive = true},
+    [PLOT_ERROR] = {.row = {"error", "", "distance from the exact solution against t", "", NULL},
+                    .observable = "error",
+                    .label = "error",
+                    .positive = true},
+    [PLOT_RESIDUAL] = {.row = {"residual", "", "the recording minus its fit, or minus the run, against t", "", NULL},
+                       .label = "residual"},
+    [PLOT_SPECTRUM] = {.row = {"spectrum", "", "amplitude spectrum of y", "", NULL},
+                       .label = "amplitude",
+                       .positive = true},
+    [PLOT_ENVELOPE] = {.row = {"envelope", "", "amplitude of successive windows against t", "", NULL},
+                       .label = "A",
+                       .positive = true},
+    [PLOT_PERIOD] = {.row = {"period", "", "period against amplitude, window by window; a pendulum's closed form", "",
+                             NULL},
+                     .label = "T"},
+    [PLOT_PRECISION] = {.row = {"precision", "", "error against run time, of the last 'precision'", "", NULL},
+                        .label = "error"},
+};
+const struct catalog plot_catalog = CATALOG("plot", plot_rows);
+
+bool plot_needs_motion(enum plot_kind kind)
+{
+    return kind == PLOT_VELOCITY || kind == PLOT_PHASE || kind == PLOT_ENERGY;
+}
+
+bool plot_is_timed(enum plot_kind kind)
+{
+    return !plot_is_plane(kind) && kind != PLOT_SPECTRUM && kind != PLOT_PERIOD && kind != PLOT_PRECISION;
+}
+
+bool plot_is_plane(enum plot_kind kind)
+{
+    return kind == PLOT_PHASE || kind == PLOT_ORBIT;
+}
+
+const struct variable *vertical_variable(const struct model *model, enum plot_kind kind)
+{
+    if (kind == PLOT_ORBIT || (kind == PLOT_PHASE && model->order == 1))
+        return &model->variable[1];
+    return &model->variable[kind == PLOT_VELOCITY || kind == PLOT_PHASE ? model->n / 2 : 0];
+}
+
+int plot_coordinates(const struct model *model)
+{
+    const int all = model->order == 2 ? model->n / 2 : model->n;
+    int n = 1;
+    while (n < all && n <= LIMIT_OVERLAY && model->variable[n].quantity == model->variable[0].quantity)
+        n++;
+    return n;
+}
+
+bool plot_fits(enum plot_kind kind, const struct model *model)
+{
+    if (kind == PLOT_ORBIT)
+        return model->order == 2 && model->n == 4 && plot_coordinates(model) == 2;
+    if (kind == PLOT_PHASE)
+        return model->n > 1;
+    return model->order == 2 || (kind != PLOT_VELOCITY && kind != PLOT_ACCELERATION && kind != PLOT_ENERGY);
+}
+
+/* ---- which part of the time ---- */
+
+double run_rhythm(const struct run *run)
+{
+    const struct system *system = &run->system;
+    const double period = scene_period(&run->scene);
+    if (isfinite(period) || system->model == &oscillator_model || system->order != 2)
+        return period;
+    return TWO_PI * system->scale[0] / system->scale[system->n / 2];
+}
+
+static void span_of(const struct drawing *d, double *from, double *to)
+{
+    *from = HUGE_VAL;
+    *to = -HUGE_VAL;
+    for (int i = 0; i < d->request->runs; i++) {
+        const struct run *run = d->session->run[d->request->run[i]]->run;
+        const double a = trace_time(run->trace, 0), b = trace_time(run->trace, trace_count(run->trace) - 1);
+        *from = fmin(*from, fmin(a, b));
+        *to = fmax(*to, fmax(a, b));
+    }
+    /* What follows a run shows the part of the recording that lies beside it. */
+    const struct recording *recording = recording_of(d);
+    if (recording && !(d->request->follow && d->request->runs)) {
+        *from = fmin(*from, recording->window[0]);
+        *to = fmax(*to, recording->window[1]);
+    }
+}
+
+/* Down to a length whose quarters are short numbers too: a window that lasts has labels that look the same on each
+ * page. */
+static double short_number(double length)
+{
+    static const double digits[] = {8, 6, 4, 3.2, 2.4, 2, 1.6, 1.2, 1};
+    const double unit = pow(10, floor(log10(length)));
+    for (size_t i = 0; i < COUNT_OF(digits); i++)
+        if (digits[i] * unit <= length)
+            return digits[i] * unit;
+    return length;
+}
+
+/* [s] the longest window of a view in which every period can be seen at this width; NAN: any. */
+static double longest_window(const struct drawing *d)
+{
+    const struct figure_request *request = d->request;
+    const int each = request->charset == CHARSET_ASCII ? PERIOD_COLUMNS_ASCII : PERIOD_COLUMNS_DOTS;
+    const int columns = request->width > 2 * FRAME_COLUMNS ? request->width - FRAME_COLUMNS : FRAME_COLUMNS;
+    const double most = plot_rows[request->kind].periods || !request->alone ? d->period * columns / each : NAN;
+    return d->total > most && isnormal(most) ? short_number(most) : most;
+}
+
+double drawing_trail(const struct drawing *d)
+{
+    return d->request->trail > 0 ? d->request->trail : TRAIL_PERIODS;
+}
+
+void axis_suit(struct axis *axis, enum quantity quantity, double size)
+{
+    const struct unit *unit = unit_display(quantity, quantity == QUANTITY_TIME ? fmax(size, 1) : size);
+    if (!unit)
+        return;
+    axis->unit = unit->row.name;
+    axis->factor = unit->factor;
+}
+
+struct axis quantity_axis(const char *label, enum quantity quantity, double size)
+{
+    struct axis axis = {.label = label, .unit = quantity_unit(quantity), .factor = 1};
+    axis_suit(&axis, quantity, size);
+    return axis;
+}
+
+struct axis time_axis(const double window[2])
+{
+    struct axis axis = quantity_axis("t", QUANTITY_TIME, window[1]);
+    axis.fixed = true;
+    axis.from = window[0];
+    axis.to = window[1];
+    return axis;
+}
+
+bool run_goes_back(const struct run *run)
+{
+    return trace_time(run->trace, trace_count(run->trace) - 1) < trace_time(run->trace, 0);
+}
+
+/* The run in front, whose newest part a view shows. */
+static bool goes_back(const struct drawing *d)
+{
+    return d->request->runs > 0 && run_goes_back(d->session->run[d->request->run[0]]->run);
+}
+
+/*
+ * The newest part of from..to [s], `most` long. A moving window starts a whole number of pages, or of columns, after
+ * the start: while the curve grows nothing else moves.
+ */
+static void follow_window(struct drawing *d, double from, double to, double now, double most)
+{
+    const double turn = most / (d->request->pages > 0 ? d->request->pages : 1);
+    const double passed = goes_back(d) ? to - now : now - from;
+    const double moved = turn * fmax(0, ceil((passed - most) / turn - 1e-6));
+    d->window[0] = goes_back(d) ? to - moved - most : from + moved;
+    d->window[1] = d->window[0] + most;
+}
+
+void drawing_window(struct drawing *d)
+{
+    const struct figure_request *request = d->request;
+    double from, to;
+    if (request->shared && plot_is_timed(request->kind)) {
+        d->window[0] = request->shared->axis.from;
+        d->window[1] = request->shared->axis.to;
+        d->shown = request->shared->shown;
+        d->total = request->shared->total;
+        return;
+    }
+    span_of(d, &from, &to);
+    const bool asked = !isnan(request->window[0]) || !isnan(request->window[1]), plane = plot_is_plane(request->kind);
+    const double now = goes_back(d) ? from : to;
+    if (request->follow && !plane) {
+        from = fmin(from, request->until);
+        to = fmax(to, request->until);
+    }
+    d->total = to - from;
+    d->window[0] = isnan(request->window[0]) ? from : request->window[0];
+    d->window[1] = isnan(request->window[1]) ? to : request->window[1];
+    const double trail = drawing_trail(d) * d->period, most = request->span > 0 ? request->span : longest_window(d);
+    if (plane && !asked && !request->full && trail < d->total) {
+        d->window[0] = goes_back(d) ? from : to - trail;
+        d->window[1] = d->window[0] + trail;
+    } else if (request->follow && plot_is_timed(request->kind) && request->kind != PLOT_ENVELOPE && !asked &&
+               (request->span > 0 || (request->runs > 0 && d->total > most))) { /* nothing is added to a recording */
+        follow_window(d, from, to, now, most);
+    }
+    d->shown = d->window[1] - d->window[0];
+}
+
+/* Of a recording without a run the rhythm it has been seen to have. */
+static double window_rhythm(const struct drawing *d)
+{
+    const struct recording *recording = recording_of(d);
+    struct series series;
+    struct error ignored;
+    if (d->request->runs > 0)
+        return run_rhythm(d->session->run[d->request->run[0]]->run);
+    if (!recording || !recording_series(recording, d->arena, 2, &series, &ignored))
+        return NAN;
+    return TWO_PI / motion_frequency(d->session, recording, &series, d->arena);
+}
+
+bool session_window(const struct session *session, const struct figure_request *request, struct arena *arena,
+                    struct figure_window *window)
+{
+    struct drawing d = {.session = session, .request = request, .arena = arena};
+    if (request->runs == 0 && request->recording < 0)
+        return false;
+    d.period = window_rhythm(&d);
+    drawing_window(&d);
+    *window = (struct figure_window){time_axis(d.window), d.shown, d.total};
+    return d.window[0] < d.window[1];
+}

@@ -1,0 +1,396 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Plots of a session as figures: which curves, over which time, in which units. */
+#include "plot/figure/drawing.h"
+
+#include <hooke/plot.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+const struct observable *observable_named(const char *name)
+{
+    return (const struct observable *)(const void *)catalog_find(&observable_catalog, text_of(name));
+}
+
+static const struct run *run_of(const struct drawing *d, int i)
+{
+    return d->session->run[d->request->run[i]]->run;
+}
+
+/* What is drawn of runs; of the energy what all of them have. NULL: states. */
+static const struct observable *observable(const struct drawing *d)
+{
+    const enum plot_kind kind = d->request->kind;
+    if (!plot_rows[kind].observable)
+        return NULL;
+    for (int i = 0; i < d->request->runs && kind == PLOT_ENERGY; i++)
+        if (!run_of(d, i)->system.energy)
+            return observable_energy(&run_of(d, i)->system);
+    return (const struct observable *)(const void *)catalog_find(&observable_catalog,
+                                                                 text_of(plot_rows[kind].observable));
+}
+
+/* The energy of forces without a potential is the kinetic one. */
+static bool is_kinetic(const struct drawing *d)
+{
+    const struct observable *drawn = d->request->kind == PLOT_ENERGY ? observable(d) : NULL;
+    return drawn && !(drawn->needs & NEED_ENERGY);
+}
+
+/* What all runs of the plot have to be. */
+static bool find_model(struct drawing *d)
+{
+    const struct figure_request *request = d->request;
+    const struct run *first = d->session->run[request->run[0]]->run;
+    d->model = first->system.model;
+    for (int i = 1; i < request->runs; i++) {
+        const struct run *run = d->session->run[request->run[i]]->run;
+        if (!models_alike(run->system.model, d->model))
+            return error_set(d->error, ERROR_COMMAND,
+                             "run %d (%s) and run %d (%s) have different variables: no plot shows both", first->number,
+                             first->scene.preset->row.name, run->number, run->scene.preset->row.name);
+    }
+    if (request->columns)
+        return drawing_columns(d, &first->system);
+    const char *kind = plot_rows[request->kind].row.name;
+    if (!plot_fits(request->kind, d->model)) {
+        error_set(d->error, ERROR_COMMAND, "%s has no %s: %s", first->scene.preset->row.name, kind,
+                  request->kind == PLOT_ORBIT ? "that needs two coordinates" : "that needs positions and velocities");
+        return d->model->n > 1 ? error_hint(d->error, "plot %s against %s", d->model->variable[1].name,
+                                            d->model->variable[0].name)
+                               : false;
+    }
+    if ((request->kind == PLOT_POSITION || request->kind == PLOT_VELOCITY) && request->runs == 1 && !recording_of(d))
+        d->coordinates = plot_coordinates(d->model);
+    return true;
+}
+
+/* ---- curves ---- */
+
+const char *drawing_run_label(const struct drawing *d, const struct run *run)
+{
+    const char *name = run->name[0] ? run->name : run->method->row.name;
+    bool alone = true;
+    for (int i = 0; i < d->request->runs; i++) {
+        const struct run *other = d->session->run[d->request->run[i]]->run;
+        const char *its = other->name[0] ? other->name : other->method->row.name;
+        alone &= other == run || strcmp(its, name) != 0;
+    }
+    struct buffer text = {0};
+    buffer_put(&text, text_of(name));
+    if (!alone)
+        buffer_format(&text, " (%d)", run->number);
+    const char *label = arena_text(d->arena, buffer_text(&text));
+    buffer_free(&text);
+    return label;
+}
+
+/* Errors have both signs: a logarithmic axis shows how large they are. */
+static bool shows_size(const struct drawing *d)
+{
+    return d->request->kind == PLOT_ERROR && d->request->log;
+}
+
+static bool vertical_values(struct drawing *d, const struct run *run, int coordinate, const struct chosen_rows *rows,
+                            double *y)
+{
+    const enum plot_kind kind = d->request->kind;
+    if (d->request->columns)
+        return chosen_at_rows(run, &d->column[coordinate], rows, d->arena, y, d->error);
+    if (plot_rows[kind].observable) {
+        if (!values_at_rows(run, observable(d), rows, d->arena, y, d->error))
+            return false;
+        for (size_t i = 0; i < rows->n && shows_size(d); i++)
+            y[i] = fabs(y[i]);
+        return true;
+    }
+    state_at_rows(run, (int)(vertical_variable(d->model, kind) - d->model->variable) + coordinate, rows, y);
+    for (size_t i = 0; i < rows->n && d->omega0 != 1; i++)
+        y[i] /= d->omega0;
+    return true;
+}
+
+/* [s] Of each run the phase plot shows its own last periods, wherever it ended. */
+static void own_window(const struct drawing *d, const struct run *run, double window[2])
+{
+    const double end = trace_time(run->trace, trace_count(run->trace) - 1);
+    memcpy(window, d->window, sizeof d->window);
+    if (!plot_is_plane(d->request->kind) || !isnan(d->request->window[0]) || !isnan(d->request->window[1]))
+        return;
+    window[0] = run_goes_back(run) ? end : end - d->shown;
+    window[1] = run_goes_back(run) ? end + d->shown : end;
+}
+
+static bool add_run(struct drawing *d, const struct run *run)
+{
+    const bool plane = plot_is_plane(d->request->kind);
+    struct curve *curve = &d->curve[d->curves];
+    const char *label = drawing_run_label(d, run);
+    *curve = (struct curve){.label = label};
+    if (!label)
+        return error_memory(d->error);
+    if (d->request->kind == PLOT_SPECTRUM) {
+        d->curves++;
+        return drawing_run_spectrum(d, run, curve);
+    }
+    if (d->request->kind == PLOT_ENVELOPE) {
+        struct series series;
+        d->curves++;
+        if (!run_series(run, false, d->arena, &series, d->error))
+            return false;
+        series = series_window(series, d->window[0], d->window[1]);
+        return data_envelope(&series, d->arena, curve, d->error);
+    }
+    double window[2];
+    own_window(d, run, window);
+    struct chosen_rows rows;
+    const struct row_request part = {window[0], window[1], d->request->width, d->period, d->request->follow};
+    if (!choose_rows(run, &part, d->arena, &rows, d->error))
+        return false;
+    bool drawn;
+    if (!drawing_smooth(d, run, &rows, label, &drawn))
+        return false;
+    if (drawn)
+        return true;
+    double *x = arena_array(d->arena, rows.n + 1, sizeof *x);
+    if (!x)
+        return error_memory(d->error);
+    if (plane && d->request->columns) {
+        if (!chosen_at_rows(run, &d->against, &rows, d->arena, x, d->error))
+            return false;
+    } else if (plane) {
+        state_at_rows(run, 0, &rows, x);
+    }
+    double *t = plane ? arena_array(d->arena, rows.n + 1, sizeof *t) : x;
+    if (!t)
+        return error_memory(d->error);
+    for (size_t i = 0; i < rows.n; i++)
+        t[i] = trace_time(run->trace, rows.row[i]);
+    for (int i = 0; i < d->coordinates; i++) {
+        double *y = arena_array(d->arena, rows.n + 1, sizeof *y);
+        if (!y)
+            return error_memory(d->error);
+        if (!vertical_values(d, run, i, &rows, y))
+            return false;
+        d->curve[d->curves] = (struct curve){
+            .label = d->coordinates > 1 ? drawing_label(d, i) : label,
+            .x = x,
+            .y = y,
+            .n = rows.n,
+            .t = plane ? t : NULL,
+            .thinned = d->request->follow};
+        if (!d->curve[d->curves++].label)
+            return error_memory(d->error);
+    }
+    return true;
+}
+
+/* ---- axes ---- */
+
+static double largest(const double *x, size_t n)
+{
+    double most = 0;
+    for (size_t i = 0; i < n; i++)
+        if (isfinite(x[i]))
+            most = fmax(most, fabs(x[i]));
+    return most;
+}
+
+static double size_of(const struct drawing *d, bool x)
+{
+    double size = 0;
+    for (int i = 0; i < d->curves; i++)
+        size = fmax(size, largest(x ? d->curve[i].x : d->curve[i].y, d->curve[i].n));
+    return size;
+}
+
+static const char *make_note(const struct drawing *d)
+{
+    const struct figure_request *request = d->request;
+    const bool asked = !isnan(request->window[0]) || !isnan(request->window[1]),
+               part = !asked && d->shown < d->total * (1 - 1e-9);
+    struct buffer text = {0};
+    if (plot_is_plane(request->kind) && part)
+        buffer_format(&text, "last %.4g T", drawing_trail(d));
+    else if (request->follow && part && !request->running)
+        buffer_format(&text, "last %.4g of %.4g s", d->shown, d->total);
+    else if (part)
+        buffer_format(&text, "last %.4g s", d->shown);
+    else if (isfinite(d->period) && plot_rows[request->kind].periods &&
+             d->shown * PERIOD_COLUMNS_DOTS > d->period * (request->width - FRAME_COLUMNS))
+        buffer_format(&text, "%.0f periods: envelope", d->shown / d->period);
+    else if (request->kind == PLOT_SPECTRUM)
+        spectrum_note(d, &text);
+    else if (request->kind == PLOT_ENERGY && d->motion.n > 0)
+        buffer_put(&text, text_of(d->motion.how_k));
+    const char *note = text.len ? arena_text(d->arena, buffer_text(&text)) : NULL;
+    buffer_free(&text);
+    return note;
+}
+
+bool drawing_needs_motion(const struct drawing *d, const struct recording *recording)
+{
+    const struct run *run = d->request->runs > 0 ? d->session->run[d->request->run[0]]->run : NULL;
+    return plot_needs_motion(d->request->kind) && !recording_shows(recording, run, d->request->kind);
+}
+
+static enum quantity y_quantity(const struct drawing *d)
+{
+    const struct recording *recording = recording_of(d);
+    const enum plot_kind kind = d->request->kind;
+    const bool own = d->request->runs == 0 || (kind == PLOT_RESIDUAL && !recorded_bare(recording));
+    if (recording && own && !drawing_needs_motion(d, recording))
+        return recording->column[recording->value].quantity;
+    if (d->omega0 != 1)
+        return d->model->variable[0].quantity;
+    if (d->request->columns)
+        return chosen_variable(&d->session->run[d->request->run[0]]->run->system, &d->column[0]).quantity;
+    if (plot_rows[kind].observable)
+        return model_quantity(d->model, observable(d));
+    return vertical_variable(d->model, kind)->quantity;
+}
+
+/* "y", "x, y", "v/omega0", "E", of the curves in a panel; NULL: no memory. */
+const char *drawing_y_label(const struct drawing *d, int panel)
+{
+    const enum plot_kind kind = d->request->kind;
+    if (is_kinetic(d))
+        return "E kin";
+    if (shows_size(d))
+        return "|error|";
+    if (plot_rows[kind].label && (!d->model || kind != PLOT_POSITION))
+        return plot_rows[kind].label;
+    struct buffer text = {0};
+    for (int i = 0; i < d->coordinates; i++) {
+        const char *name = drawing_label(d, i);
+        if (d->coordinates > 1 && d->curve[i].panel != panel)
+            continue;
+        buffer_format(&text, "%s%s%s", text.len ? ", " : "", d->request->next ? "next " : "", name ? name : "");
+    }
+    buffer_put(&text, d->omega0 != 1 ? TEXT("/omega0") : TEXT(""));
+    const char *label = text.failed ? NULL : arena_text(d->arena, buffer_text(&text));
+    buffer_free(&text);
+    return label;
+}
+
+static void mark_present(const struct drawing *d, struct figure *figure)
+{
+    if (d->request->runs == 0 || d->curve[0].n == 0)
+        return;
+    const struct curve *curve = &d->curve[0];
+    const struct trace *trace = run_of(d, 0)->trace;
+    const double *t = curve->t ? curve->t : curve->x;
+    figure->has_point = t[curve->n - 1] == trace_time(trace, trace_count(trace) - 1); /* not the end of a window */
+    figure->point[0] = curve->x[curve->n - 1];
+    figure->point[1] = curve->y[curve->n - 1];
+}
+
+/* What a recording has of the motion; without a run it is that of an oscillator. */
+static bool find_motion(struct drawing *d, const struct recording *recording)
+{
+    if (!data_motion(d->session, recording, NULL, d->request->kind == PLOT_ENERGY, d->arena, &d->motion, d->error))
+        return false;
+    if (d->request->runs > 0)
+        return d->model == &oscillator_model ||
+               error_set(d->error, ERROR_COMMAND, "velocities of %s are those of a spring, no plot shows both",
+                         recording->name);
+    const double omega = d->motion.omega;
+    d->model = &oscillator_model;
+    d->period = 6.283185307179586 / omega;
+    if (d->request->kind == PLOT_PHASE && d->session->setup.settings.phase_axes == PHASE_SCALED && omega > 0)
+        d->omega0 = omega;
+    return true;
+}
+
+static double seen_period(const struct drawing *d, const struct run *run)
+{
+    struct measured period;
+    return run_period(run, d->arena, &period) ? period.value : NAN;
+}
+
+bool session_figure(const struct session *session, const struct figure_request *request, struct arena *arena,
+                    struct figure *figure, struct error *error)
+{
+    struct drawing d = {
+        .session = session, .request = request, .arena = arena, .error = error,
+        .coordinates = 1, .omega0 = 1, .period = NAN};
+    if (request->kind == PLOT_PRECISION)
+        return precision_figure(session->precision, arena, figure, error);
+    d.curve = arena_array(arena, (size_t)request->runs + LIMIT_OVERLAY + 2, sizeof *d.curve);
+    if (!d.curve)
+        return error_memory(error);
+    if (request->kind == PLOT_PERIOD)
+        return period_figure(&d, figure);
+    if (request->runs > 0 && !find_model(&d))
+        return false;
+    const bool phase = request->kind == PLOT_PHASE, plane = plot_is_plane(request->kind);
+    if (request->runs > 0) {
+        const struct run *run = session->run[request->run[0]]->run;
+        const double stiffness = run->system.oscillator.stiffness; /* now in force */
+        d.period = request->at.len ? NAN : run_rhythm(run);
+        if (phase && session->setup.settings.phase_axes == PHASE_SCALED && stiffness > 0)
+            d.omega0 = sqrt(stiffness);
+    }
+    const struct recording *recording = recording_of(&d);
+    if (recording && drawing_needs_motion(&d, recording) && !find_motion(&d, recording))
+        return false;
+    drawing_window(&d);
+    /* No law says how fast it goes: as it was seen to. */
+    if (request->kind == PLOT_SPECTRUM && request->runs > 0 && isnan(d.period) && !request->follow)
+        d.period = seen_period(&d, session->run[request->run[0]]->run);
+    const bool residual = request->kind == PLOT_RESIDUAL, spectrum = request->kind == PLOT_SPECTRUM;
+    if (residual && !recording)
+        return error_set(error, ERROR_COMMAND, "a residual needs a recording");
+    for (int i = 0; i < request->runs && !residual; i++)
+        if (!(request->at.len ? drawing_happenings(&d, session->run[request->run[i]])
+                              : add_run(&d, session->run[request->run[i]]->run)))
+            return false;
+    if (request->band.len ? !drawing_band(&d) : request->kept_band && !drawing_kept_band(&d))
+        return false;
+    if (recording && !(residual ? drawing_residual : drawing_recording)(&d, recording))
+        return false;
+    size_t points = 0;
+    for (int i = 0; i < d.curves; i++)
+        points += d.curve[i].n;
+    if (points == 0 && !request->follow)
+        return error_set(error, ERROR_COMMAND, "nothing was recorded in this window of time");
+
+    const bool values = request->columns || (d.model && d.model->order == 1 && request->kind == PLOT_POSITION);
+    struct variable across = {.quantity = QUANTITY_NUMBER};
+    if (plane && request->columns)
+        across = chosen_variable(&session->run[request->run[0]]->run->system, &d.against);
+    else if (plane)
+        across = d.model->variable[0];
+    const char *x_name = arena_text(arena, text_of(across.name));
+    if (!x_name)
+        return error_memory(error);
+    *figure = (struct figure){.title = values ? "values"
+                                       : is_kinetic(&d) ? "kinetic"
+                                                        : plot_rows[request->kind].row.name,
+                              .curve = d.curve,
+                              .curves = d.curves,
+                              .plane = plane,
+                              .zero_line = request->kind != PLOT_ENERGY && request->kind != PLOT_ENVELOPE && !spectrum,
+                              .equal = (phase && d.omega0 != 1) || (request->kind == PLOT_ORBIT && !request->columns),
+                              .note = make_note(&d)};
+    figure->x = plane      ? quantity_axis(x_name, across.quantity, size_of(&d, true))
+                : spectrum ? spectrum_axis(&d)
+                           : quantity_axis("t", QUANTITY_TIME, d.window[1]);
+    figure->y = quantity_axis(drawing_y_label(&d, 0), y_quantity(&d), size_of(&d, false));
+    if (!figure->y.label)
+        return error_memory(error);
+    if (request->columns && figure->y.unit[0] == 0)
+        figure->y.unit = chosen_unit(&session->run[request->run[0]]->run->system, &d.column[0]);
+    if (figure->equal) {
+        figure->y.factor = figure->x.factor;
+        figure->y.unit = figure->x.unit;
+    }
+    if (request->follow && plot_is_timed(request->kind))
+        figure->x = request->shared ? request->shared->axis : time_axis(d.window);
+    if (!residual && !spectrum && request->kind != PLOT_ENVELOPE && !request->at.len)
+        mark_present(&d, figure);
+    const enum quantity quantities[2] = {
+        plane ? across.quantity : spectrum ? QUANTITY_FREQUENCY : QUANTITY_TIME, y_quantity(&d)};
+    return drawing_scales(&d, figure, quantities);
+}

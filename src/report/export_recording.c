@@ -1,0 +1,124 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Columns of a recording. */
+#include <hooke/report.h>
+
+#include <math.h>
+
+enum recorded { RECORDED_T, RECORDED_Y, RECORDED_V, RECORDED_ENERGY, RECORDED_COUNT };
+
+/* t first, then what was asked for, or y, each once. */
+static bool list_recorded(const struct given *column, bool wanted[RECORDED_COUNT], struct error *error)
+{
+    static const char *const names[RECORDED_COUNT] = {"t", "y", "v", "energy"};
+    wanted[RECORDED_T] = true;
+    wanted[RECORDED_Y] = column->count == 0;
+    for (int i = 0; i < column->count; i++) {
+        const struct text name = column->item[i].text;
+        bool known = false;
+        for (int c = 0; c < RECORDED_COUNT; c++)
+            if (text_is(name, names[c]))
+                wanted[c] = known = true;
+        if (known)
+            continue;
+        error_at(error, name, "a recording has no column '%.*s'", (int)name.len, name.at);
+        return error_hint(error, "it has t, y, v, energy");
+    }
+    return true;
+}
+
+static void add_motion_keys(struct keys *keys, const struct data_motion *motion, bool energy)
+{
+    keys_add_text(keys, "v", motion->how_v);
+    if (energy)
+        keys_add_text(keys, "energy", motion->how_k);
+}
+
+/* Of a voltage or a force beside a run: where its numbers lie on it. */
+static void add_scale_key(struct keys *keys, const struct session *session, struct recording *recording)
+{
+    const struct run *run = session_run(session);
+    if (!run || !quantity_is_scaled(recording->column[recording->value].quantity))
+        return;
+    const struct data_distance data = run_data_distance(run, recording);
+    if (!data.scaled || !isfinite(data.gain))
+        return;
+    struct buffer text = {0};
+    put_scale(&data, run, &text);
+    buffer_format(&text, " of run %d", run->number);
+    keys_add(keys, "scale", &text);
+}
+
+/* NULL: no memory */
+static const double *take_rows(const double *value, const size_t *row, size_t rows, struct arena *arena)
+{
+    double *taken = arena_array(arena, rows, sizeof *taken);
+    for (size_t i = 0; taken && i < rows; i++)
+        taken[i] = value[row[i]];
+    return taken;
+}
+
+bool export_recorded(const struct session *session, const struct given *column, const struct given *every,
+                     struct export *export, struct error *error)
+{
+    struct recording *recording = session_recording(session);
+    bool wanted[RECORDED_COUNT] = {false};
+    if (!recording) {
+        error_set(error, ERROR_COMMAND, "there is no recording to export");
+        return error_hint(error, "type: load FILE");
+    }
+    struct keys keys;
+    struct series series;
+    struct data_motion motion;
+    struct thinning thinning;
+    struct table_column *out = arena_array(export->arena, RECORDED_COUNT, sizeof *out);
+    if (!out)
+        return error_memory(error);
+    if (!list_recorded(column, wanted, error) || !thinning_begin(&thinning, every, error) ||
+        !keys_begin(&keys, export, error) || !recording_series(recording, export->arena, 1, &series, error))
+        return false;
+    const bool moves = wanted[RECORDED_V] || wanted[RECORDED_ENERGY];
+    if (moves &&
+        !data_motion(session, recording, &series, wanted[RECORDED_ENERGY], export->arena, &motion, error))
+        return false;
+    const struct column *value = &recording->column[recording->value];
+    keys_add_text(&keys, "recording", recording->name);
+    keys_add_text(&keys, "file", recording->path);
+    keys_add_text(&keys, "column", value->name);
+    struct buffer zero = {0}, cleaned = {0};
+    buffer_exact(&zero, (struct measured){recording->zero, 0}, value->quantity);
+    keys_add(&keys, "zero", &zero);
+    recording_describe_masked(recording, &cleaned);
+    if (cleaned.len > 0) {
+        cleaned.len--; /* the newline */
+        keys_add(&keys, "samples", &cleaned);
+    }
+    add_scale_key(&keys, session, recording);
+    if (moves)
+        add_motion_keys(&keys, &motion, wanted[RECORDED_ENERGY]);
+    const struct table_column all[RECORDED_COUNT] = {
+        {.name = "t", .unit = "s", .value = series.t},
+        {.name = "y", .unit = quantity_unit(series.quantity), .value = series.y},
+        {.name = "v", .unit = quantity_unit(QUANTITY_VELOCITY), .value = moves ? motion.v : NULL},
+        {.name = "energy", .unit = quantity_unit(QUANTITY_ENERGY), .value = moves ? motion.energy : NULL}};
+    size_t *row = arena_array(export->arena, series.n, sizeof *row), rows = 0;
+    int columns = 0;
+    if (!row)
+        return error_memory(error);
+    for (size_t i = 0; i < series.n; i++)
+        if (thinning_keeps(&thinning, i, series.t[i] - series.t[0]))
+            row[rows++] = i;
+    for (int c = 0; c < RECORDED_COUNT; c++)
+        if (wanted[c]) {
+            out[columns] = all[c];
+            if (!(out[columns++].value = take_rows(all[c].value, row, rows, export->arena)))
+                return error_memory(error);
+        }
+    export->table = (struct table){.column = out, .columns = columns, .rows = rows};
+    return keys_finish(&keys, export, error);
+}
+
+bool export_recording(const struct session *session, struct export *export, struct error *error)
+{
+    const struct given none = {.count = 0};
+    return export_recorded(session, &none, &none, export, error);
+}

@@ -1,0 +1,167 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Columns of runs. */
+#include <hooke/report.h>
+
+#include <math.h>
+
+bool thinning_begin(struct thinning *thinning, const struct given *every, struct error *error)
+{
+    *thinning = (struct thinning){.step = 1};
+    if (every->count == 0)
+        return true;
+    const struct item *item = every->item;
+    *thinning = (struct thinning){.step = item->value.value, .by_time = item->unit != NULL};
+    if (item->unit && item->unit->quantity != QUANTITY_TIME)
+        return error_at(error, item->text, "every= takes a number of rows or a time, got '%.*s' (%s)",
+                        (int)item->text.len, item->text.at, quantity_name(item->unit->quantity));
+    if (item->unit || (item->value.value >= 1 && item->value.value == floor(item->value.value)))
+        return true;
+    error_at(error, item->text, "every= takes a whole number of rows, or a time with its unit");
+    return error_hint(error, "for example every=10 or every=100ms");
+}
+
+bool thinning_keeps(struct thinning *thinning, size_t i, double elapsed)
+{
+    const double place = (thinning->by_time ? elapsed : (double)i) / thinning->step;
+    const bool keeps = place >= (double)thinning->next - 1e-9 * (1 + fabs(place));
+    if (keeps)
+        thinning->next = (int64_t)floor(place + 1e-6) + 1;
+    return keeps;
+}
+
+/* Which rows of a run are written: mark[i], and how many. */
+static size_t select_rows(const struct run *run, struct thinning thinning, bool *mark)
+{
+    const size_t n = trace_count(run->trace);
+    size_t count = 0;
+    for (size_t i = 0; i < n; i++) {
+        mark[i] = thinning_keeps(&thinning, i, fabs(trace_time(run->trace, i) - trace_time(run->trace, 0)));
+        count += mark[i];
+    }
+    return count;
+}
+
+static int list_runs(const struct session *session, const struct given *runs, int *place)
+{
+    int count = 0;
+    for (int r = 0; r < session->runs; r++) {
+        bool wanted = runs->count == 0 && r == session->current_run;
+        for (int i = 0; i < runs->count; i++)
+            wanted |= runs->item[i].index < 0 || runs->item[i].index == r;
+        if (wanted)
+            place[count++] = r;
+    }
+    return count;
+}
+
+static void add_column(struct chosen_column one, struct chosen_column *list, int *count)
+{
+    for (int i = 0; i < *count; i++)
+        if (list[i].observable == one.observable && list[i].variable == one.variable)
+            return;
+    list[(*count)++] = one;
+}
+
+/* t first, then what was asked for, or the state, the energy and what is observed, each once. */
+static bool list_columns(const struct system *system, const struct given *column, struct chosen_column *list,
+                         int *count, struct error *error)
+{
+    const struct model *model = system->model;
+    struct chosen_column one;
+    if (!chosen_find(model, TEXT("t"), &one, error))
+        return false;
+    add_column(one, list, count);
+    for (int i = 0; i < column->count; i++) {
+        if (!chosen_find(model, column->item[i].text, &one, error))
+            return false;
+        add_column(one, list, count);
+    }
+    for (int v = 0; v < model->n && !column->count; v++)
+        add_column((struct chosen_column){NULL, v}, list, count);
+    if (!column->count && model->order == 2)
+        add_column((struct chosen_column){observable_energy(system), -1}, list, count);
+    for (int v = 0; v < model_observed(model) && !column->count; v++)
+        add_column((struct chosen_column){NULL, model->n + v}, list, count);
+    return true;
+}
+
+static bool same_model(const struct session *session, const int *place, int count, struct error *error)
+{
+    const struct run *first = session->run[place[0]]->run;
+    for (int i = 1; i < count; i++) {
+        const struct run *run = session->run[place[i]]->run;
+        if (models_alike(run->system.model, first->system.model))
+            continue;
+        error_set(error, ERROR_COMMAND, "run %d (%s) and run %d (%s) have different variables: not in one file",
+                  first->number, first->scene.preset->row.name, run->number, run->scene.preset->row.name);
+        return error_hint(error, "export FILE run %d", first->number);
+    }
+    return true;
+}
+
+bool export_runs(const struct session *session, const struct given *runs, const struct given *column,
+                 const struct given *every, struct export *export, struct error *error)
+{
+    struct arena *arena = export->arena;
+    int place[LIMIT_RUNS];
+    const int count = list_runs(session, runs, place);
+    if (count == 0) {
+        error_set(error, ERROR_COMMAND, "there is no run to export");
+        return error_hint(error, "type: run; or: export FILE data");
+    }
+    struct keys keys;
+    struct thinning thinning;
+    const struct system *system = &session->run[place[0]]->run->system;
+    const struct model *model = system->model;
+    if (!same_model(session, place, count, error) || !thinning_begin(&thinning, every, error) ||
+        !keys_begin(&keys, export, error))
+        return false;
+    struct chosen_column *list =
+        arena_array(arena, (size_t)column->count + (size_t)(model->n + model_observed(model)) + 2, sizeof *list);
+    size_t rows = 0, largest = 0;
+    bool **mark = arena_array(arena, (size_t)count, sizeof *mark);
+    if (!list || !mark)
+        return error_memory(error);
+    for (int r = 0; r < count; r++) {
+        const struct run *run = session->run[place[r]]->run;
+        const size_t n = trace_count(run->trace);
+        if (!(mark[r] = arena_array(arena, n, sizeof **mark)))
+            return error_memory(error);
+        rows += select_rows(run, thinning, mark[r]);
+        largest = n > largest ? n : largest;
+    }
+    for (int r = 1; r < count && system->energy; r++) /* what all of them have */
+        system = &session->run[place[r]]->run->system;
+    int columns = 0;
+    if (!list_columns(system, column, list, &columns, error))
+        return false;
+    const int lead = count > 1;
+    struct table_column *out = arena_array(arena, (size_t)(columns + lead), sizeof *out);
+    double *work = arena_array(arena, largest, sizeof *work);
+    if (!out || !work)
+        return error_memory(error);
+    for (int c = 0; c < columns + lead; c++) {
+        double *value = arena_array(arena, rows, sizeof *value);
+        size_t n = 0;
+        if (!value)
+            return error_memory(error);
+        for (int r = 0; r < count; r++) {
+            const struct run *run = session->run[place[r]]->run;
+            if (c >= lead && !chosen_values(run, &list[c - lead], work, error))
+                return false;
+            for (size_t i = 0; i < trace_count(run->trace); i++)
+                if (mark[r][i])
+                    value[n++] = c < lead ? run->number : work[i];
+        }
+        out[c] = (struct table_column){.name = "run", .unit = "", .value = value};
+        if (c < lead)
+            continue;
+        const struct variable variable = chosen_variable(system, &list[c - lead]);
+        if (!(out[c].name = arena_text(arena, text_of(variable.name))))
+            return error_memory(error);
+        out[c].unit = chosen_unit(system, &list[c - lead]);
+    }
+    keys_add_runs(&keys, session, place, count);
+    export->table = (struct table){.column = out, .columns = columns + lead, .rows = rows};
+    return keys_finish(&keys, export, error);
+}

@@ -1,0 +1,275 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The numbers and files of a report: values, tables of runs, data. */
+#include <hooke/report/lab.h>
+
+#include <hooke/report.h>
+
+#include <stdio.h>
+#include <string.h>
+
+#define PI 3.14159265358979323846
+#define FIT_VALUES 16 /* of one fit, at most */
+#define RUN_VALUES 8  /* besides its parameters */
+
+bool report_owns(const char *name)
+{
+    static const char *const names[] = {"report.md", "report.html", "session.hk", "values.csv", "runs.csv"};
+    static const char *const starts[] = {"figure-", "run-", "recording-"};
+    for (size_t i = 0; i < COUNT_OF(names); i++)
+        if (strcmp(name, names[i]) == 0)
+            return true;
+    for (size_t i = 0; i < COUNT_OF(starts); i++)
+        if (text_starts(text_of(name), text_of(starts[i])) && name[strlen(starts[i])] >= '0' &&
+            name[strlen(starts[i])] <= '9')
+            return true;
+    return false;
+}
+
+bool report_put(struct report *report, const char *name, const struct buffer *content, struct error *error)
+{
+    report->files++;
+    return content->failed ? error_memory(error) : folder_put(report->folder, name, buffer_text(content), error);
+}
+
+/* ---- values ---- */
+
+static bool same_double(double a, double b)
+{
+    return memcmp(&a, &b, sizeof a) == 0;
+}
+
+/* What is not known is left out, and what was measured twice with the same result stands once. */
+static void add(struct report *report, struct report_value value)
+{
+    if (!isfinite(value.value.value))
+        return;
+    for (int i = 0; i < report->values; i++) {
+        const struct report_value *v = &report->value[i];
+        if (strcmp(v->name, value.name) == 0 && strcmp(v->of, value.of) == 0 && strcmp(v->source, value.source) == 0 &&
+            same_double(v->value.value, value.value.value) && same_double(v->at, value.at))
+            return;
+    }
+    report->value[report->values++] = value;
+}
+
+static struct measured times(double factor, struct measured x)
+{
+    return (struct measured){factor * x.value, fabs(factor) * x.uncertainty};
+}
+
+/* The time in which the amplitude falls to 1/e. */
+static struct measured decay_time(struct measured gamma)
+{
+    if (!(gamma.value > 0))
+        return (struct measured){NAN, NAN};
+    return (struct measured){2 / gamma.value, 2 * gamma.uncertainty / (gamma.value * gamma.value)};
+}
+
+static void add_measurement(struct report *report, const struct measurement *m)
+{
+    const bool decay = strcmp(m->quantity, "decay") == 0;
+    struct report_value value = {m->quantity, m->value, m->unit, m->of, "measured", m->at};
+    if (decay)
+        value.name = "gamma";
+    value.source = m->energy && m->unit != QUANTITY_ENERGY ? "measured, energy" : value.source;
+    add(report, value);
+    if (decay && !m->energy)
+        add(report,
+            (struct report_value){"tau", decay_time(m->value), QUANTITY_TIME, m->of, "2/gamma, measured", NAN});
+}
+
+static void add_fit(struct report *report, const struct kept_fit *kept, const char *source)
+{
+    const struct fit *fit = &kept->fit;
+    const struct measured rms = {fit->rms, 0};
+    const struct {
+        const char *name;
+        struct measured value;
+        enum quantity quantity;
+    } rows[FIT_VALUES] = {
+        {"period", fit->period, QUANTITY_TIME},
+        {"frequency", times(1 / (2 * PI), fit->omega), QUANTITY_FREQUENCY},
+        {"omega", fit->omega, QUANTITY_ANGULAR_FREQUENCY},
+        {"amplitude", fit->amplitude, kept->quantity},
+        {"phase", fit->phase, QUANTITY_ANGLE},
+        {"offset", fit->offset, kept->quantity},
+        {"k", kept->k, QUANTITY_STIFFNESS},
+        {"gamma", fit->gamma, QUANTITY_RATE},
+        {"tau", decay_time(fit->gamma), QUANTITY_TIME},
+        {"gamma of the first half", fit->halves[0], QUANTITY_RATE},
+        {"gamma of the second half", fit->halves[1], QUANTITY_RATE},
+        {"rms of the residuals", rms, kept->quantity},
+    };
+    for (size_t i = 0; i < COUNT_OF(rows) && rows[i].name; i++)
+        add(report, (struct report_value){rows[i].name, rows[i].value, rows[i].quantity, kept->of, source, NAN});
+}
+
+static void add_run(struct report *report, const struct run *run, const char *of)
+{
+    struct ledger ledger;
+    struct run_errors errors;
+    const struct scene *scene = &run->scene;
+    run_ledger(run, &ledger);
+    run_errors(run, &errors);
+    for (int i = 0; i < (int)scene_params(scene)->count; i++)
+        if (param_matters(scene, i) || param_is_start(scene, i))
+            add(report,
+                (struct report_value){param_at(scene, i)->row.name, {scene->value[i], scene->uncertainty[i]},
+                                      param_at(scene, i)->quantity, of, "parameter", NAN});
+    const struct {
+        const char *name;
+        double value;
+        enum quantity quantity;
+        const char *source;
+    } rows[] = {
+        {run->plan.adaptive ? "tol" : "dt", run->plan.adaptive ? run->settings.tol : run->settings.dt,
+         run->plan.adaptive ? QUANTITY_NUMBER : QUANTITY_TIME, "setting"},
+        {"energy at the start", ledger.initial, QUANTITY_ENERGY, "run"},
+        {"energy at the end", ledger.final, QUANTITY_ENERGY, "run"},
+        {"largest error of the energy", ledger.error_max, QUANTITY_NUMBER, "run"},
+        {"largest error of the motion", errors.max, QUANTITY_NUMBER, "run"},
+    };
+    for (size_t i = 0; i < COUNT_OF(rows); i++)
+        add(report, (struct report_value){rows[i].name, {rows[i].value, 0}, rows[i].quantity, of, rows[i].source, NAN});
+}
+
+bool collect_values(struct report *report, struct error *error)
+{
+    const struct session *session = report->session;
+    const size_t room = 2 * (size_t)session->measurements + FIT_VALUES * (size_t)session->kept_fits +
+                        (PARAM_MAX + RUN_VALUES) * (size_t)session->runs;
+    report->value = arena_array(report->arena, room + 1, sizeof *report->value);
+    if (!report->value)
+        return error_memory(error);
+    for (int i = 0; i < session->measurements; i++)
+        add_measurement(report, &session->measurement[i]);
+    for (int i = 0; i < session->kept_fits; i++) {
+        const struct fit *fit = &session->kept_fit[i].fit;
+        char source[96];
+        snprintf(source, sizeof source, "fit %s, %.6g..%.6g s", fit->model, fit->window[0], fit->window[1]);
+        const char *kept = arena_text(report->arena, text_of(source));
+        if (!kept)
+            return error_memory(error);
+        add_fit(report, &session->kept_fit[i], kept);
+    }
+    for (int i = 0; i < session->runs; i++) {
+        char of[32];
+        snprintf(of, sizeof of, "run %d", session->run[i]->run->number);
+        const char *kept = arena_text(report->arena, text_of(of));
+        if (!kept)
+            return error_memory(error);
+        add_run(report, session->run[i]->run, kept);
+    }
+    return true;
+}
+
+const struct report_value *find_value(const struct report *report, const char *name)
+{
+    for (int i = 0; i < report->values; i++)
+        if (strcmp(report->value[i].name, name) == 0 && strcmp(report->value[i].source, "parameter") != 0)
+            return &report->value[i];
+    return NULL;
+}
+
+/* ---- files for programs ---- */
+
+static bool put_table(struct report *report, const char *name, const struct table *table, struct error *error)
+{
+    struct buffer content = {0};
+    table_format(table, TABLE_CSV, &content);
+    const bool ok = report_put(report, name, &content, error);
+    buffer_free(&content);
+    return ok;
+}
+
+static bool write_values(struct report *report, struct error *error)
+{
+    enum { NAME, UNIT, OF, SOURCE, TEXTS, VALUE = 0, UNCERTAINTY, AT, NUMBERS };
+    const size_t n = (size_t)report->values;
+    const char **text[TEXTS];
+    double *number[NUMBERS];
+    bool ok = true;
+    for (int i = 0; i < TEXTS; i++)
+        ok = (text[i] = arena_array(report->arena, n + 1, sizeof *text[i])) && ok;
+    for (int i = 0; i < NUMBERS; i++)
+        ok = (number[i] = arena_array(report->arena, n + 1, sizeof *number[i])) && ok;
+    if (!ok)
+        return error_memory(error);
+    for (size_t i = 0; i < n; i++) {
+        const struct report_value *v = &report->value[i];
+        text[NAME][i] = v->name;
+        text[UNIT][i] = quantity_unit(v->quantity);
+        text[OF][i] = v->of;
+        text[SOURCE][i] = v->source;
+        number[VALUE][i] = v->value.value;
+        number[UNCERTAINTY][i] = v->value.uncertainty;
+        number[AT][i] = v->at;
+    }
+    const struct table_column columns[] = {
+        {.name = "name", .unit = "", .text = text[NAME]},      {.name = "value", .unit = "", .value = number[VALUE]},
+        {.name = "uncertainty", .unit = "", .value = number[UNCERTAINTY]},
+        {.name = "unit", .unit = "", .text = text[UNIT]},      {.name = "t", .unit = "s", .value = number[AT]},
+        {.name = "of", .unit = "", .text = text[OF]},          {.name = "source", .unit = "", .text = text[SOURCE]},
+    };
+    return put_table(report, "values.csv", &(struct table){.column = columns, .columns = COUNT_OF(columns), .rows = n},
+                     error);
+}
+
+/* What `export FILE table` writes, and how far each run is from its recording. */
+static bool write_run_table(struct report *report, struct error *error)
+{
+    const struct session *session = report->session;
+    struct export export = {.arena = report->arena};
+    if (session->runs == 0)
+        return true;
+    if (!export_run_table(session, &export, error))
+        return false;
+    const int columns = export.table.columns;
+    struct table_column *column = arena_array(report->arena, (size_t)columns + 2, sizeof *column);
+    const char **data = arena_array(report->arena, (size_t)session->runs, sizeof *data);
+    double *rms = arena_array(report->arena, (size_t)session->runs, sizeof *rms);
+    if (!column || !rms || !data)
+        return error_memory(error);
+    memcpy(column, export.table.column, (size_t)columns * sizeof *column);
+    for (int i = 0; i < session->runs; i++) {
+        const int place = recording_beside(report, i, PLOT_POSITION);
+        struct recording *recording = place < 0 ? NULL : session->recording[place]->recording;
+        rms[i] = recording ? run_data_distance(session->run[i]->run, recording).rms : NAN;
+        data[i] = recording ? recording->name : "";
+    }
+    column[columns] = (struct table_column){.name = "rms_from_data", .unit = "", .value = rms};
+    export.table.column = column;
+    column[columns + 1] = (struct table_column){.name = "data", .unit = "", .text = data};
+    export.table.columns = columns + 2;
+    export.table.keys = 0; /* those are the parameters of now, not of each run */
+    return put_table(report, "runs.csv", &export.table, error);
+}
+
+static bool write_data(struct report *report, struct error *error)
+{
+    const struct session *session = report->session;
+    char name[64];
+    for (int i = 0; i < session->runs; i++) {
+        struct export export = {.arena = report->arena};
+        struct item item = {.index = i};
+        const struct given run = {.count = 1, .item = &item}, none = {.count = 0};
+        snprintf(name, sizeof name, "run-%d.csv", session->run[i]->run->number);
+        if (report->run_shown[i] && (!export_runs(session, &run, &none, &none, &export, error) ||
+                                     !put_table(report, name, &export.table, error)))
+            return false;
+    }
+    for (int i = 0; i < session->recordings; i++) {
+        struct export export = {.arena = report->arena};
+        report->view->current_recording = i;
+        snprintf(name, sizeof name, "recording-%d.csv", i + 1);
+        if (report->recording_shown[i] && (!export_recording(report->view, &export, error) ||
+                                           !put_table(report, name, &export.table, error)))
+            return false;
+    }
+    return true;
+}
+
+bool write_tables(struct report *report, struct error *error)
+{
+    return write_values(report, error) && write_run_table(report, error) && write_data(report, error);
+}

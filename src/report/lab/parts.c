@@ -1,0 +1,314 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the sections of a report are made of: figures, tables of values, tables of runs. */
+#include <hooke/report/lab.h>
+
+#include <hooke/report.h>
+
+#include <stdio.h>
+#include <string.h>
+
+#define TEXT_WIDTH 100 /* [cell] of a figure as text */
+#define TEXT_HEIGHT 28
+#define DIGITS 6
+
+void say_measured(struct document *document, struct measured value, enum quantity quantity)
+{
+    struct buffer text = {0};
+    buffer_measured(&text, value, quantity, DIGITS);
+    document_say(document, "%s", buffer_view(&text));
+    buffer_free(&text);
+}
+
+/* ---- values ---- */
+
+static const char *label_of(const char *name)
+{
+    static const char *const labels[][2] = {
+        {"k", "spring constant k"},       {"reynolds", "Reynolds number Re"}, {"omega", "angular frequency omega"},
+        {"gamma", "damping gamma"},       {"tau", "1/e time of the amplitude tau"}, {"period", "period T"},
+        {"frequency", "frequency f"},     {"amplitude", "amplitude A"},       {"m", "mass m"},
+        {"y0", "initial position y0"},    {"v0", "initial velocity v0"},      {"dt", "step dt"},
+        {"drift", "error of the energy at the end"},
+    };
+    for (size_t i = 0; i < COUNT_OF(labels); i++)
+        if (strcmp(labels[i][0], name) == 0)
+            return labels[i][1];
+    return name;
+}
+
+static bool is_parameter(const struct report_value *value)
+{
+    return strcmp(value->source, "parameter") == 0 || strcmp(value->source, "setting") == 0;
+}
+
+static void put_heading(struct document *document, const char *const *heads, int count)
+{
+    document_open(document, BLOCK_TABLE);
+    document_open(document, BLOCK_ROW);
+    for (int i = 0; i < count; i++)
+        document_put(document, BLOCK_HEAD, heads[i]);
+    document_heading_ends(document);
+}
+
+void put_values(struct report *report, const char *of, bool parameters)
+{
+    static const char *const heads[] = {"quantity", "value", "from"};
+    struct document *document = &report->document;
+    bool begun = false;
+    for (int i = 0; i < report->values; i++) {
+        const struct report_value *v = &report->value[i];
+        if (strcmp(v->of, of) != 0 || is_parameter(v) != parameters || strcmp(v->source, "run") == 0)
+            continue;
+        if (!begun)
+            put_heading(document, heads, COUNT_OF(heads));
+        begun = true;
+        document_open(document, BLOCK_ROW);
+        document_open(document, BLOCK_CELL);
+        document_say(document, "%s", label_of(v->name));
+        if (isfinite(v->at)) {
+            document_say(document, " at t = ");
+            say_measured(document, (struct measured){v->at, 0}, QUANTITY_TIME);
+        }
+        document_close(document, BLOCK_CELL);
+        document_open(document, BLOCK_CELL);
+        say_measured(document, v->value, v->quantity);
+        document_close(document, BLOCK_CELL);
+        document_put(document, BLOCK_CELL, v->source);
+        document_close(document, BLOCK_ROW);
+    }
+    if (begun)
+        document_close(document, BLOCK_TABLE);
+}
+
+/* ---- runs ---- */
+
+enum run_column {
+    RUN_NUMBER,
+    RUN_METHOD,
+    RUN_STEP,
+    RUN_STEPS,
+    RUN_END,
+    RUN_ENERGY,
+    RUN_BALANCE,
+    RUN_ERROR,
+    RUN_STATUS
+};
+
+static void put_run_cell(struct document *document, const struct run *run, enum run_column column)
+{
+    struct buffer text = {0};
+    struct ledger ledger;
+    struct run_errors errors;
+    switch (column) {
+    case RUN_NUMBER:
+        buffer_format(&text, "%d", run->number);
+        break;
+    case RUN_METHOD:
+        buffer_put(&text, text_of(run->method->row.name));
+        break;
+    case RUN_STEP:
+        buffer_put(&text, run->plan.adaptive ? TEXT("tol ") : TEXT(""));
+        if (run->plan.adaptive)
+            buffer_short(&text, run->settings.tol, 4);
+        else
+            buffer_measured(&text, (struct measured){run->settings.dt, 0}, QUANTITY_TIME, 4);
+        break;
+    case RUN_STEPS:
+        buffer_format(&text, "%lld", (long long)run->steps);
+        break;
+    case RUN_END:
+        buffer_measured(&text, (struct measured){run->t, 0}, QUANTITY_TIME, DIGITS);
+        break;
+    case RUN_ENERGY:
+        run_ledger(run, &ledger);
+        buffer_short(&text, ledger.final / ledger.initial, DIGITS);
+        break;
+    case RUN_BALANCE:
+        run_ledger(run, &ledger);
+        buffer_short(&text, ledger.error_max, 3);
+        break;
+    case RUN_ERROR:
+        run_errors(run, &errors);
+        buffer_short(&text, errors.max, 3);
+        break;
+    case RUN_STATUS:
+        buffer_put(&text, text_of(stop_name(run->stop)));
+        break;
+    }
+    document_put(document, BLOCK_CELL, strcmp(buffer_view(&text), "nan") == 0 ? "-" : buffer_view(&text));
+    buffer_free(&text);
+}
+
+static void put_notes(struct report *report, const int *run, int runs)
+{
+    struct document *document = &report->document;
+    bool begun = false;
+    for (int i = 0; i < runs; i++) {
+        const struct held_run *held = report->session->run[run[i]];
+        if (!held->note && !held->run->name[0])
+            continue;
+        if (!begun)
+            document_open(document, BLOCK_LIST);
+        begun = true;
+        document_open(document, BLOCK_ITEM);
+        document_say(document, "run %d", held->run->number);
+        if (held->run->name[0]) {
+            document_say(document, " ");
+            document_name(document, text_of(held->run->name));
+        }
+        if (held->note) {
+            document_say(document, ", note: ");
+            document_name(document, text_of(held->note));
+        }
+        document_close(document, BLOCK_ITEM);
+    }
+    if (begun)
+        document_close(document, BLOCK_LIST);
+}
+
+void put_runs(struct report *report, const int *run, int runs, bool distance)
+{
+    static const char *const heads[] = {"run",  "method",   "step",        "steps",
+                                        "to t", "E/E0",     "max dE/E0", "max error", "status", "rms from the data"};
+    struct document *document = &report->document;
+    put_heading(document, heads, (int)COUNT_OF(heads) - !distance);
+    for (int i = 0; i < runs; i++) {
+        const struct run *one = report->session->run[run[i]]->run;
+        document_open(document, BLOCK_ROW);
+        for (int c = RUN_NUMBER; c <= RUN_STATUS; c++)
+            put_run_cell(document, one, (enum run_column)c);
+        const int data = distance ? recording_beside(report, run[i], PLOT_POSITION) : -1;
+        if (data >= 0) {
+            struct recording *recording = report->session->recording[data]->recording;
+            document_open(document, BLOCK_CELL);
+            const struct data_distance apart = run_data_distance(one, recording);
+            say_measured(document, (struct measured){apart.rms, 0}, apart.quantity);
+            document_say(document, ", ");
+            document_name(document, text_of(recording->name));
+            document_close(document, BLOCK_CELL);
+        } else if (distance) {
+            document_put(document, BLOCK_CELL, "-");
+        }
+        document_close(document, BLOCK_ROW);
+    }
+    document_close(document, BLOCK_TABLE);
+    document_put(
+        document, BLOCK_PARAGRAPH,
+        "E/E0: energy at the end over that at the start. max dE/E0: largest error of the energy, of its balance "
+        "where drag or drive do work. max error: largest distance from the exact motion, in amplitudes.");
+    put_notes(report, run, runs);
+}
+
+/* ---- figures ---- */
+
+int recording_beside(struct report *report, int run, enum plot_kind kind)
+{
+    const struct session *session = report->session;
+    int nearest = -1;
+    double least = HUGE_VAL;
+    for (int i = 0; i < session->recordings; i++) {
+        report->view->current_run = run;
+        report->view->current_recording = i;
+        const struct data_distance data =
+            run_data_distance(session->run[run]->run, session->recording[i]->recording);
+        const double rms = data.rms * fabs(data.gain); /* volts beside metres */
+        if (rms < least && figure_recording(report->view, kind) == i) {
+            least = rms;
+            nearest = i;
+        }
+    }
+    return nearest;
+}
+
+/* All of it: a long recording is an envelope then, and says so. */
+static void choose_window(const struct session *session, struct figure_request *request)
+{
+    if (request->kind == PLOT_PHASE || request->kind == PLOT_ORBIT)
+        return;
+    double from = HUGE_VAL, to = -HUGE_VAL;
+    for (int i = 0; i < request->runs; i++) {
+        const struct trace *trace = session->run[request->run[i]]->run->trace;
+        const double a = trace_time(trace, 0), b = trace_time(trace, trace_count(trace) - 1);
+        from = fmin(from, fmin(a, b));
+        to = fmax(to, fmax(a, b));
+    }
+    if (request->runs == 0) {
+        const struct recording *recording = session->recording[request->recording]->recording;
+        from = recording->window[0];
+        to = recording->window[1];
+    }
+    if (from < to) {
+        request->window[0] = from;
+        request->window[1] = to;
+    }
+}
+
+static void put_caption(struct report *report, const struct figure_request *request, const char *text_file)
+{
+    struct document *document = &report->document;
+    const struct session *session = report->session;
+    document_open(document, BLOCK_PARAGRAPH);
+    document_say(document, "Figure %d: %s of ", report->figures,
+                 catalog_row(&plot_catalog, (size_t)request->kind)->name);
+    for (int i = 0; i < request->runs; i++) {
+        const struct run *run = session->run[request->run[i]]->run;
+        document_say(document, "%srun %d (%s)", i ? ", " : "", run->number, run->method->row.name);
+    }
+    if (request->recording >= 0) {
+        document_say(document, "%srecording ", request->runs ? " and " : "");
+        document_name(document, text_of(session->recording[request->recording]->recording->name));
+    }
+    document_say(document, " (");
+    document_link(document, text_file, "as text");
+    document_say(document, ").");
+    document_close(document, BLOCK_PARAGRAPH);
+}
+
+/* As picture and as text. */
+static bool write_figure(struct report *report, const struct figure_request *request, const struct figure *figure,
+                         struct error *error)
+{
+    const char *kind = catalog_row(&plot_catalog, (size_t)request->kind)->name;
+    char picture_file[64], text_file[64];
+    struct buffer text = {0}, picture = {0};
+    struct error why = {0};
+    snprintf(picture_file, sizeof picture_file, "figure-%02d-%s.svg", report->figures, kind);
+    snprintf(text_file, sizeof text_file, "figure-%02d-%s.txt", report->figures, kind);
+    bool ok = figure_print(figure, TEXT_WIDTH, TEXT_HEIGHT, CHARSET_ASCII, false, &text) || error_memory(error);
+    if (ok && !report->no_pictures[0] && !figure_picture(figure, PICTURE_SVG, 0, 0, &picture, &why))
+        snprintf(report->no_pictures, sizeof report->no_pictures, "%s", why.text);
+    const bool drawn = !report->no_pictures[0];
+    ok = ok && (!drawn || report_put(report, picture_file, &picture, error)) &&
+         report_put(report, text_file, &text, error);
+    document_figure(&report->document, drawn ? picture_file : NULL, kind, buffer_text(&text));
+    put_caption(report, request, text_file);
+    buffer_free(&text);
+    buffer_free(&picture);
+    return ok;
+}
+
+bool put_figure(struct report *report, enum section section, enum plot_kind kind, const int *run, int runs,
+                int recording, struct error *error)
+{
+    const struct session *session = report->session;
+    struct figure_request request = {.kind = kind,
+                                     .run = run,
+                                     .runs = runs,
+                                     .recording = recording,
+                                     .window = {NAN, NAN},
+                                     .width = PICTURE_COLUMNS,
+                                     .charset = CHARSET_BRAILLE,
+                                     .trail = HUGE_VAL};
+    struct figure figure;
+    if ((runs > 0 && !plot_fits(kind, session->run[run[0]]->run->system.model)) || report->figures == REPORT_FIGURES)
+        return true;
+    choose_window(session, &request);
+    if (!session_figure(session, &request, report->arena, &figure, error))
+        return false;
+    report->figure[report->figures++] = (struct report_figure){kind, section};
+    for (int i = 0; i < runs; i++)
+        report->run_shown[run[i]] = true;
+    if (recording >= 0)
+        report->recording_shown[recording] = true;
+    return write_figure(report, &request, &figure, error);
+}

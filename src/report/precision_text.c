@@ -1,0 +1,343 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A precision study in text: tables, what is fastest, what was predicted. */
+#include <hooke/report.h>
+
+#include <math.h>
+#include <string.h>
+
+#define WIDE 110 /* [cell] from here on end, phase and amplitude errors are shown, too */
+
+/* ---- a method ---- */
+
+/* Columns that say something of this curve. */
+struct columns {
+    bool solves, jacobians, rejected, energy, phase, wide, time, recording;
+};
+
+static struct columns columns_for(const struct precision *precision, const struct precision_curve *curve, bool wide)
+{
+    struct columns columns = {.wide = wide};
+    for (int i = curve->first; i < curve->first + curve->count; i++) {
+        const struct precision_point *point = &precision->point[i];
+        columns.solves |= point->cost.solves > 0;
+        columns.jacobians |= point->cost.jacobians > 0;
+        columns.rejected |= point->cost.rejected > 0;
+        columns.energy |= isfinite(point->errors.energy);
+        columns.phase |= isfinite(point->errors.phase);
+        columns.time |= isfinite(point->time.minimum);
+        columns.recording |= isfinite(point->recording);
+    }
+    return columns;
+}
+
+static void setting_cell(struct text_table *table, const struct precision_point *point)
+{
+    struct buffer text = {0};
+    if (point->tol > 0)
+        buffer_format(&text, "%.3g", point->tol);
+    else if (point->dt < 1e-3)
+        buffer_format(&text, "%.3g us", point->dt * 1e6);
+    else
+        buffer_quantity(&text, point->dt, QUANTITY_TIME, 3);
+    cell_take(table, &text);
+}
+
+static void step_time_cell(struct text_table *table, const struct precision_point *point)
+{
+    struct buffer text = {0};
+    buffer_step_time(&text, &point->time, point->steps);
+    cell_take(table, &text);
+}
+
+static void marks_cell(struct text_table *table, const struct precision_point *point)
+{
+    struct buffer text = {0};
+    if (point->refused)
+        buffer_put(&text, TEXT("refused"));
+    else if (point->stop != STOP_END)
+        buffer_put(&text, point->stop == STOP_FULL ? TEXT("too long") : text_of(stop_name(point->stop)));
+    else if (!precision_meaningful(point))
+        buffer_put(&text, TEXT("lost"));
+    if (point->asymptotic)
+        buffer_char(&text, '*');
+    if (point->below)
+        buffer_char(&text, '<');
+    if (point->time.spread > TIMING_SPREAD)
+        buffer_char(&text, '~');
+    if (point->time.few)
+        buffer_char(&text, '!');
+    if (point->timed_steps > 0)
+        buffer_char(&text, '+');
+    if (point->probed)
+        buffer_put(&text, TEXT(" probe"));
+    cell_take(table, &text);
+}
+
+static void point_cells(struct text_table *table, const struct columns *columns, const struct precision_point *point)
+{
+    setting_cell(table, point);
+    cell_count(table, point->steps);
+    cell_count(table, point->cost.evals);
+    if (columns->jacobians)
+        cell_count(table, point->cost.jacobians);
+    if (columns->solves)
+        cell_count(table, point->cost.solves);
+    if (columns->rejected)
+        cell_count(table, point->cost.rejected);
+    cell_error(table, point->errors.max);
+    if (columns->wide)
+        cell_error(table, point->errors.end);
+    if (columns->energy)
+        cell_error(table, point->errors.energy);
+    if (columns->wide && columns->phase) {
+        cell_error(table, point->errors.phase);
+        cell_error(table, point->errors.amplitude);
+    }
+    struct buffer order = {0};
+    buffer_format(&order, isfinite(point->order) ? "%.2f" : "-", point->order);
+    cell_take(table, &order);
+    if (columns->time)
+        cell_seconds(table, point->time.minimum);
+    if (columns->time && columns->wide)
+        cell_seconds(table, point->time.median);
+    if (columns->time)
+        step_time_cell(table, point);
+    if (columns->recording)
+        cell_seconds(table, point->recording);
+    marks_cell(table, point);
+}
+
+static void heading_cells(struct text_table *table, const struct columns *columns, bool adaptive)
+{
+    const struct {
+        const char *name;
+        bool shown;
+    } heading[] = {{adaptive ? "tol" : "dt", true},
+                   {"steps", true},
+                   {"evals", true},
+                   {"jac", columns->jacobians},
+                   {"solves", columns->solves},
+                   {"rej", columns->rejected},
+                   {"error", true},
+                   {"at end", columns->wide},
+                   {"energy", columns->energy},
+                   {"phase", columns->wide && columns->phase},
+                   {"ampl.", columns->wide && columns->phase},
+                   {adaptive ? "slope" : "order", true},
+                   {"time", columns->time},
+                   {"median", columns->time && columns->wide},
+                   {"ns/step", columns->time},
+                   {"recorded", columns->recording},
+                   {"", true}};
+    for (size_t i = 0; i < COUNT_OF(heading); i++)
+        if (heading[i].shown) {
+            cell_text(table, heading[i].name);
+            table->columns++;
+        }
+}
+
+static void put_slope(const struct precision_curve *curve, struct buffer *out)
+{
+    if (curve->fitted == 0) {
+        buffer_format(out, "no slope: %s\n",
+                      isnan(curve->expected) ? "it makes no error of its own"
+                                             : "fewer than 3 errors between 5 % and rounding");
+        return;
+    }
+    if (isnan(curve->slope)) {
+        buffer_format(out, "no slope: its %d errors are all the same, whatever the steps\n", curve->fitted);
+        return;
+    }
+    if (curve->adaptive)
+        buffer_format(out, "error ~ tol^%.2f", curve->slope);
+    else
+        buffer_format(out, "order %.2f", curve->slope);
+    buffer_format(out, " (%d points, R^2 %.4f)", curve->fitted, curve->r2);
+    if (curve->differs)
+        buffer_format(out, curve->adaptive ? ", NOT proportional to tol" : ", but %g is claimed", curve->expected);
+    buffer_char(out, '\n');
+}
+
+/* Are some points timed by other code than the rest? */
+static bool is_mixed(const struct precision *precision)
+{
+    bool mixed = false;
+    for (int i = 1; i < precision->points; i++)
+        mixed |= precision->point[i].path != precision->point[0].path;
+    return mixed;
+}
+
+void precision_tables(const struct precision *precision, int width, struct arena *arena, struct buffer *out)
+{
+    for (int c = 0; c < precision->curves; c++) {
+        const struct precision_curve *curve = &precision->curve[c];
+        const struct columns columns = columns_for(precision, curve, width >= WIDE);
+        struct text_table table = {.arena = arena, .gap = 2, .indent = 2, .most = width};
+        buffer_format(out, "%c  %s", precision_letter(c), curve->by.method->row.name);
+        if (curve->by.drag != DRAG_DEFAULT && precision->system.velocity)
+            buffer_format(out, " drag=%s", catalog_row(&drag_catalog, (size_t)curve->by.drag - 1)->name);
+        if (columns.time && is_mixed(precision))
+            buffer_format(out, " (timed by %s code)", path_name(precision->point[curve->first].path));
+        buffer_put(out, TEXT(": "));
+        put_slope(curve, out);
+        heading_cells(&table, &columns, curve->adaptive);
+        for (int i = 0; i < curve->count; i++)
+            point_cells(&table, &columns, &precision->point[curve->first + i]);
+        text_table_put(&table, out);
+        if (curve->cut)
+            buffer_put(out, TEXT("  not swept further: its share of the time was used up\n"));
+    }
+}
+
+void precision_legend(const struct precision *precision, int width, struct buffer *out)
+{
+    int used = 0;
+    for (int c = 0; c < precision->curves; c++) {
+        const char *name = precision->curve[c].by.method->row.name;
+        const int more = text_width(text_of(name)) + 4;
+        if (used > 0 && used + more > width) {
+            buffer_char(out, '\n');
+            used = 0;
+        }
+        buffer_format(out, "%s%c %s", used ? "  " : "", precision_letter(c), name);
+        used += more;
+    }
+    buffer_char(out, '\n');
+}
+
+/* ---- what is fastest ---- */
+
+static const char *name_of(const struct precision *precision, const struct precision_cost *cost)
+{
+    return precision->curve[cost->curve].by.method->row.name;
+}
+
+/* The fastest with those that tie, its time, and the next. */
+static void winner_cells(const struct precision *precision, const struct precision_cost *cost, int count,
+                         struct text_table *table)
+{
+    struct buffer best = {0}, next = {0};
+    int place = 0;
+    for (; place < count && (place == 0 || cost[place].tied); place++)
+        buffer_format(&best, "%s%s", place ? " = " : "", name_of(precision, &cost[place]));
+    cell_take(table, &best);
+    cell_seconds(table, cost->minimum);
+    if (place < count)
+        buffer_format(&next, "%s x %.2g", name_of(precision, &cost[place]), cost[place].minimum / cost->minimum);
+    cell_take(table, &next);
+}
+
+static void fewest_cell(const struct precision *precision, const struct precision_cost *cost, int count,
+                        struct text_table *table)
+{
+    const struct precision_cost *best = cost;
+    for (int i = 1; i < count; i++)
+        if (cost[i].evals < best->evals)
+            best = &cost[i];
+    struct buffer text = {0};
+    buffer_format(&text, "%s (%.3g)", name_of(precision, best), best->evals);
+    cell_take(table, &text);
+}
+
+static bool is_timed(const struct precision *precision)
+{
+    bool timed = false;
+    for (int i = 0; i < precision->points; i++)
+        timed |= isfinite(precision->point[i].time.minimum);
+    return timed;
+}
+
+/* Which methods were left out of a row, and why. */
+static void put_left_out(const struct precision *precision, const bool *left_out, struct buffer *out)
+{
+    struct buffer names = {0};
+    for (int c = 0; c < precision->curves; c++)
+        if (left_out[c])
+            buffer_format(&names, "%s%s", names.len ? ", " : "", precision->curve[c].by.method->row.name);
+    if (names.len)
+        buffer_format(out,
+                      "  not ranked after methods that have specialised code: %s, timed by the general code,\n"
+                      "  whose times do not compare; only where the general code is ahead all the same is it named\n",
+                      buffer_view(&names));
+    buffer_free(&names);
+}
+
+static void put_fastest(const struct precision *precision, struct arena *arena, struct buffer *out)
+{
+    const bool timed = is_timed(precision);
+    struct text_table table = {.arena = arena, .columns = timed ? 5 : 2, .gap = 2, .indent = 2};
+    struct precision_cost *cost = arena_array(arena, (size_t)precision->curves + 1, sizeof *cost);
+    bool *left_out = arena_array(arena, (size_t)precision->curves + 1, sizeof *left_out);
+    if (!cost || !left_out)
+        return;
+    static const char *const heading[] = {"error", "fastest", "in", "then", "fewest evaluations"};
+    for (size_t i = 0; i < COUNT_OF(heading); i++)
+        if (timed || i == 0 || i + 1 == COUNT_OF(heading))
+            cell_text(&table, heading[i]);
+    for (int level = 1; level <= LEVELS; level++) {
+        int others = 0;
+        const int count = precision_fastest(precision, pow(10, -level), cost, &others);
+        for (int i = count; i < count + others; i++)
+            left_out[cost[i].curve] = true;
+        if (count == 0)
+            continue;
+        struct buffer name = {0};
+        buffer_format(&name, "1e-%d", level);
+        cell_take(&table, &name);
+        if (timed)
+            winner_cells(precision, cost, count, &table);
+        fewest_cell(precision, cost, count + others, &table);
+    }
+    if (table.cells == table.columns)
+        return;
+    buffer_put(out, timed ? TEXT("fastest method for an error (= : the times [minimum, median] overlap)\n")
+                          : TEXT("cheapest method for an error\n"));
+    text_table_put(&table, out);
+    put_left_out(precision, left_out, out);
+}
+
+/* ---- predicted against measured ---- */
+
+static void put_predictions(const struct precision *precision, struct arena *arena, struct buffer *out)
+{
+    static const int levels[] = {2, 4, 6, 8, 10};
+    struct text_table table = {.arena = arena, .columns = 1 + (int)COUNT_OF(levels), .gap = 2, .indent = 2};
+    if (!precision_predicts(&precision->system))
+        return;
+    cell_text(&table, "method");
+    for (size_t i = 0; i < COUNT_OF(levels); i++) {
+        struct buffer name = {0};
+        buffer_format(&name, "1e-%d", levels[i]);
+        cell_take(&table, &name);
+    }
+    for (int c = 0; c < precision->curves; c++) {
+        if (isnan(precision_predict(precision, c, 1e-2)))
+            continue;
+        cell_text(&table, precision->curve[c].by.method->row.name);
+        for (size_t i = 0; i < COUNT_OF(levels); i++) {
+            const double error = pow(10, -levels[i]);
+            struct precision_cost cost;
+            struct buffer text = {0};
+            buffer_format(&text, "%.3g", precision_predict(precision, c, error));
+            if (precision_cost_at(precision, c, error, &cost))
+                buffer_format(&text, "/%.3g", cost.evals);
+            cell_take(&table, &text);
+        }
+    }
+    if (table.cells == table.columns)
+        return;
+    buffer_put(out, TEXT("evaluations for an error: predicted from the amplification matrix/measured\n"));
+    text_table_put(&table, out);
+}
+
+void precision_summary(const struct precision *precision, struct arena *arena, struct buffer *out)
+{
+    put_fastest(precision, arena, out);
+    put_predictions(precision, arena, out);
+}
+
+void buffer_step_time(struct buffer *text, const struct timing_result *time, int64_t steps)
+{
+    const double ns = timing_step_ns(time, steps);
+    buffer_format(text, isfinite(ns) ? ns < 1000 ? "%.3g" : "%.0f" : "-", ns);
+}

@@ -1,0 +1,277 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include <hooke/report.h>
+
+#include <math.h>
+#include <string.h>
+
+enum { TABLE_ROWS = 40, MAP_MOST = 1 << 24 /* points */ };
+
+static double value_at(const struct sweep *sweep, int64_t i, int measure)
+{
+    return sweep->value[i * sweep->measures + measure];
+}
+
+static double place_at(const struct sweep *sweep, int axis, int64_t i)
+{
+    return sweep_axis_value(&sweep->axis[axis], (int)sweep_number(sweep, axis, i));
+}
+
+static enum quantity quantity_of(const struct swept *swept, int measure)
+{
+    return sweep_measure_quantity(&swept->measure[measure], swept->model);
+}
+
+/* The unit in which most values say something: that of the largest. */
+static const struct unit *unit_of(const double *value, size_t count, enum quantity quantity)
+{
+    double most = 0;
+    for (size_t i = 0; i < count; i++)
+        most = isfinite(value[i]) ? fmax(most, fabs(value[i])) : most;
+    return unit_display(quantity, quantity == QUANTITY_TIME && most >= 0.1 ? 1 : most);
+}
+
+static const char *unit_name(const struct unit *unit, enum quantity quantity)
+{
+    return unit ? unit->row.name : quantity_unit(quantity);
+}
+
+/* A column: its heading with the unit, then numbers. */
+struct sweep_column {
+    const char *name;
+    const double *value;
+    enum quantity quantity;
+    const struct unit *unit;
+};
+
+static void put_number(struct text_table *table, const struct sweep_column *column, int64_t i, int digits)
+{
+    struct buffer text = {0};
+    if (isfinite(column->value[i]))
+        buffer_short(&text, column->value[i] / (column->unit ? column->unit->factor : 1) + 0.0, digits);
+    else
+        buffer_char(&text, '-');
+    cell_take(table, &text);
+}
+
+static bool fill_column(const struct swept *swept, int place, struct arena *arena, struct sweep_column *column)
+{
+    const struct sweep *sweep = swept->sweep;
+    const int measure = place - sweep->axes;
+    double *value = arena_array(arena, (size_t)sweep->count + 1, sizeof *value);
+    for (int64_t i = 0; value && i < sweep->count; i++)
+        value[i] = measure < 0 ? place_at(sweep, place, i) : value_at(sweep, i, measure);
+    column->value = value;
+    column->name = measure < 0 ? sweep->axis[place].name : sweep_measure_name(&swept->measure[measure]);
+    column->quantity = measure < 0 ? sweep->axis[place].quantity : quantity_of(swept, measure);
+    column->unit = value ? unit_of(value, (size_t)sweep->count, column->quantity) : NULL;
+    return value != NULL;
+}
+
+/* Every so many points, so that the table can be read. */
+static void put_table(const struct session *session, const struct swept *swept, struct arena *arena,
+                      struct buffer *text)
+{
+    const struct sweep *sweep = swept->sweep;
+    const int64_t every = (sweep->count + TABLE_ROWS - 1) / TABLE_ROWS;
+    const bool failures = sweep->failed + sweep->refused > 0 || sweep->finished < sweep->count;
+    const int columns = sweep->axes + sweep->measures;
+    struct sweep_column column[2 + SWEEP_MEASURES];
+    int width, height;
+    session_size(session, &width, &height);
+    struct text_table table = {.arena = arena, .columns = columns + failures, .gap = 3, .most = width};
+    for (int c = 0; c < columns; c++) {
+        if (!fill_column(swept, c, arena, &column[c]))
+            return;
+        struct buffer heading = {0};
+        const char *unit = unit_name(column[c].unit, column[c].quantity);
+        buffer_put(&heading, text_of(column[c].name));
+        if (*unit)
+            buffer_format(&heading, " [%s]", unit);
+        cell_take(&table, &heading);
+    }
+    if (failures)
+        cell_text(&table, "status");
+    for (int64_t i = 0; i < sweep->count; i += every) {
+        for (int c = 0; c < columns; c++)
+            put_number(&table, &column[c], i, session->setup.settings.digits);
+        if (failures)
+            cell_text(&table, sweep_status_name(sweep->status[i]));
+    }
+    text_table_put(&table, text);
+    if (every > 1)
+        buffer_format(text, "(every %lld%s point; all of them: export FILE table)\n", (long long)every,
+                      every == 2   ? "nd"
+                      : every == 3 ? "rd"
+                                   : "th");
+}
+
+static double *axis_values(const struct sweep_axis *axis, struct arena *arena)
+{
+    double *value = arena_array(arena, (size_t)axis->count, sizeof *value);
+    for (int i = 0; value && i < axis->count; i++)
+        value[i] = sweep_axis_value(axis, i);
+    return value;
+}
+
+/* Positive, and over decades. */
+static bool spans_decades(const double *value, size_t count)
+{
+    double low = HUGE_VAL, high = 0;
+    for (size_t i = 0; i < count; i++)
+        if (isfinite(value[i])) {
+            low = fmin(low, value[i]);
+            high = fmax(high, value[i]);
+        }
+    return low > 0 && high > 300 * low;
+}
+
+static void put_curve(const struct session *session, const struct swept *swept, int measure, struct arena *arena,
+                      struct buffer *text)
+{
+    const struct sweep *sweep = swept->sweep;
+    const size_t n = (size_t)sweep->count;
+    double *x = arena_array(arena, n, sizeof *x), *y = arena_array(arena, n, sizeof *y);
+    int width, height;
+    if (n < 3 || !x || !y)
+        return;
+    for (size_t i = 0; i < n; i++) {
+        x[i] = place_at(sweep, 0, (int64_t)i);
+        y[i] = value_at(sweep, (int64_t)i, measure);
+    }
+    const enum quantity across = sweep->axis[0].quantity, up = quantity_of(swept, measure);
+    const struct unit *x_unit = unit_of(x, n, across), *y_unit = unit_of(y, n, up);
+    const struct curve curve = {.x = x, .y = y, .n = n};
+    const struct figure figure = {.title = "sweep",
+                                  .x = {.label = sweep->axis[0].name,
+                                        .unit = unit_name(x_unit, across),
+                                        .factor = x_unit ? x_unit->factor : 1,
+                                        .log = sweep->axis[0].log && x[0] > 0},
+                                  .y = {.label = sweep_measure_name(&swept->measure[measure]),
+                                        .unit = unit_name(y_unit, up),
+                                        .factor = y_unit ? y_unit->factor : 1,
+                                        .log = spans_decades(y, n)},
+                                  .curve = &curve,
+                                  .curves = 1};
+    session_size(session, &width, &height);
+    figure_print(&figure, width, height - 4 > 8 ? height - 4 : 8, session_charset(session), false, text);
+}
+
+/* A shard has gaps where the others belong. */
+static void put_map(const struct session *session, const struct swept *swept, int measure, struct arena *arena,
+                    struct buffer *text)
+{
+    const struct sweep *sweep = swept->sweep;
+    const struct sweep_axis *across = &sweep->axis[0], *up = &sweep->axis[1];
+    const size_t n = (size_t)sweep->total;
+    if (n > MAP_MOST)
+        return;
+    double *value = arena_array(arena, n, sizeof *value), *x = axis_values(across, arena), *y = axis_values(up, arena);
+    int width, height;
+    if (!value || !x || !y)
+        return;
+    for (size_t i = 0; i < n; i++)
+        value[i] = NAN;
+    for (int64_t i = 0; i < sweep->count; i++)
+        value[sweep->first + i] = value_at(sweep, i, measure);
+    const enum quantity quantity = quantity_of(swept, measure);
+    const struct unit *unit = unit_of(value, n, quantity),
+                      *x_unit = unit_of(x, (size_t)across->count, across->quantity),
+                      *y_unit = unit_of(y, (size_t)up->count, up->quantity);
+    const struct heat heat = {
+        .title = sweep_measure_name(&swept->measure[measure]),
+        .unit = unit_name(unit, quantity),
+        .factor = unit ? unit->factor : 1,
+        .x = {across->name, unit_name(x_unit, across->quantity), x_unit ? x_unit->factor : 1, x, across->count},
+        .y = {up->name, unit_name(y_unit, up->quantity), y_unit ? y_unit->factor : 1, y, up->count},
+        .value = value};
+    session_size(session, &width, &height);
+    heat_print(&heat, width, height - 3 > 8 ? height - 3 : 8, session_charset(session), text);
+}
+
+static bool has_values(const struct sweep *sweep, int measure)
+{
+    bool some = false;
+    for (int64_t i = 0; i < sweep->count; i++)
+        some |= isfinite(value_at(sweep, i, measure));
+    return some;
+}
+
+/* Of a scene in which more than one thing moves. */
+static void put_watched(const struct swept *swept, struct buffer *text)
+{
+    const struct model *model = swept->model;
+    const int coordinates = model->order == 2 ? model->n / 2 : model->n;
+    const char *first = NULL;
+    for (int m = 0; m < swept->sweep->measures && coordinates > 1; m++) {
+        const char *name = sweep_measure_name(&swept->measure[m]);
+        if (!sweep_watches(&swept->measure[m]) || strchr(name, '('))
+            continue;
+        buffer_format(text, "%s%s", first ? ", " : "", name);
+        first = first ? first : name;
+    }
+    if (first)
+        buffer_format(text, ": of %s, the first variable; 'measure=%s(%s)' of another\n", model->variable[0].name,
+                      first, model->variable[1].name);
+}
+
+void sweep_text(const struct session *session, const struct swept *swept, struct arena *arena, struct buffer *text)
+{
+    const struct sweep *sweep = swept->sweep;
+    if (sweep->axes == 1)
+        put_table(session, swept, arena, text);
+    for (int m = 0; m < sweep->measures; m++)
+        if (has_values(sweep, m))
+            (sweep->axes == 1 ? put_curve : put_map)(session, swept, m, arena, text);
+        else if (swept->measure[m].kind == SWEEP_PERIOD && sweep->finished > sweep->failed + sweep->refused)
+            buffer_put(text,
+                       TEXT("no period: the last third of the duration has fewer than two maxima; give it a longer "
+                            "duration\n"));
+    buffer_format(text, "%lld of %lld point%s", (long long)sweep->finished, (long long)sweep->count,
+                  sweep->count == 1 ? "" : "s");
+    if (sweep->count < sweep->total)
+        buffer_format(text, " (numbers %lld to %lld of %lld)", (long long)sweep->first,
+                      (long long)(sweep->first + sweep->count - 1), (long long)sweep->total);
+    buffer_format(text, " in %.3g s, %.3g steps", sweep->seconds, sweep->steps);
+    if (sweep->side_by_side > 0)
+        buffer_format(text, ", %lld side by side in lanes", (long long)sweep->side_by_side);
+    buffer_format(text, ", %d thread%s\n", sweep->threads, sweep->threads == 1 ? "" : "s");
+    put_watched(swept, text);
+    if (sweep->failed > 0)
+        buffer_format(text, "%lld did not get to the end (diverged and the like)\n", (long long)sweep->failed);
+    if (sweep->refused > 0)
+        buffer_format(text, "%lld refused, the first because %s\n", (long long)sweep->refused, sweep->reason);
+}
+
+bool sweep_table(const struct swept *swept, struct export *export, struct error *error)
+{
+    const struct sweep *sweep = swept->sweep;
+    const size_t n = (size_t)sweep->count;
+    const int columns = 1 + sweep->axes + sweep->measures;
+    struct table_column *out = arena_array(export->arena, (size_t)columns + 1, sizeof *out);
+    const char **status = arena_array(export->arena, n + 1, sizeof *status);
+    if (!out || !status)
+        return error_memory(error);
+    for (int c = 0; c < columns; c++) {
+        double *value = arena_array(export->arena, n + 1, sizeof *value);
+        const int axis = c - 1, measure = axis - sweep->axes;
+        if (!value)
+            return error_memory(error);
+        for (size_t i = 0; i < n; i++)
+            value[i] = c == 0        ? (double)(sweep->first + (int64_t)i)
+                       : measure < 0 ? place_at(sweep, axis, (int64_t)i)
+                                     : value_at(sweep, (int64_t)i, measure);
+        out[c] = (struct table_column){.name = "point", .unit = "", .value = value};
+        if (c > 0 && measure < 0) {
+            out[c].name = sweep->axis[axis].name;
+            out[c].unit = quantity_unit(sweep->axis[axis].quantity);
+        } else if (c > 0) {
+            out[c].name = sweep_measure_name(&swept->measure[measure]);
+            out[c].unit = quantity_unit(quantity_of(swept, measure));
+        }
+    }
+    for (size_t i = 0; i < n; i++)
+        status[i] = sweep_status_name(sweep->status[i]);
+    out[columns] = (struct table_column){.name = "status", .unit = "", .text = status};
+    export->table = (struct table){.column = out, .columns = columns + 1, .rows = n};
+    return true;
+}

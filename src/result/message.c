@@ -1,0 +1,173 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* How an error is shown: position, line, caret, hint; or one JSON object. Every error of the language goes through here
+ * once. */
+#include <hooke/result.h>
+
+#include <string.h>
+
+#define SHOWN_WIDTH 100 /* [column] of a long line that is shown around the caret */
+
+/* Characters before the place, counted from 1; 0 if the place is not in the line. */
+static size_t column_of(struct text line, struct text where)
+{
+    if (!where.at || !line.at || where.at < line.at || where.at > line.at + line.len)
+        return 0;
+    size_t column = 1;
+    for (struct text rest = {line.at, (size_t)(where.at - line.at)}; rest.len > 0; column++) {
+        size_t used;
+        text_codepoint(rest, &used);
+        rest = (struct text){rest.at + used, rest.len - used};
+    }
+    return column;
+}
+
+/* As it will stand on the screen: tabs become one blank, controls become visible. */
+static void put_visible(struct buffer *out, struct text text)
+{
+    for (struct text piece; text_split(&text, '\t', &piece);) {
+        safe_text(out, piece, false);
+        if (text.at)
+            buffer_char(out, ' ');
+    }
+}
+
+static struct text clip_from(struct text text, size_t width)
+{
+    while ((size_t)text_width(text) > width && text.len > 0) {
+        size_t used;
+        text_codepoint(text, &used);
+        text = (struct text){text.at + used, text.len - used};
+    }
+    return text;
+}
+
+static struct text clip_to(struct text text, size_t width)
+{
+    size_t len = 0, columns = 0;
+    while (len < text.len) {
+        size_t used;
+        const int w = codepoint_width(text_codepoint((struct text){text.at + len, text.len - len}, &used));
+        if (columns + (size_t)w > width)
+            break;
+        columns += (size_t)w;
+        len += used;
+    }
+    return (struct text){text.at, len};
+}
+
+static void put_caret(struct buffer *out, struct text line, struct text where)
+{
+    const struct text whole_head = {line.at, (size_t)(where.at - line.at)};
+    /* A line of a megabyte is only scanned near the caret. */
+    const size_t near = 4 * SHOWN_WIDTH;
+    const struct text head_near = whole_head.len > near ? (struct text){where.at - near, near} : whole_head;
+    const struct text head = clip_from(head_near, SHOWN_WIDTH / 2);
+    const struct text tail = {where.at, line.len - whole_head.len};
+    const struct text shown = clip_to((struct text){tail.at, tail.len < near ? tail.len : near}, SHOWN_WIDTH);
+    struct buffer before = {0}, under = {0};
+    put_visible(&before, head);
+    put_visible(&under, (struct text){where.at, where.len < shown.len ? where.len : shown.len});
+    const bool cut = head.at != line.at;
+    buffer_put(out, cut ? TEXT("    ...") : TEXT("    "));
+    buffer_put(out, buffer_text(&before));
+    put_visible(out, shown);
+    buffer_put(out, shown.len < tail.len ? TEXT("...\n    ") : TEXT("\n    "));
+    for (int i = text_width(buffer_text(&before)) + (cut ? 3 : 0); i > 0; i--)
+        buffer_char(out, ' ');
+    buffer_char(out, '^');
+    for (int i = text_width(buffer_text(&under)); i > 1; i--)
+        buffer_char(out, '~');
+    buffer_char(out, '\n');
+    out->failed |= before.failed || under.failed;
+    buffer_free(&before);
+    buffer_free(&under);
+}
+
+static void put_json(struct buffer *out, const struct error *error, const struct source *where, size_t column)
+{
+    buffer_put(out, TEXT("{\"kind\":\"error\",\"code\":"));
+    buffer_json_text(out, text_of(error_name(error->code)));
+    buffer_put(out, TEXT(",\"file\":"));
+    if (where && where->name)
+        buffer_json_text(out, text_of(where->name));
+    else
+        buffer_put(out, TEXT("null"));
+    if (where && where->name)
+        buffer_format(out, ",\"line\":%d", where->line);
+    else
+        buffer_put(out, TEXT(",\"line\":null"));
+    if (column > 0)
+        buffer_format(out, ",\"column\":%zu", column);
+    else
+        buffer_put(out, TEXT(",\"column\":null"));
+    buffer_put(out, TEXT(",\"text\":"));
+    buffer_json_text(out, text_of(error->text));
+    buffer_put(out, TEXT(",\"hint\":"));
+    if (error->hint[0])
+        buffer_json_text(out, text_of(error->hint));
+    else
+        buffer_put(out, TEXT("null"));
+    buffer_put(out, TEXT("}\n"));
+}
+
+static void put_text(struct buffer *out, const struct error *error, const struct source *where, struct text line,
+                     size_t column)
+{
+    if (where && where->name) {
+        safe_text(out, text_of(where->name), false);
+        buffer_format(out, ":%d:", where->line);
+        if (column > 0)
+            buffer_format(out, "%zu:", column);
+        buffer_char(out, ' ');
+    }
+    buffer_put(out, TEXT("error: "));
+    safe_text(out, text_of(error->text), false);
+    buffer_char(out, '\n');
+    if (column > 0)
+        put_caret(out, line, error->where);
+    if (error->hint[0]) {
+        buffer_put(out, TEXT("  "));
+        safe_text(out, text_of(error->hint), false);
+        buffer_char(out, '\n');
+    }
+    for (const struct source *parent = where ? where->parent : NULL; parent; parent = parent->parent)
+        if (parent->name) {
+            buffer_put(out, TEXT("  sourced at "));
+            safe_text(out, text_of(parent->name), false);
+            buffer_format(out, ":%d\n", parent->line);
+        }
+}
+
+/* The line of the file that the error is in: its number, what stands there, the column. */
+static size_t place_of(const struct error *error, const struct source **where, struct source *own, struct text *line)
+{
+    size_t column = column_of(*line, error->where);
+    if (column == 0 || !*where || (*where)->pieces == 0)
+        return column;
+    const struct source_piece *piece = (*where)->piece, *end = piece + (*where)->pieces;
+    const size_t at = (size_t)(error->where.at - line->at);
+    while (piece + 1 < end && piece[1].at <= at)
+        piece++;
+    const size_t to = piece + 1 < end ? piece[1].at : line->len;
+    *own = **where;
+    own->line = piece->line;
+    *where = own;
+    *line = (struct text){line->at + piece->at, to - piece->at};
+    return column_of(*line, error->where) + (size_t)piece->indent;
+}
+
+void reply_error(struct reply *reply, const struct error *error, const struct source *where, struct text line)
+{
+    struct buffer out = {0};
+    struct source own;
+    const size_t column = place_of(error, &where, &own, &line);
+    if (reply->format == FORMAT_JSON)
+        put_json(&out, error, where, column);
+    else
+        put_text(&out, error, where, line, column);
+    if (!out.failed)
+        reply->sink.err(reply->sink.context, buffer_text(&out));
+    else
+        reply->sink.err(reply->sink.context, TEXT("error: out of memory\n"));
+    buffer_free(&out);
+}

@@ -1,0 +1,355 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What commands say, in three forms: lines, JSON objects, CSV rows. */
+#include <hooke/result.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+void reply_init(struct reply *reply, struct sink sink)
+{
+    *reply = (struct reply){.sink = sink};
+}
+
+void reply_free(struct reply *reply)
+{
+    struct buffer *const buffers[] = {&reply->json, &reply->header, &reply->row, &reply->lines, &reply->last_header};
+    for (size_t i = 0; i < COUNT_OF(buffers); i++)
+        buffer_free(buffers[i]);
+}
+
+static void write_out(struct reply *reply, struct text text)
+{
+    if (!reply->failed && text.len > 0 && !reply->sink.out(reply->sink.context, text))
+        reply->failed = true;
+}
+
+/* The buffer as it is to the results; a buffer that ran out of memory counts as results that could not be written. */
+static void flush_out(struct reply *reply, struct buffer *buffer)
+{
+    if (buffer->failed)
+        reply->failed = true;
+    else
+        write_out(reply, buffer_text(buffer));
+    buffer_clear(buffer);
+}
+
+static void put_text_record(struct reply *reply, const char *kind, struct text text)
+{
+    buffer_put(&reply->json, TEXT("{\"kind\":"));
+    buffer_json_text(&reply->json, text_of(kind));
+    buffer_put(&reply->json, TEXT(",\"text\":"));
+    buffer_json_text(&reply->json, text);
+    buffer_put(&reply->json, TEXT("}\n"));
+    flush_out(reply, &reply->json);
+}
+
+void reply_text(struct reply *reply, struct text text)
+{
+    buffer_put(&reply->lines, text);
+    if (text.len == 0 || text.at[text.len - 1] != '\n')
+        buffer_char(&reply->lines, '\n');
+    if (reply->format == FORMAT_TEXT && !reply->quiet)
+        flush_out(reply, &reply->lines);
+}
+
+void reply_data(struct reply *reply, struct text text)
+{
+    reply->recorded = true; /* no second time at the command's end */
+    if (reply->format == FORMAT_JSON) {
+        put_text_record(reply, "data", text);
+        return;
+    }
+    if (reply->format == FORMAT_CSV)
+        buffer_clear(&reply->last_header);
+    write_out(reply, text);
+}
+
+/* A formatted text with everything visible that could command a terminal, whatever was put into it. */
+static void put_safely(struct buffer *out, const char *format, va_list args) PRINTF_LIKE(2, 0);
+
+static void put_safely(struct buffer *out, const char *format, va_list args)
+{
+    struct buffer raw = {0};
+    buffer_vformat(&raw, format, args);
+    safe_text(out, buffer_text(&raw), true);
+    out->failed |= raw.failed;
+    buffer_free(&raw);
+}
+
+void reply_line(struct reply *reply, const char *format, ...)
+{
+    struct buffer line = {0};
+    va_list args;
+    va_start(args, format);
+    put_safely(&line, format, args);
+    va_end(args);
+    if (line.failed)
+        reply->failed = true;
+    else
+        reply_text(reply, buffer_text(&line));
+    buffer_free(&line);
+}
+
+static void write_err(struct reply *reply, const struct buffer *text)
+{
+    /* A message that does not fit into memory is lost, not the session. */
+    if (!text->failed)
+        reply->sink.err(reply->sink.context, buffer_text(text));
+}
+
+void reply_note(struct reply *reply, const char *format, ...)
+{
+    struct buffer line = {0};
+    va_list args;
+    va_start(args, format);
+    put_safely(&line, format, args);
+    va_end(args);
+    buffer_char(&line, '\n');
+    write_err(reply, &line);
+    buffer_free(&line);
+}
+
+void reply_warning(struct reply *reply, const char *format, ...)
+{
+    struct buffer line = {0}, out = {0};
+    va_list args;
+    va_start(args, format);
+    put_safely(&line, format, args);
+    va_end(args);
+    if (reply->format == FORMAT_JSON) {
+        buffer_put(&out, TEXT("{\"kind\":\"warning\",\"text\":"));
+        buffer_json_text(&out, buffer_text(&line));
+        buffer_put(&out, TEXT("}\n"));
+    } else {
+        buffer_format(&out, "warning: %s\n", buffer_view(&line));
+    }
+    out.failed |= line.failed;
+    write_err(reply, &out);
+    buffer_free(&line);
+    buffer_free(&out);
+}
+
+/* ---- records ---- */
+
+/* "fit.halves.gamma": the keys of the open levels and the field's own; arrays share one cell. */
+static void put_path(struct reply *reply, const char *key)
+{
+    if (reply->header.len > 0)
+        buffer_char(&reply->header, ',');
+    for (int i = 1; i < reply->depth; i++)
+        if (reply->level[i].key)
+            buffer_format(&reply->header, "%s.", reply->level[i].key);
+    buffer_put(&reply->header, text_of(key));
+}
+
+static bool inside_array(const struct reply *reply)
+{
+    for (int i = 0; i < reply->depth; i++)
+        if (reply->level[i].array)
+            return true;
+    return false;
+}
+
+/* A cell of the row; inside arrays the values of all elements share the cell of the array. */
+static void put_cell(struct reply *reply, const char *key, struct text value)
+{
+    static const char special[] = ",\"\n\r";
+    struct buffer *row = &reply->row;
+    if (inside_array(reply)) {
+        if (row->len > 0 && row->data[row->len - 1] != ',')
+            buffer_char(row, ' ');
+        for (size_t i = 0; i < value.len; i++)
+            buffer_char(row, strchr(special, value.at[i]) ? ';' : value.at[i]);
+        return;
+    }
+    if (reply->header.len > 0)
+        buffer_char(row, ',');
+    put_path(reply, key);
+    bool quote = value.len > 0 && strchr("=+-@", value.at[0]) && (value.len < 2 || !strchr("0123456789.", value.at[1]));
+    for (size_t i = 0; i < value.len; i++)
+        quote |= strchr(special, value.at[i]) != NULL;
+    if (quote)
+        buffer_char(row, '"');
+    for (size_t i = 0; i < value.len; i++) {
+        if (value.at[i] == '"')
+            buffer_char(row, '"');
+        buffer_char(row, value.at[i]);
+    }
+    if (quote)
+        buffer_char(row, '"');
+}
+
+/* The comma and the key before a JSON value. */
+static void put_key(struct reply *reply, const char *key)
+{
+    if (reply->depth > 0) {
+        if (!reply->level[reply->depth - 1].empty)
+            buffer_char(&reply->json, ',');
+        reply->level[reply->depth - 1].empty = false;
+    }
+    if (key && !(reply->depth > 0 && reply->level[reply->depth - 1].array)) {
+        buffer_json_text(&reply->json, text_of(key));
+        buffer_char(&reply->json, ':');
+    }
+}
+
+static void put_literal(struct reply *reply, const char *key, struct text json, struct text cell)
+{
+    put_key(reply, key);
+    buffer_put(&reply->json, json);
+    put_cell(reply, key, cell);
+}
+
+static void open_level(struct reply *reply, const char *key, bool array)
+{
+    put_key(reply, key);
+    buffer_char(&reply->json, array ? '[' : '{');
+    if (array && !inside_array(reply)) {
+        if (reply->header.len > 0)
+            buffer_char(&reply->row, ',');
+        put_path(reply, key);
+    }
+    if (reply->depth < REPLY_DEPTH) {
+        reply->level[reply->depth].key = key;
+        reply->level[reply->depth].array = array;
+        reply->level[reply->depth].empty = true;
+        reply->depth++;
+    }
+}
+
+void reply_begin(struct reply *reply, const char *kind)
+{
+    buffer_clear(&reply->json);
+    buffer_clear(&reply->header);
+    buffer_clear(&reply->row);
+    reply->depth = 0;
+    open_level(reply, NULL, false);
+    reply_string(reply, "kind", kind);
+}
+
+void reply_string(struct reply *reply, const char *key, const char *value)
+{
+    if (!value) {
+        reply_null(reply, key);
+        return;
+    }
+    struct buffer safe = {0};
+    put_key(reply, key);
+    buffer_json_text(&reply->json, text_of(value));
+    safe_text(&safe, text_of(value), true);
+    reply->row.failed |= safe.failed;
+    put_cell(reply, key, buffer_text(&safe));
+    buffer_free(&safe);
+}
+
+void reply_real(struct reply *reply, const char *key, double value)
+{
+    char z[REAL_TEXT_SIZE];
+    if (!isfinite(value)) {
+        reply_null(reply, key);
+        return;
+    }
+    const struct text text = {z, real_format(value, z)};
+    put_literal(reply, key, text, text);
+}
+
+void reply_int(struct reply *reply, const char *key, int64_t value)
+{
+    char z[24];
+    snprintf(z, sizeof z, "%lld", (long long)value);
+    put_literal(reply, key, text_of(z), text_of(z));
+}
+
+void reply_bool(struct reply *reply, const char *key, bool value)
+{
+    const struct text text = value ? TEXT("true") : TEXT("false");
+    put_literal(reply, key, text, text);
+}
+
+void reply_null(struct reply *reply, const char *key)
+{
+    put_literal(reply, key, TEXT("null"), TEXT(""));
+}
+
+void reply_in_unit(struct reply *reply, const char *key, struct measured value, const char *unit)
+{
+    reply_object(reply, key);
+    reply_real(reply, "value", value.value);
+    reply_real(reply, "uncertainty", value.uncertainty);
+    reply_string(reply, "unit", unit);
+    reply_close(reply);
+}
+
+void reply_measured(struct reply *reply, const char *key, struct measured value, enum quantity quantity)
+{
+    reply_in_unit(reply, key, value, quantity_unit(quantity));
+}
+
+void reply_object(struct reply *reply, const char *key)
+{
+    open_level(reply, key, false);
+}
+
+void reply_array(struct reply *reply, const char *key)
+{
+    open_level(reply, key, true);
+}
+
+void reply_close(struct reply *reply)
+{
+    if (reply->depth > 0)
+        buffer_char(&reply->json, reply->level[--reply->depth].array ? ']' : '}');
+}
+
+void reply_end(struct reply *reply)
+{
+    while (reply->depth > 0)
+        reply_close(reply);
+    reply->recorded = true;
+    if (reply->format == FORMAT_JSON) {
+        buffer_char(&reply->json, '\n');
+        flush_out(reply, &reply->json);
+    } else if (reply->format == FORMAT_CSV) {
+        buffer_char(&reply->header, '\n');
+        buffer_char(&reply->row, '\n');
+        if (!text_equal(buffer_text(&reply->header), buffer_text(&reply->last_header))) {
+            buffer_clear(&reply->last_header);
+            buffer_put(&reply->last_header, buffer_text(&reply->header));
+            flush_out(reply, &reply->header);
+        }
+        flush_out(reply, &reply->row);
+    }
+}
+
+/* ---- one statement ---- */
+
+void reply_command_begin(struct reply *reply, enum output_format format)
+{
+    reply->format = format;
+    reply->recorded = false;
+    buffer_clear(&reply->lines);
+    buffer_clear(&reply->json); /* a record that no line of text has shown */
+}
+
+void reply_command_end(struct reply *reply, const char *kind)
+{
+    const struct text lines = buffer_text(&reply->lines);
+    if (reply->lines.failed)
+        reply->failed = true;
+    if (lines.len > 0 && !reply->recorded && !reply->quiet && reply->format == FORMAT_JSON) {
+        put_text_record(reply, kind, (struct text){lines.at, lines.len - 1});
+    } else if (lines.len > 0 && !reply->recorded && !reply->quiet && reply->format == FORMAT_CSV) {
+        struct buffer out = {0};
+        struct text rest = lines, line;
+        while (text_split(&rest, '\n', &line))
+            if (line.len > 0) {
+                buffer_put(&out, TEXT("# "));
+                buffer_put(&out, line);
+                buffer_char(&out, '\n');
+            }
+        flush_out(reply, &out);
+        buffer_free(&out);
+    }
+    buffer_clear(&reply->lines);
+}

@@ -1,0 +1,190 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Tables to files: CSV and TSV with "# key = value" lines and a header with units, JSON as one object. The text goes
+ * out in chunks, so that a large table needs no memory for itself.
+ */
+#include <hooke/result.h>
+
+#include <math.h>
+#include <string.h>
+
+#define CHUNK 65536u /* [byte] */
+
+static const struct row rows[] = {
+    [TABLE_CSV] = {"csv", "", "comma-separated values, with the set-up as # lines", "RFC 4180", NULL},
+    [TABLE_TSV] = {"tsv", "", "the same with tabs", "", NULL},
+    [TABLE_JSON] = {"json", "", "one JSON object: keys, columns with their values", "RFC 8259", NULL},
+};
+
+const struct catalog table_format_catalog = CATALOG("table format", rows);
+
+struct outlet {
+    struct buffer *text;
+    struct writer *writer; /* NULL: everything stays in `text` */
+};
+
+static void pass_on(struct outlet *sink, size_t most)
+{
+    if (!sink->writer || sink->text->len <= most || sink->text->failed)
+        return;
+    writer_put(sink->writer, buffer_text(sink->text));
+    buffer_clear(sink->text);
+}
+
+/* ---- CSV, TSV ---- */
+
+/* Quoted where it holds a separator, a quote or a line end; what a spreadsheet would run as a formula gets a ' in
+ * front. */
+static void put_cell(struct buffer *out, struct text cell, char separator)
+{
+    const bool formula = cell.len > 0 && memchr("=+-@\t\r", cell.at[0], 6);
+    bool quoted = formula;
+    for (size_t i = 0; i < cell.len && !quoted; i++)
+        quoted = cell.at[i] == separator || strchr("\"\r\n", cell.at[i]);
+    if (!quoted) {
+        buffer_put(out, cell);
+        return;
+    }
+    buffer_put(out, formula ? TEXT("\"'") : TEXT("\""));
+    for (size_t i = 0; i < cell.len; i++)
+        buffer_put(out, cell.at[i] == '"' ? TEXT("\"\"") : (struct text){cell.at + i, 1});
+    buffer_char(out, '"');
+}
+
+static void put_name(struct buffer *out, const struct table_column *column, char separator)
+{
+    struct buffer name = {0};
+    safe_text(&name, text_of(column->name), false);
+    if (column->unit && column->unit[0]) {
+        buffer_put(&name, TEXT(" ["));
+        safe_text(&name, text_of(column->unit), false);
+        buffer_char(&name, ']');
+    }
+    put_cell(out, buffer_text(&name), separator);
+    out->failed |= name.failed;
+    buffer_free(&name);
+}
+
+static void put_separated(const struct table *table, char separator, struct outlet *sink)
+{
+    struct buffer *out = sink->text;
+    for (int i = 0; i < table->keys; i++) {
+        buffer_put(out, TEXT("# "));
+        safe_text(out, text_of(table->key[i].key), false);
+        buffer_put(out, TEXT(" = "));
+        safe_text(out, text_of(table->key[i].value), false);
+        buffer_char(out, '\n');
+    }
+    for (int i = 0; i < table->columns; i++) {
+        if (i > 0)
+            buffer_char(out, separator);
+        put_name(out, &table->column[i], separator);
+    }
+    buffer_char(out, '\n');
+    for (size_t row = 0; row < table->rows; row++) {
+        for (int i = 0; i < table->columns; i++) {
+            const struct table_column *column = &table->column[i];
+            if (i > 0)
+                buffer_char(out, separator);
+            if (!column->value)
+                put_cell(out, text_of(column->text[row]), separator);
+            else if (!isnan(column->value[row]))
+                buffer_real(out, column->value[row]);
+        }
+        buffer_char(out, '\n');
+        pass_on(sink, CHUNK);
+    }
+}
+
+/* ---- JSON ---- */
+
+void buffer_json_text(struct buffer *out, struct text text)
+{
+    static const char escaped[] = "\"\\\b\f\n\r\t", letters[] = "\"\\bfnrt";
+    buffer_char(out, '"');
+    for (size_t used; text.len > 0; text.at += used, text.len -= used) {
+        const uint32_t codepoint = text_codepoint(text, &used);
+        const char *special = codepoint < 0x80 && codepoint > 0 ? strchr(escaped, (char)codepoint) : NULL;
+        if (special)
+            buffer_format(out, "\\%c", letters[special - escaped]);
+        else if (codepoint > 0xFFFF && codepoint_hidden(codepoint)) /* a pair of surrogates */
+            buffer_format(out, "\\u%04x\\u%04x", (unsigned)(0xD7C0 + (codepoint >> 10)),
+                          (unsigned)(0xDC00 + (codepoint & 0x3FF)));
+        else if (codepoint < 0x20 || codepoint == 0x7F || codepoint_hidden(codepoint))
+            buffer_format(out, "\\u%04x", (unsigned)codepoint);
+        else
+            buffer_codepoint(out, codepoint);
+    }
+    buffer_char(out, '"');
+}
+
+void buffer_json_real(struct buffer *out, double value)
+{
+    if (isfinite(value))
+        buffer_real(out, value);
+    else
+        buffer_put(out, TEXT("null"));
+}
+
+static void put_json(const struct table *table, struct outlet *sink)
+{
+    struct buffer *out = sink->text;
+    buffer_put(out, TEXT("{\"keys\":{"));
+    for (int i = 0; i < table->keys; i++) {
+        buffer_put(out, i ? TEXT(",") : TEXT(""));
+        buffer_json_text(out, text_of(table->key[i].key));
+        buffer_char(out, ':');
+        buffer_json_text(out, text_of(table->key[i].value));
+    }
+    buffer_put(out, TEXT("},\"columns\":["));
+    for (int i = 0; i < table->columns; i++) {
+        const struct table_column *column = &table->column[i];
+        buffer_put(out, i ? TEXT(",\n{\"name\":") : TEXT("\n{\"name\":"));
+        buffer_json_text(out, text_of(column->name));
+        buffer_put(out, TEXT(",\"unit\":"));
+        buffer_json_text(out, text_of(column->unit));
+        buffer_put(out, TEXT(",\"values\":["));
+        for (size_t row = 0; row < table->rows; row++) {
+            if (row > 0)
+                buffer_char(out, ',');
+            if (column->value)
+                buffer_json_real(out, column->value[row]);
+            else
+                buffer_json_text(out, text_of(column->text[row]));
+            pass_on(sink, CHUNK);
+        }
+        buffer_put(out, TEXT("]}"));
+    }
+    buffer_put(out, TEXT("\n]}\n"));
+}
+
+static void put_table(const struct table *table, enum table_format format, struct outlet *sink)
+{
+    if (format == TABLE_JSON)
+        put_json(table, sink);
+    else
+        put_separated(table, format == TABLE_CSV ? ',' : '\t', sink);
+    pass_on(sink, 0);
+}
+
+void table_format(const struct table *table, enum table_format format, struct buffer *out)
+{
+    put_table(table, format, &(struct outlet){out, NULL});
+}
+
+bool table_write(const struct table *table, enum table_format format, const char *path, struct write_policy policy,
+                 struct error *error)
+{
+    struct writer writer;
+    struct buffer text = {0};
+    if (!writer_open(&writer, path, policy, error))
+        return false;
+    put_table(table, format, &(struct outlet){&text, &writer});
+    const bool failed = text.failed;
+    buffer_free(&text);
+    if (failed) {
+        writer_abandon(&writer);
+        return error_memory(error);
+    }
+    return writer_commit(&writer, error);
+}

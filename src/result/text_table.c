@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include <hooke/result.h>
+
+#include <math.h>
+#include <string.h>
+
+void cell_text(struct text_table *table, const char *text)
+{
+    if (table->cells == table->room) {
+        const int room = table->room ? 2 * table->room : 64;
+        const char **grown = arena_array(table->arena, (size_t)room, sizeof *grown);
+        if (!grown) {
+            table->failed = true;
+            return;
+        }
+        if (table->cells)
+            memcpy(grown, table->cell, (size_t)table->cells * sizeof *grown);
+        table->cell = grown;
+        table->room = room;
+    }
+    const char *copy = arena_text(table->arena, text_of(text));
+    table->failed |= !copy;
+    table->cell[table->cells++] = copy ? copy : "";
+}
+
+void cell_take(struct text_table *table, struct buffer *text)
+{
+    cell_text(table, buffer_view(text));
+    buffer_free(text);
+}
+
+void cell_quantity(struct text_table *table, double value, enum quantity quantity, int digits)
+{
+    struct buffer text = {0};
+    if (!isfinite(value))
+        buffer_char(&text, '-');
+    else
+        buffer_quantity(&text, value, quantity, digits);
+    cell_take(table, &text);
+}
+
+void cell_error(struct text_table *table, double value)
+{
+    struct buffer text = {0};
+    buffer_format(&text, isfinite(value) ? value == 0 ? "0" : "%.1e" : "-", value);
+    cell_take(table, &text);
+}
+
+void cell_count(struct text_table *table, int64_t value)
+{
+    struct buffer text = {0};
+    buffer_format(&text, "%lld", (long long)value);
+    cell_take(table, &text);
+}
+
+void cell_seconds(struct text_table *table, double seconds)
+{
+    struct buffer text = {0};
+    if (!isfinite(seconds))
+        buffer_char(&text, '-');
+    else if (seconds < 1e-3)
+        buffer_format(&text, "%.3g us", seconds * 1e6);
+    else
+        buffer_quantity(&text, seconds, QUANTITY_TIME, 3);
+    cell_take(table, &text);
+}
+
+const char *cell_last(const struct text_table *table)
+{
+    return table->cells ? table->cell[table->cells - 1] : "";
+}
+
+void text_table_put(const struct text_table *table, struct buffer *out)
+{
+    int width[TABLE_COLUMNS_MOST] = {0};
+    for (int i = 0; i < table->cells; i++) {
+        const int w = text_width(text_of(table->cell[i]));
+        int *column = &width[i % table->columns];
+        *column = w > *column ? w : *column;
+    }
+    int gap = table->gap, wide = table->indent;
+    for (int column = 0; column < table->columns; column++)
+        wide += width[column] + (column > 0 ? gap : 0);
+    for (; table->most > 0 && wide > table->most && gap > 1; gap--)
+        wide -= table->columns - 1;
+    for (int i = 0; i < table->cells; i++) {
+        const int column = i % table->columns;
+        for (int pad = 0; column == 0 && pad < table->indent; pad++)
+            buffer_char(out, ' ');
+        buffer_put(out, text_of(table->cell[i]));
+        const bool last = column == table->columns - 1;
+        for (int pad = text_width(text_of(table->cell[i])); !last && pad < width[column] + gap; pad++)
+            buffer_char(out, ' ');
+        /* No blanks at the end of a line. */
+        while (last && out->len > 0 && !out->failed && out->data[out->len - 1] == ' ')
+            out->data[--out->len] = '\0';
+        if (last)
+            buffer_char(out, '\n');
+    }
+}

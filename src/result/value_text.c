@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Values and words as people read them, and as commands read them back. */
+#include <hooke/result.h>
+
+#include <math.h>
+#include <string.h>
+
+/* Times from 0.1 s on stay in seconds: T = 0.7226 s is what the sheet asks for. */
+static const struct unit *unit_for(enum quantity quantity, double value)
+{
+    return unit_display(quantity, quantity == QUANTITY_TIME && fabs(value) >= 0.1 ? 1 : value);
+}
+
+void buffer_measured(struct buffer *buffer, struct measured value, enum quantity quantity, int digits)
+{
+    const struct unit *unit = unit_for(quantity, value.value);
+    const double factor = unit ? unit->factor : 1, shown = value.value / factor + 0.0; /* no -0 */
+    /* An uncertainty below the digits shown (of a simulation: rounding) says nothing to a person. */
+    if (value.uncertainty > 0 && value.uncertainty > pow(10, -digits) * fabs(value.value))
+        buffer_uncertain(buffer, shown, value.uncertainty / factor);
+    else
+        buffer_short(buffer, shown, digits);
+    const char *name = unit ? unit->row.name : quantity_unit(quantity);
+    if (*name)
+        buffer_format(buffer, " %s", name);
+}
+
+void buffer_exact(struct buffer *buffer, struct measured value, enum quantity quantity)
+{
+    if (value.uncertainty > 0) {
+        buffer_real(buffer, value.value);
+        buffer_put(buffer, TEXT(" +- "));
+        buffer_real(buffer, value.uncertainty);
+        if (*quantity_unit(quantity))
+            buffer_format(buffer, " %s", quantity_unit(quantity));
+    } else {
+        buffer_quantity(buffer, value.value, quantity, 0);
+    }
+}
+
+void buffer_word(struct buffer *buffer, struct text word)
+{
+    bool plain = word.len > 0 && word.at[0] != '#';
+    bool raw = true;
+    for (size_t i = 0; i < word.len; i++) {
+        plain &= !strchr(" \t\r\n;'\"\\,=>", word.at[i]);
+        raw &= word.at[i] != '\'' && word.at[i] != '\n';
+    }
+    if (plain) {
+        buffer_put(buffer, word);
+    } else if (raw) {
+        buffer_format(buffer, "'%.*s'", (int)word.len, word.at);
+    } else {
+        buffer_char(buffer, '"');
+        for (size_t i = 0; i < word.len; i++) {
+            if (word.at[i] == '\n') {
+                buffer_put(buffer, TEXT("\\n"));
+                continue;
+            }
+            if (strchr("\"\\", word.at[i]))
+                buffer_char(buffer, '\\');
+            buffer_char(buffer, word.at[i]);
+        }
+        buffer_char(buffer, '"');
+    }
+}

@@ -1,0 +1,355 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Events: sign changes of an expression, located on the dense output of the step in which they happen. */
+#include "run/event/watch.h"
+
+#include <float.h>
+#include <stdlib.h>
+
+#define ROUNDED 16 /* of rounding units, what a sum of one term a step may be off, beside one for each step */
+#define TOUCH 1e-7 /* of a step: touches so near are one */
+#define SAME 8     /* units of the last place of t: moments so near are one */
+
+static int sign_of(double value)
+{
+    return (value > 0) - (value < 0);
+}
+
+/* Of a state: the share of each variable's size that it may be off. */
+static double share_of_error(const struct run *run)
+{
+    const double rounding = (ROUNDED + (double)run->steps) * DBL_EPSILON;
+    return run->plan.adaptive ? fmax(rounding, run->settings.tol) : rounding;
+}
+
+/* ---- where a leg begins ---- */
+
+bool events_begin(struct run *run, const struct leg *leg)
+{
+    struct run_private *p = run->private_state;
+    if (leg->target->events == 0)
+        return true;
+    if (!p->watch)
+        p->watch = calloc(1, sizeof *p->watch);
+    struct watch *watch = p->watch;
+    if (!watch || !events_watch_begin(watch, run, leg->target))
+        return false;
+    for (int i = 0; i < watch->events; i++) {
+        struct watched *watched = &watch->event[i];
+        watched->value = events_watch_value(watch, watched, run->t, run->y);
+        watched->known = true;
+        watched->departs = watched->value == 0 ||
+                           (run->steps == 0 && events_watch_is_zero(watch, watched, run->t, run->y, DBL_EPSILON));
+        watched->sign = watched->departs ? 0 : sign_of(watched->value);
+    }
+    for (size_t i = run_happenings(run); i > 0 && run_happening(run, i - 1)->t == run->t; i--)
+        if (run_happening(run, i - 1)->event < watch->events)
+            watch->event[run_happening(run, i - 1)->event].departs = true;
+    return true;
+}
+
+/* ---- inside of a step ---- */
+
+/* What a search goes by. */
+struct look {
+    struct watch *watch;
+    struct watched *watched;
+    int event;
+    double until; /* an event that stops the run is there: what comes after does not happen */
+    bool failed;
+};
+
+static double look_value(void *context, double theta)
+{
+    const struct look *look = context;
+    double y[LIMIT_VARIABLES];
+    path_state(&look->watch->path, theta, y);
+    return events_watch_value(look->watch, look->watched, path_time(&look->watch->path, theta), y);
+}
+
+static struct jet look_bounds(void *context, double a, double b)
+{
+    const struct look *look = context;
+    return events_watch_bounds(look->watch, look->watched, a, b);
+}
+
+static bool look_touches(void *context, double theta)
+{
+    const struct look *look = context;
+    const struct path *path = &look->watch->path;
+    double y[LIMIT_VARIABLES];
+    path_state(path, theta, y);
+    return events_watch_is_zero(look->watch, look->watched, path_time(path, theta), y, share_of_error(path->inside.run));
+}
+
+static bool add(struct watch *watch, const struct crossing *crossing)
+{
+    const size_t n = (size_t)watch->run->system.n;
+    if (watch->count == watch->rooms) {
+        const size_t room = watch->rooms ? 2 * watch->rooms : 16;
+        struct crossing *found = realloc(watch->found, room * sizeof *found);
+        watch->found = found ? found : watch->found;
+        double *state = found ? realloc(watch->state, room * n * sizeof *state) : NULL;
+        watch->state = state ? state : watch->state;
+        if (!state)
+            return false;
+        watch->rooms = room;
+    }
+    watch->found[watch->count++] = *crossing;
+    return true;
+}
+
+static bool look_found(void *context, double theta, int sign)
+{
+    struct look *look = context;
+    const struct path *path = &look->watch->path;
+    const struct event *event = look->watched->event;
+    const int direction = path->inside.h > 0 ? sign : -sign;
+    if (event->direction != 0 && event->direction != direction)
+        return true;
+    if (sign == 0 && fabs(path_time(path, theta) - look->watched->touched) <= TOUCH * fabs(path->inside.h))
+        return true; /* at the end of the step before */
+    if (sign == 0)
+        look->watched->touched = path_time(path, theta);
+    const struct crossing crossing = {theta, path_time(path, theta), look->event, direction};
+    look->failed = look->failed || !add(look->watch, &crossing);
+    if (event->stop)
+        look->until = fmin(look->until, theta);
+    return !look->failed && !event->stop && look->watch->count <= LIMIT_HAPPENINGS;
+}
+
+/*
+ * Where a leg begins at an event, the value there is rounding; its sign is the one a moment later, up to which bounds of
+ * the slope, or of the second derivative, exclude another event. A ball that has just been thrown up may be back long
+ * before the end of the step. The share of the step at that moment, where *value is; 0: there is none.
+ */
+static double depart(struct look *look, double *value)
+{
+    struct watched *watched = look->watched;
+    watched->departs = false;
+    for (double b = 1; b > 0x1p-44; b /= 2) {
+        const struct jet jet = events_watch_bounds(look->watch, watched, 0, b);
+        int sign = (jet.slope.lo > 0) - (jet.slope.hi < 0);
+        if (sign == 0 && jet.bend.lo * jet.bend.hi > 0) {
+            const struct interval slope = events_watch_bounds(look->watch, watched, 0, 0).slope;
+            const int bend = sign_of(jet.bend.lo);
+            sign = slope.lo <= 0 && slope.hi >= 0 ? bend : 0;
+        }
+        *value = sign != 0 ? look_value(look, b) : 0;
+        if (sign == 0 || sign_of(*value) != sign)
+            continue;
+        watched->sign = sign;
+        return b;
+    }
+    watched->sign = 0;
+    *value = 0;
+    return 0;
+}
+
+/* At a step's end, where the value is 0: the sign beyond, which is that before where it only touches. */
+static int sign_beyond(const struct look *look, int before)
+{
+    const struct jet jet = events_watch_bounds(look->watch, look->watched, 1, 1);
+    const int slope = jet.slope.lo > 0 ? 1 : jet.slope.hi < 0 ? -1 : 0, bend = sign_of(jet.bend.lo + jet.bend.hi);
+    return slope != 0 ? slope : bend != 0 ? bend : -before;
+}
+
+/* Where the run ends, an event is there that is due within the rounding of the sums that led there. */
+static bool is_due(const struct look *look, const struct run_target *target)
+{
+    const struct run *run = look->watch->run;
+    const struct watched *watched = look->watched;
+    if (run->t != target->t || watched->sign == 0 || watched->value == 0)
+        return false;
+    const struct interval slope = events_watch_bounds(look->watch, watched, 1, 1).slope;
+    const double mean = slope.lo + (slope.hi - slope.lo) / 2, after = -watched->value / mean;
+    const double size = fmax(fabs(run->t), fabs(run->t - run->system.t0));
+    return after > 0 && after * fabs(look->watch->path.inside.h) <=
+                            (ROUNDED + (double)run->steps) * DBL_EPSILON * size;
+}
+
+static void doubt(struct run *run, const struct look *look, double from)
+{
+    struct event_doubt *doubt = &run->private_state->doubt[look->event];
+    const struct path *path = &look->watch->path;
+    doubt->from = doubt->steps == 0 ? path_time(path, from) : doubt->from;
+    doubt->to = path->end_t;
+    doubt->steps++;
+}
+
+static void search(struct look *look, double from, double value, double to)
+{
+    struct watched *watched = look->watched;
+    struct watch *watch = look->watch;
+    const struct path *path = &watch->path;
+    const double times = fmax(fabs(path->inside.t), fabs(path->end_t));
+    struct root_search roots = {.context = look, .value = look_value, .bounds = look_bounds, .found = look_found,
+                          .touches = watched->event->touching ? look_touches : NULL,
+                          .least = fmax(DBL_EPSILON * times / fabs(path->inside.h), DBL_EPSILON),
+                          .budget = watched->budget, .sign = watched->sign};
+    roots.nonzero = value != 0 || watched->value != 0;
+    roots_find(&roots, from, value, to, to < 1 ? look_value(look, to) : watched->value);
+    watched->sign = roots.sign;
+    if (roots.unsure && roots.nonzero)
+        doubt(watch->run, look, roots.unsure_from);
+    if (roots.unsure)
+        watched->budget = watched->budget / 2 + 8;
+    else if (watched->budget < 1000)
+        watched->budget *= 2;
+}
+
+/* In the step just taken, up to look->until. */
+static void look_at(struct look *look, const struct run_target *target)
+{
+    struct watched *watched = look->watched;
+    const struct path *path = &look->watch->path;
+    double from = 0, value = watched->value;
+    const double near = SAME * DBL_EPSILON * fmax(fabs(path->inside.t), fabs(path->end_t)) / fabs(path->inside.h);
+    const double to = fmin(look->until + near, 1);
+    watched->value = events_watch_value(look->watch, watched, path->end_t, path->end);
+    if (watched->departs)
+        from = depart(look, &value);
+    const size_t before = look->watch->count;
+    if (from < to)
+        search(look, from, value, to);
+    if (to < 1 || look->until < 1)
+        return;
+    const int sign = watched->sign;
+    if (watched->value == 0 && sign != 0) {
+        watched->sign = sign_beyond(look, sign);
+        if (watched->sign != sign)
+            look_found(look, 1, watched->sign);
+    } else if (is_due(look, target) && (look->watch->count == before || look->watch->found[before].theta < 1)) {
+        watched->sign = -sign;
+        look_found(look, 1, -sign);
+    }
+}
+
+static int by_time(const void *a, const void *b)
+{
+    const struct crossing *p = a, *q = b;
+    return p->theta != q->theta ? (p->theta > q->theta) - (p->theta < q->theta) : p->event - q->event;
+}
+
+/* In order; those at the same time but for rounding are at one, in the order of definition. */
+static void put_in_order(struct watch *watch)
+{
+    const struct path *path = &watch->path;
+    const size_t n = (size_t)watch->run->system.n;
+    struct crossing *found = watch->found;
+    qsort(found, watch->count, sizeof *found, by_time);
+    for (size_t i = 1, first = 0; i < watch->count; i++) {
+        const double near = SAME * DBL_EPSILON * fmax(fabs(found[i].t), fabs(path->inside.t));
+        if (fabs(found[i].t - found[first].t) > near) {
+            first = i;
+            continue;
+        }
+        struct crossing moved = found[i];
+        moved.theta = found[first].theta;
+        moved.t = found[first].t;
+        size_t at = i;
+        for (; at > first && found[at - 1].event > moved.event; at--)
+            found[at] = found[at - 1];
+        found[at] = moved;
+    }
+    for (size_t i = 0; i < watch->count; i++)
+        if (i > 0 && found[i].theta == found[i - 1].theta)
+            memcpy(watch->state + i * n, watch->state + (i - 1) * n, n * sizeof *watch->state);
+        else
+            path_state(path, found[i].theta, watch->state + i * n);
+}
+
+/* Those that stop the run first: the others are looked for up to there. */
+bool events_find(struct run *run, const struct leg *leg, double t, double h)
+{
+    struct watch *watch = run->private_state->watch;
+    const struct inside inside = inside_of(run, !run->plan.adaptive, t, h);
+    struct look look = {.watch = watch, .until = 1};
+    path_begin(&watch->path, &inside);
+    watch->count = 0;
+    for (int pass = 0; pass < 2; pass++)
+        for (int i = 0; i < watch->events; i++) {
+            if (watch->event[i].event->stop != (pass == 0))
+                continue;
+            look.watched = &watch->event[i];
+            look.event = i;
+            look_at(&look, leg->target);
+        }
+    if (watch->count > 0 && !look.failed)
+        put_in_order(watch);
+    return !look.failed;
+}
+
+/* ---- what has happened ---- */
+
+static bool keep(struct run *run, const struct crossing *crossing, const double *state)
+{
+    struct happenings *all = &run->private_state->happenings;
+    const size_t n = (size_t)run->system.n;
+    if (all->count == LIMIT_HAPPENINGS)
+        return false;
+    if (all->count == all->room) {
+        const size_t room = all->room ? 2 * all->room : 16;
+        struct happening *at = realloc(all->at, room * sizeof *at);
+        all->at = at ? at : all->at;
+        double *more = at ? realloc(all->state, room * n * sizeof *all->state) : NULL;
+        all->state = more ? more : all->state;
+        if (!more)
+            return false;
+        all->room = room;
+    }
+    all->at[all->count] = (struct happening){crossing->event, crossing->direction, run->steps, crossing->t};
+    memcpy(all->state + all->count++ * n, state, n * sizeof *all->state);
+    return true;
+}
+
+bool events_keep(struct run *run, const struct leg *leg, double h, bool *stops)
+{
+    const struct watch *watch = run->private_state->watch;
+    const int n = run->system.n;
+    for (size_t i = 0; i < watch->count; i++) {
+        const struct crossing *crossing = &watch->found[i];
+        const double *state = watch->state + i * (size_t)n;
+        if ((crossing->t - run->t) * h > 0)
+            break;
+        if (!keep(run, crossing, state))
+            return false;
+        if (!leg->target->event[crossing->event].stop || *stops)
+            continue;
+        copy_state(run->y, state, n);
+        run->t = crossing->t;
+        forget_rounding(run->private_state, n);
+        run->private_state->step.warm = false;
+        *stops = true;
+    }
+    return true;
+}
+
+struct event_doubt run_event_doubt(const struct run *run, int event)
+{
+    return run->private_state->doubt[event];
+}
+
+void happenings_truncate(struct run *run, double ahead)
+{
+    struct happenings *all = &run->private_state->happenings;
+    for (; all->count > 0; all->count--) {
+        const struct happening *last = &all->at[all->count - 1];
+        if (last->step < run->steps || (last->step == run->steps && (last->t - run->t) * ahead <= 0))
+            break;
+    }
+}
+
+size_t run_happenings(const struct run *run)
+{
+    return run->private_state->happenings.count;
+}
+
+const struct happening *run_happening(const struct run *run, size_t i)
+{
+    return &run->private_state->happenings.at[i];
+}
+
+const double *run_happening_state(const struct run *run, size_t i)
+{
+    return run->private_state->happenings.state + i * (size_t)run->system.n;
+}

@@ -1,0 +1,191 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Formulas of events, compiled for a run: values at a state, and bounds inside of the step just taken. */
+#include "run/event/watch.h"
+
+#include <float.h>
+#include <stdlib.h>
+
+#define BUDGET 4000 /* bounds of an event in a step, before it is said that it may have been missed */
+#define SAMPLES 12  /* parts of a stretch, where a column that is no variable is looked at */
+
+/* ---- columns ---- */
+
+static int column_of(void *context, int slot)
+{
+    struct watch *watch = context;
+    const struct expr_scope *scope = watch->scope;
+    const int own = scope->moving ? scope->moving(scope->context, slot) : slot;
+    if (own < 0)
+        return -1;
+    struct moving moving = run_scope_moving(watch->run, own);
+    if (moving.kind == MOVING_OTHER)
+        moving.index = slot;
+    for (int i = 0; i < watch->columns; i++)
+        if (watch->column[i].kind == moving.kind && watch->column[i].index == moving.index)
+            return i;
+    if (watch->columns == watch->room) {
+        const int room = 2 * watch->room + 8;
+        struct moving *column = arena_array(&watch->arena, (size_t)room, sizeof *column);
+        watch->value = arena_array(&watch->arena, (size_t)room, sizeof *watch->value);
+        watch->jet = arena_array(&watch->arena, (size_t)room, sizeof *watch->jet);
+        watch->failed = watch->failed || !column || !watch->value || !watch->jet;
+        if (watch->failed)
+            return 0;
+        if (watch->columns)
+            memcpy(column, watch->column, (size_t)watch->columns * sizeof *column);
+        watch->column = column;
+        watch->room = room;
+    }
+    watch->column[watch->columns] = moving;
+    return watch->columns++;
+}
+
+bool events_watch_begin(struct watch *watch, struct run *run, const struct run_target *target)
+{
+    arena_reset(&watch->arena);
+    watch->columns = watch->room = 0;
+    watch->failed = false;
+    watch->run = run;
+    watch->events = target->events;
+    for (int i = 0; i < target->events && !watch->failed; i++) {
+        const struct event *event = &target->event[i];
+        watch->scope = event->scope;
+        struct watched made = {.event = event, .budget = BUDGET, .touched = NAN};
+        made.left = expr_settle(event->left, event->scope, column_of, watch, &watch->arena);
+        if (event->right)
+            made.right = expr_settle(event->right, event->scope, column_of, watch, &watch->arena);
+        watch->failed = watch->failed || !made.left || (event->right && !made.right);
+        watch->event[i] = made;
+    }
+    return !watch->failed;
+}
+
+void events_watch_destroy(struct watch *watch)
+{
+    if (!watch)
+        return;
+    arena_reset(&watch->arena);
+    free(watch->found);
+    free(watch->state);
+    free(watch);
+}
+
+/* ---- values ---- */
+
+static double load_value(const void *context, int slot)
+{
+    return ((const double *)context)[slot];
+}
+
+/* The event's scope knows the run's present state only: it is put there for a moment. */
+static double load_other(struct watch *watch, const struct watched *watched, int slot, double t, const double *y)
+{
+    struct run *run = watch->run;
+    const struct expr_scope *scope = watched->event->scope;
+    const double end_t = run->t;
+    double end[LIMIT_VARIABLES];
+    if (y == run->y)
+        return scope->load(scope->context, slot);
+    copy_state(end, run->y, run->system.n);
+    copy_state(run->y, y, run->system.n);
+    run->t = t;
+    const double value = scope->load(scope->context, slot);
+    copy_state(run->y, end, run->system.n);
+    run->t = end_t;
+    return value;
+}
+
+double events_watch_value(struct watch *watch, const struct watched *watched, double t, const double *y)
+{
+    const struct event *event = watched->event;
+    for (int i = 0; i < watch->columns; i++) {
+        const struct moving *column = &watch->column[i];
+        watch->value[i] = column->kind == MOVING_TIME    ? t
+                          : column->kind == MOVING_STATE ? y[column->index]
+                                                         : load_other(watch, watched, column->index, t, y);
+    }
+    const struct expr_scope scope = {.context = watch->value, .load = load_value};
+    const double value = expr_value(watched->left, &scope) * event->left_factor;
+    return watched->right ? value - expr_value(watched->right, &scope) * event->right_factor : value;
+}
+
+/* ---- bounds ---- */
+
+static struct jet scaled(struct jet jet, double factor)
+{
+    if (factor == 1)
+        return jet;
+    const struct jet out = {{factor * jet.value.lo, factor * jet.value.hi},
+                            {factor * jet.slope.lo, factor * jet.slope.hi},
+                            {factor * jet.bend.lo, factor * jet.bend.hi}};
+    return out; /* factors of units are above 0 */
+}
+
+static struct interval less_interval(struct interval a, struct interval b)
+{
+    const double lo = a.lo - b.hi, hi = a.hi - b.lo, slack = 4 * DBL_EPSILON;
+    if (lo != lo || hi != hi)
+        return (struct interval){a.lo == a.lo && b.lo == b.lo ? -HUGE_VAL : NAN,
+                                 a.lo == a.lo && b.lo == b.lo ? HUGE_VAL : NAN};
+    return (struct interval){lo - slack * fabs(lo), hi + slack * fabs(hi)};
+}
+
+static struct jet evaluate(const struct watch *watch, const struct watched *watched)
+{
+    const struct event *event = watched->event;
+    const struct jet left = scaled(expr_jet(watched->left, watch->jet), event->left_factor);
+    if (!watched->right)
+        return left;
+    const struct jet right = scaled(expr_jet(watched->right, watch->jet), event->right_factor);
+    return (struct jet){less_interval(left.value, right.value), less_interval(left.slope, right.slope),
+                        less_interval(left.bend, right.bend)};
+}
+
+static struct jet time_jet(const struct path *path, double a, double b)
+{
+    const double from = path_time(path, a), to = path_time(path, b), h = path->inside.h;
+    const double near = 2 * DBL_EPSILON * fmax(fabs(from), fabs(to));
+    return (struct jet){{fmin(from, to) - near, fmax(from, to) + near}, {h, h}, {0, 0}};
+}
+
+/* Of a function of the state: a polynomial through its values, which is no proof. */
+static struct jet other_jet(struct watch *watch, const struct watched *watched, int slot, double a, double b)
+{
+    double y[LIMIT_VARIABLES], value[SAMPLES + 1];
+    const double apart = fmax(b - a, 1e-9), from = fmin(a, 1 - apart);
+    for (int k = 0; k <= SAMPLES; k++) {
+        const double theta = from + apart * k / SAMPLES;
+        path_estimate(&watch->path, theta, y);
+        value[k] = load_other(watch, watched, slot, path_time(&watch->path, theta), y);
+    }
+    return path_fit(value, SAMPLES, from, from + apart);
+}
+
+struct jet events_watch_bounds(struct watch *watch, const struct watched *watched, double a, double b)
+{
+    const struct path *path = &watch->path;
+    path_make(&watch->path);
+    for (int i = 0; i < watch->columns; i++) {
+        const struct moving *column = &watch->column[i];
+        watch->jet[i] = column->kind == MOVING_TIME    ? time_jet(path, a, b)
+                        : column->kind == MOVING_STATE ? path_jet(path, column->index, a, b)
+                                                       : other_jet(watch, watched, column->index, a, b);
+    }
+    return evaluate(watch, watched);
+}
+
+bool events_watch_is_zero(struct watch *watch, const struct watched *watched, double t, const double *y, double error)
+{
+    for (int i = 0; i < watch->columns; i++) {
+        const struct moving *column = &watch->column[i];
+        const double value = column->kind == MOVING_TIME    ? t
+                             : column->kind == MOVING_STATE ? y[column->index]
+                                                            : load_other(watch, watched, column->index, t, y);
+        const double size = column->kind == MOVING_STATE
+                                ? fmax(fabs(value), watch->run->system.scale[column->index]) : fabs(value);
+        const double off = size * (column->kind == MOVING_TIME ? 2 * DBL_EPSILON : error);
+        watch->jet[i] = (struct jet){{value - off, value + off}, {0, 0}, {0, 0}};
+    }
+    const struct interval value = evaluate(watch, watched).value;
+    return value.lo <= 0 && value.hi >= 0;
+}

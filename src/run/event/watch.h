@@ -1,0 +1,82 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What is watched for while a run goes on, and bounds of it inside of the step just taken. */
+#ifndef HOOKE_RUN_EVENT_WATCH_H
+#define HOOKE_RUN_EVENT_WATCH_H
+
+#include "run/private.h"
+
+#include <math.h>
+
+/* ---- path.c ---- */
+
+/*
+ * The step just taken as a polynomial of the share theta of it: y = sum c_k (theta - 1/2)^k, but for `error`. Of a
+ * method whose steps have no polynomial a rough one first, on demand a finer one.
+ */
+struct path {
+    struct inside inside;
+    double end_t;
+    bool known, fine; /* made for this step */
+    int degree;
+    double end[LIMIT_VARIABLES];
+    double c[DENSE_DEGREE + 1][LIMIT_VARIABLES];
+    double error[LIMIT_VARIABLES];
+};
+
+void path_begin(struct path *path, const struct inside *inside);
+/* False: it is as fine as it can be. */
+bool path_refine(struct path *path);
+void path_make(struct path *path);
+double path_time(const struct path *path, double theta);
+/* By the method itself, at the ends the states that were computed. */
+void path_state(const struct path *path, double theta, double *y);
+struct jet path_jet(const struct path *path, int variable, double a, double b);
+void path_estimate(const struct path *path, double theta, double *y); /* all variables, by the polynomial */
+/* Of values at even shares of the stretch from a to b, the first at a: the polynomial's bounds, and about its error. */
+struct jet path_fit(const double *value, int degree, double a, double b);
+
+/* ---- watch.c ---- */
+
+/* A formula in the columns of the watch; what does not move is a number in it. */
+struct watched {
+    const struct event *event;
+    const struct expr *left, *right;
+    double value; /* at the present state, if `known` */
+    bool known;
+    bool departs; /* the value is 0 here but for rounding */
+    int sign;     /* where it was last not 0 */
+    int budget;
+    double touched; /* [s] when it last touched 0, NAN: never */
+};
+
+struct crossing {
+    double theta, t;
+    int event, direction; /* 1 rising with time, 0 touching */
+};
+
+struct watch {
+    struct arena arena;
+    struct moving *column;
+    double *value;   /* [columns] */
+    struct jet *jet; /* [columns] */
+    int columns, room;
+    bool failed;
+    struct run *run;
+    const struct expr_scope *scope;
+    struct watched event[LIMIT_EVENTS];
+    int events;
+    struct path path;
+    struct crossing *found; /* in the step just taken, in order */
+    double *state;          /* [count][n] */
+    size_t count, rooms;
+};
+
+/* For a run at its present state. False: no memory. */
+bool events_watch_begin(struct watch *watch, struct run *run, const struct run_target *target);
+void events_watch_destroy(struct watch *watch);
+double events_watch_value(struct watch *watch, const struct watched *watched, double t, const double *y);
+struct jet events_watch_bounds(struct watch *watch, const struct watched *watched, double a, double b);
+/* At a state that is known but for a share `error` of each variable's size. */
+bool events_watch_is_zero(struct watch *watch, const struct watched *watched, double t, const double *y, double error);
+
+#endif

@@ -1,0 +1,389 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Expressions: operator precedence parsing (Dijkstra 1961, the shunting yard) into postfix order with constants folded.
+ * Nothing recurses; the stacks of the parser and of the evaluator are bounded by LIMIT_EXPR_DEPTH.
+ */
+#include <string.h>
+
+#include "scene/formula/expr.h"
+
+/* What waits for its operands: an operator, an open parenthesis or an open call. */
+struct pending {
+    enum { WAIT_OPERATOR, WAIT_PARENTHESIS, WAIT_CALL } what;
+    enum op_kind op;
+    int precedence;
+    int arguments; /* of a call: commas so far */
+    const struct function *function;
+    struct text where;
+};
+
+struct compiler {
+    struct text text;
+    size_t at, end; /* next byte; behind the last word that belongs to the expression */
+    const struct expr_scope *scope;
+    struct arena *arena;
+    struct error *error;
+    struct expr *expr;
+    size_t values; /* on the stack after the operations so far */
+    struct pending pending[LIMIT_EXPR_DEPTH];
+    size_t depth;
+};
+
+enum { COMPARISON, SUM, PRODUCT, SIGN, POWER }; /* precedences: -2^2 is -4, 2^-2 is a quarter */
+
+/* Longer signs first. */
+static const struct sign {
+    const char *sign;
+    enum op_kind op;
+    int precedence;
+    bool to_right;
+} operators[] = {
+    {"<=", OP_LESS_EQUAL, COMPARISON, false},
+    {">=", OP_GREATER_EQUAL, COMPARISON, false},
+    {"<", OP_LESS, COMPARISON, false},
+    {">", OP_GREATER, COMPARISON, false},
+    {"+", OP_ADD, SUM, false},
+    {"-", OP_SUB, SUM, false},
+    {"*", OP_MUL, PRODUCT, false},
+    {"/", OP_DIV, PRODUCT, false},
+    {"^", OP_POW, POWER, true},
+};
+
+static bool is_digit(char c)
+{
+    return c >= '0' && c <= '9';
+}
+
+static bool is_letter(char c)
+{
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
+}
+
+static char peek(const struct compiler *c, size_t ahead)
+{
+    return ahead < c->text.len - c->at ? c->text.at[c->at + ahead] : '\0';
+}
+
+static struct text slice(const struct compiler *c, size_t from, size_t len)
+{
+    return (struct text){c->text.at + from, len};
+}
+
+static bool too_deep(struct compiler *c)
+{
+    return error_at(c->error, slice(c, c->at, c->at < c->text.len), "the expression is nested deeper than %d levels",
+                    LIMIT_EXPR_DEPTH);
+}
+
+static struct op *new_op(struct compiler *c)
+{
+    struct expr *expr = c->expr;
+    if (expr->count == LIMIT_EXPR_SIZE) {
+        error_at(c->error, slice(c, 0, c->at), "the expression has more than %d operations", LIMIT_EXPR_SIZE);
+        return NULL;
+    }
+    if (expr->count == expr->room) {
+        size_t room = expr->room ? 2 * expr->room : 16;
+        struct op *more = arena_array(c->arena, room, sizeof *more);
+        if (!more) {
+            error_memory(c->error);
+            return NULL;
+        }
+        if (expr->count)
+            memcpy(more, expr->op, expr->count * sizeof *more);
+        expr->op = more;
+        expr->room = room;
+    }
+    return &expr->op[expr->count++];
+}
+
+/* A value: it goes onto the stack. */
+static bool emit_value(struct compiler *c, struct op value)
+{
+    if (c->values == LIMIT_EXPR_DEPTH)
+        return too_deep(c);
+    struct op *op = new_op(c);
+    if (!op)
+        return false;
+    *op = value;
+    c->values++;
+    return true;
+}
+
+/* An operation on the last `arity` values: done at once where all of them are numbers. */
+static bool emit(struct compiler *c, struct op operation, size_t arity)
+{
+    struct expr *expr = c->expr;
+    double stack[3];
+    size_t numbers = 0;
+    while (numbers < arity && expr->op[expr->count - 1 - numbers].kind == OP_NUMBER)
+        numbers++;
+    c->values -= arity - 1;
+    if (numbers < arity) {
+        struct op *op = new_op(c);
+        if (op)
+            *op = operation;
+        return op;
+    }
+    expr->count -= arity;
+    for (size_t i = 0; i < arity; i++)
+        stack[i] = expr->op[expr->count + i].number;
+    op_apply(&operation, stack + arity);
+    expr->op[expr->count++] = (struct op){.kind = OP_NUMBER, .number = stack[0]};
+    return true;
+}
+
+/* Emits the waiting operators that bind at least as tightly as `precedence`, down to the innermost parenthesis. */
+static bool reduce(struct compiler *c, int precedence)
+{
+    while (c->depth > 0) {
+        struct pending *top = &c->pending[c->depth - 1];
+        if (top->what != WAIT_OPERATOR || top->precedence < precedence)
+            return true;
+        c->depth--;
+        if (!emit(c, (struct op){.kind = top->op}, top->op == OP_NEG ? 1 : 2))
+            return false;
+    }
+    return true;
+}
+
+/* Reads `length` bytes as an operator, a parenthesis or a call that waits. */
+static bool push(struct compiler *c, struct pending pending, size_t length)
+{
+    if (c->depth == LIMIT_EXPR_DEPTH)
+        return too_deep(c);
+    pending.where = slice(c, c->at, length);
+    c->pending[c->depth++] = pending;
+    c->at += length;
+    return true;
+}
+
+static void skip_blanks(struct compiler *c)
+{
+    while (peek(c, 0) == ' ' || peek(c, 0) == '\t')
+        c->at++;
+}
+
+static bool read_number(struct compiler *c)
+{
+    double value;
+    size_t used;
+    enum real_status status = real_scan(slice(c, c->at, c->text.len - c->at), '.', &value, &used);
+    if (used == 0)
+        return error_at(c->error, slice(c, c->at, 1), "malformed number");
+    struct text word = slice(c, c->at, used);
+    if (status == REAL_OVERFLOW)
+        return error_at(c->error, word, "the number %.*s is too large", used < 40 ? (int)used : 40, word.at);
+    c->at += used;
+    return emit_value(c, (struct op){.kind = OP_NUMBER, .number = value});
+}
+
+static bool unknown_name(struct compiler *c, struct text name)
+{
+    int shown = name.len < LIMIT_NAME ? (int)name.len : LIMIT_NAME;
+    error_at(c->error, name, "unknown name '%.*s'", shown, name.at);
+    struct suggestion suggestion = {.wanted = name};
+    if (c->scope && c->scope->offer)
+        c->scope->offer(c->scope->context, &suggestion);
+    suggestion_offer(&suggestion, "pi");
+    for (size_t i = 0; i < function_catalog.count; i++)
+        suggestion_offer(&suggestion, catalog_row(&function_catalog, i)->name);
+    suggestion_hint(&suggestion, c->error);
+    return false;
+}
+
+/* Length of the word of letters, digits and underscores, `from` bytes ahead. */
+static size_t word_end(const struct compiler *c, size_t from)
+{
+    while (is_letter(peek(c, from)) || is_digit(peek(c, from)))
+        from++;
+    return from;
+}
+
+/*
+ * A name, the longest that the scope knows: some names have a hyphen inside (phase-error), so that a-b is the name a-b
+ * where there is one, else a minus b. A ' behind a name belongs to it: y' is the velocity of y.
+ */
+static bool read_name(struct compiler *c)
+{
+    size_t length[LIMIT_NAME], count = 0;
+    length[0] = word_end(c, 0);
+    length[0] += peek(c, length[0]) == '\'';
+    count++;
+    while (length[count - 1] < LIMIT_NAME && peek(c, length[count - 1]) == '-' &&
+           is_letter(peek(c, length[count - 1] + 1))) {
+        length[count] = word_end(c, length[count - 1] + 1);
+        count++;
+    }
+    struct text word = slice(c, c->at, length[0]);
+    struct op op = {.kind = OP_NAME};
+    if (text_is(word, "pi")) {
+        op = (struct op){.kind = OP_NUMBER, .number = 3.14159265358979323846};
+        count = 1;
+    } else {
+        while (count > 0 &&
+               !(c->scope && c->scope->find(c->scope->context, slice(c, c->at, length[count - 1]), &op.slot)))
+            count--;
+        if (count == 0)
+            return unknown_name(c, word);
+    }
+    c->at += length[count - 1];
+    return emit_value(c, op);
+}
+
+static bool read_word(struct compiler *c)
+{
+    struct text word = slice(c, c->at, word_end(c, 0));
+    const struct row *row = catalog_find(&function_catalog, word);
+    size_t paren = word.len;
+    while (peek(c, paren) == ' ')
+        paren++;
+    if (row && peek(c, paren) == '(')
+        return push(c, (struct pending){.what = WAIT_CALL, .function = (const struct function *)row}, paren + 1);
+    if (!row && peek(c, word.len) == '(') {
+        catalog_unknown(&function_catalog, word, c->error);
+        c->error->where = word;
+        return false;
+    }
+    int slot;
+    if (row && !(c->scope && c->scope->find(c->scope->context, word, &slot)))
+        return error_at(c->error, word, "%s is a function: write %.*s", row->name, (int)strcspn(row->brief, ":"),
+                        row->brief);
+    return read_name(c);
+}
+
+/* The innermost call has, up to here, too many or too few arguments. */
+static bool wrong_count(struct compiler *c, const struct pending *call)
+{
+    int arity = function_arity(call->function);
+    return error_at(c->error, (struct text){call->where.at, (size_t)(c->text.at + c->at - call->where.at)},
+                    "%s takes %d argument%s", call->function->row.name, arity, arity == 1 ? "" : "s");
+}
+
+static bool missing_operand(struct compiler *c)
+{
+    struct text where = slice(c, c->at, c->at < c->text.len);
+    const struct pending *top = c->depth > 0 ? &c->pending[c->depth - 1] : NULL;
+    if (top)
+        error_at(c->error, where, "a number or a name is missing after '%.*s'", (int)top->where.len, top->where.at);
+    else
+        error_at(c->error, where, "a number or a name is missing");
+    const unsigned char first = (unsigned char)peek(c, 0);
+    return first >= 0xC2 && first <= 0xF4 && /* of a letter in UTF-8 */
+           error_hint(c->error, "write names and signs in ASCII: - * / and a to z");
+}
+
+/* Where an operand has to stand. *complete: one was read, an operator may follow. */
+static bool read_operand(struct compiler *c, bool *complete)
+{
+    char next = peek(c, 0);
+    *complete = is_digit(next) || next == '.';
+    if (*complete)
+        return read_number(c);
+    if (is_letter(next)) {
+        size_t depth = c->depth;
+        bool fine = read_word(c);
+        *complete = c->depth == depth; /* else a call was opened */
+        return fine;
+    }
+    if (next == '(')
+        return push(c, (struct pending){.what = WAIT_PARENTHESIS}, 1);
+    if (next == '-')
+        return push(c, (struct pending){.op = OP_NEG, .precedence = SIGN}, 1);
+    if (next == '+' && peek(c, 1) != '-') {
+        c->at++;
+        return true;
+    }
+    const struct pending *top = c->depth > 0 ? &c->pending[c->depth - 1] : NULL;
+    if (next == ')' && top && top->what == WAIT_CALL && top->arguments == 0) {
+        c->at++;
+        return wrong_count(c, top);
+    }
+    return missing_operand(c);
+}
+
+/* The innermost open parenthesis or call; NULL: none. */
+static struct pending *innermost(struct compiler *c)
+{
+    for (size_t i = c->depth; i > 0; i--)
+        if (c->pending[i - 1].what != WAIT_OPERATOR)
+            return &c->pending[i - 1];
+    return NULL;
+}
+
+/* NULL: none, as at "+-" of an uncertainty. */
+static const struct sign *next_operator(const struct compiler *c)
+{
+    struct text rest = slice(c, c->at, c->text.len - c->at);
+    for (size_t i = 0; i < COUNT_OF(operators); i++)
+        if (text_starts(rest, text_of(operators[i].sign)) && !text_starts(rest, TEXT("+-")))
+            return &operators[i];
+    return NULL;
+}
+
+/*
+ * Where an operator may stand; a comparison only inside of parentheses, else it is that of a condition. *complete: an
+ * operand has just been closed by ')'. *over: the expression ends here.
+ */
+static bool read_operator(struct compiler *c, bool *complete, bool *over)
+{
+    char next = peek(c, 0);
+    *complete = next == ')';
+    struct pending *open = innermost(c);
+    const struct sign *sign = next_operator(c);
+    if (sign && (open || sign->precedence != COMPARISON)) {
+        if (!reduce(c, sign->precedence + (sign->to_right || sign->precedence == COMPARISON)))
+            return false;
+        const struct pending *last = c->depth > 0 ? &c->pending[c->depth - 1] : NULL;
+        size_t length = strlen(sign->sign);
+        if (sign->precedence == COMPARISON && last->what == WAIT_OPERATOR)
+            return error_at(c->error, slice(c, c->at, length),
+                            "comparisons do not chain: for a < b < c write (a < b)*(b < c)");
+        return push(c, (struct pending){.op = sign->op, .precedence = sign->precedence}, length);
+    }
+    if (next == ',' && open && open->what == WAIT_CALL) {
+        c->at++;
+        return ++open->arguments < function_arity(open->function) ? reduce(c, 0) : wrong_count(c, open);
+    }
+    if (next != ')' || !open) {
+        *over = true;
+        return true;
+    }
+    if (!reduce(c, 0))
+        return false;
+    c->at++;
+    c->depth--;
+    if (open->what == WAIT_PARENTHESIS)
+        return true;
+    if (open->arguments + 1 < function_arity(open->function))
+        return wrong_count(c, open);
+    return emit(c, (struct op){.kind = OP_CALL, .function = open->function}, (size_t)open->arguments + 1);
+}
+
+const struct expr *expr_compile(struct text text, const struct expr_scope *scope, struct arena *arena, size_t *used,
+                                struct error *error)
+{
+    struct compiler compiler = {.text = text, .scope = scope, .arena = arena, .error = error}, *c = &compiler;
+    c->expr = arena_alloc(arena, sizeof *c->expr);
+    if (!c->expr) {
+        error_memory(error);
+        return NULL;
+    }
+    bool complete = false;
+    for (bool over = false; !over; c->end = over ? c->end : c->at) {
+        skip_blanks(c);
+        if (!(complete ? read_operator(c, &complete, &over) : read_operand(c, &complete)))
+            return NULL;
+    }
+    const struct pending *open = innermost(c);
+    if (open) {
+        error_at(error, open->where, "missing ')' for '%.*s'", (int)open->where.len, open->where.at);
+        if (is_letter(peek(c, 0)))
+            error_hint(error, "a unit stands after the whole expression: (5 + 0.3) cm");
+        return NULL;
+    }
+    if (!reduce(c, 0))
+        return NULL;
+    *used = c->end;
+    return c->expr;
+}

@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the compiler and the evaluators of expressions share. */
+#ifndef HOOKE_SCENE_FORMULA_EXPR_H
+#define HOOKE_SCENE_FORMULA_EXPR_H
+
+#include <hooke/scene.h>
+
+/* One of the three is set: it says how many arguments there are. */
+struct function {
+    struct row row;
+    double (*one)(double);
+    double (*two)(double, double);
+    double (*three)(double, double, double);
+};
+
+static inline int function_arity(const struct function *function)
+{
+    return function->one ? 1 : function->two ? 2 : 3;
+}
+
+/* What a NaN argument has to give NaN for, and what programs know without a call. */
+double function_power(double x, double n);
+double function_least(double a, double b);
+double function_most(double a, double b);
+double function_sign(double x);
+double function_step(double x);
+double function_choose(double condition, double yes, double no);
+double function_mod(double a, double b);
+
+/* 1 or 0; NaN where an argument is. */
+static inline double less(double a, double b)
+{
+    double holds = a < b;
+    return a != a || b != b ? NAN : holds;
+}
+
+static inline double less_equal(double a, double b)
+{
+    double holds = a <= b;
+    return a != a || b != b ? NAN : holds;
+}
+
+/*
+ * x^n is multiplications where n is an integer or half of one, at most POWER_MOST in size: the bits of |n| from the
+ * highest down, r r for each and r x for a 1, then sqrt(x) for the half; 1/that for n < 0. Everywhere the same, so
+ * that it does not matter when n becomes known.
+ */
+#define POWER_MOST 16
+
+static inline bool power_is_short(double n)
+{
+    return fabs(n) <= POWER_MOST && 2 * n == floor(2 * n);
+}
+
+enum op_kind {
+    OP_NUMBER,
+    OP_NAME,
+    OP_LESS,
+    OP_GREATER,
+    OP_LESS_EQUAL,
+    OP_GREATER_EQUAL,
+    OP_ADD,
+    OP_SUB,
+    OP_MUL,
+    OP_DIV,
+    OP_POW,
+    OP_NEG,
+    OP_CALL
+};
+
+/* An operation on the stack of values. */
+struct op {
+    enum op_kind kind;
+    union {
+        double number;                   /* OP_NUMBER */
+        int slot;                        /* OP_NAME */
+        const struct function *function; /* OP_CALL */
+    };
+};
+
+/* In postfix order. The stack never holds more than LIMIT_EXPR_DEPTH values: the compiler sees to it. */
+struct expr {
+    struct op *op;
+    size_t count, room;
+};
+
+/* Operands of an operation that is not a value. */
+static inline int op_arity(const struct op *op)
+{
+    return op->kind == OP_NEG ? 1 : op->kind == OP_CALL ? function_arity(op->function) : 2;
+}
+
+/* Applies an operator or a function; top points behind the last value. Returns the new top. */
+double *op_apply(const struct op *op, double *top);
+
+#endif

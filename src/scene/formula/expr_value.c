@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The stack machine that evaluates an expression once. What is evaluated often becomes a program. */
+#include <math.h>
+
+#include "scene/formula/expr.h"
+
+static inline double *apply(const struct op *op, double *top)
+{
+    switch (op->kind) {
+    case OP_NUMBER: /* values: the caller's business */
+    case OP_NAME:
+        return top;
+    case OP_NEG:
+        top[-1] = -top[-1];
+        return top;
+    case OP_LESS:
+        top[-2] = less(top[-2], top[-1]);
+        return top - 1;
+    case OP_GREATER:
+        top[-2] = less(top[-1], top[-2]);
+        return top - 1;
+    case OP_LESS_EQUAL:
+        top[-2] = less_equal(top[-2], top[-1]);
+        return top - 1;
+    case OP_GREATER_EQUAL:
+        top[-2] = less_equal(top[-1], top[-2]);
+        return top - 1;
+    case OP_ADD:
+        top[-2] += top[-1];
+        return top - 1;
+    case OP_SUB:
+        top[-2] -= top[-1];
+        return top - 1;
+    case OP_MUL:
+        top[-2] *= top[-1];
+        return top - 1;
+    case OP_DIV:
+        top[-2] /= top[-1];
+        return top - 1;
+    case OP_POW:
+        top[-2] = function_power(top[-2], top[-1]);
+        return top - 1;
+    case OP_CALL:
+        break;
+    }
+    const struct function *f = op->function;
+    if (f->one) {
+        top[-1] = f->one(top[-1]);
+        return top;
+    }
+    if (f->two) {
+        top[-2] = f->two(top[-2], top[-1]);
+        return top - 1;
+    }
+    top[-3] = f->three(top[-3], top[-2], top[-1]);
+    return top - 2;
+}
+
+double *op_apply(const struct op *op, double *top)
+{
+    return apply(op, top);
+}
+
+double expr_value(const struct expr *expr, const struct expr_scope *scope)
+{
+    double stack[LIMIT_EXPR_DEPTH], *top = stack;
+    for (const struct op *op = expr->op; op < expr->op + expr->count; op++) {
+        if (op->kind == OP_NUMBER)
+            *top++ = op->number;
+        else if (op->kind == OP_NAME)
+            *top++ = scope->load(scope->context, op->slot);
+        else
+            top = apply(op, top);
+    }
+    return top[-1]; /* the one value that is left */
+}
+
+bool expr_constant(const struct expr *expr, double *value)
+{
+    for (size_t i = 0; i < expr->count; i++)
+        if (expr->op[i].kind == OP_NAME)
+            return false;
+    *value = expr_value(expr, NULL);
+    return true;
+}

@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The functions of expressions. A NaN argument gives NaN, also where libm's fmin and fmax would drop it. */
+#include <math.h>
+
+#include "scene/formula/expr.h"
+
+double function_least(double a, double b)
+{
+    return a < b || isnan(a) ? a : b;
+}
+
+double function_most(double a, double b)
+{
+    return a > b || isnan(a) ? a : b;
+}
+
+double function_sign(double x)
+{
+    return less(0, x) - less(x, 0);
+}
+
+double function_step(double x)
+{
+    return less_equal(0, x);
+}
+
+double function_choose(double condition, double yes, double no)
+{
+    return isnan(condition) ? condition : condition > 0 ? yes : no;
+}
+
+/* fmod is exact, and has the sign of a. */
+double function_mod(double a, double b)
+{
+    double rest = fmod(a, b);
+    return rest != 0 && (rest < 0) != (b < 0) ? rest + b : rest;
+}
+
+double function_power(double x, double n)
+{
+    if (!power_is_short(n))
+        return pow(x, n);
+    int whole = (int)fabs(n), bit = POWER_MOST;
+    while (bit > whole)
+        bit /= 2;
+    double power = whole > 0 ? x : 1;
+    while ((bit /= 2) > 0) {
+        power *= power;
+        if (whole & bit)
+            power *= x;
+    }
+    if (fabs(n) > whole)
+        power *= sqrt(x);
+    return n < 0 ? 1 / power : power;
+}
+
+static const struct function rows[] = {
+    {{"sin", "", "sin(x): sine of an angle in radians", "", NULL}, .one = sin},
+    {{"cos", "", "cos(x): cosine of an angle in radians", "", NULL}, .one = cos},
+    {{"tan", "", "tan(x): tangent of an angle in radians", "", NULL}, .one = tan},
+    {{"asin", "", "asin(x): angle whose sine is x, -pi/2 to pi/2", "", "arcsin"}, .one = asin},
+    {{"acos", "", "acos(x): angle whose cosine is x, 0 to pi", "", "arccos"}, .one = acos},
+    {{"atan", "", "atan(x): angle whose tangent is x, -pi/2 to pi/2", "", "arctan"}, .one = atan},
+    {{"atan2", "", "atan2(y, x): angle of the point (x, y), -pi to pi", "", "arctan2"}, .two = atan2},
+    {{"sinh", "", "sinh(x): hyperbolic sine", "", NULL}, .one = sinh},
+    {{"cosh", "", "cosh(x): hyperbolic cosine", "", NULL}, .one = cosh},
+    {{"tanh", "", "tanh(x): hyperbolic tangent", "", NULL}, .one = tanh},
+    {{"sqrt", "", "sqrt(x): square root", "", NULL}, .one = sqrt},
+    {{"cbrt", "", "cbrt(x): cube root, also of negative numbers", "", NULL}, .one = cbrt},
+    {{"exp", "", "exp(x): e to the power x", "", NULL}, .one = exp},
+    {{"log", "", "log(x): natural logarithm", "", "ln"}, .one = log},
+    {{"log10", "", "log10(x): logarithm to the base 10", "", NULL}, .one = log10},
+    {{"pow", "", "pow(x, n): x to the power n, the same as x^n", "", NULL}, .two = function_power},
+    {{"hypot", "", "hypot(x, y): sqrt(x^2 + y^2) without overflow", "", NULL}, .two = hypot},
+    {{"abs", "", "abs(x): absolute value", "", "fabs"}, .one = fabs},
+    {{"sign", "", "sign(x): -1, 0 or 1", "", "sgn"}, .one = function_sign},
+    {{"step", "", "step(x): 0 for x < 0, else 1", "", "heaviside heav"}, .one = function_step},
+    {{"min", "", "min(a, b): the smaller of two", "", NULL}, .two = function_least},
+    {{"max", "", "max(a, b): the larger of two", "", NULL}, .two = function_most},
+    {{"mod", "", "mod(a, b): what a leaves when divided by b, between 0 and b", "", NULL}, .two = function_mod},
+    {{"floor", "", "floor(x): largest integer <= x", "", NULL}, .one = floor},
+    {{"ceil", "", "ceil(x): smallest integer >= x", "", NULL}, .one = ceil},
+    {{"round", "", "round(x): nearest integer, halves away from 0", "", NULL}, .one = round},
+    {{"if", "", "if(c, a, b): a where c > 0 or holds (x < 1), else b", "", NULL}, .three = function_choose},
+};
+
+const struct catalog function_catalog = CATALOG("function", rows);

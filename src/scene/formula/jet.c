@@ -1,0 +1,277 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Arithmetic of bounds, and expressions of it; functions of one argument are in jet_functions.c. */
+#include "scene/formula/jet.h"
+
+struct jet jet_number(double number)
+{
+    const struct interval nothing = {0, 0};
+    return (struct jet){interval_point(number), nothing, nothing};
+}
+
+struct jet jet_jump(double lo, double hi)
+{
+    return (struct jet){{lo, hi}, interval_all, interval_all};
+}
+
+struct jet jet_neg(struct jet a)
+{
+    return (struct jet){interval_neg(a.value), interval_neg(a.slope), interval_neg(a.bend)};
+}
+
+struct jet jet_add(struct jet a, struct jet b)
+{
+    return (struct jet){interval_add(a.value, b.value), interval_add(a.slope, b.slope),
+                        interval_add(a.bend, b.bend)};
+}
+
+struct jet jet_sub(struct jet a, struct jet b)
+{
+    return jet_add(a, jet_neg(b));
+}
+
+static bool is_number(const struct jet *a)
+{
+    return a->slope.lo == 0 && a->slope.hi == 0 && a->bend.lo == 0 && a->bend.hi == 0;
+}
+
+static struct jet scaled(struct interval factor, const struct jet *a)
+{
+    return (struct jet){interval_mul(factor, a->value), interval_mul(factor, a->slope),
+                        interval_mul(factor, a->bend)};
+}
+
+/* (a b)'' = a'' b + 2 a' b' + a b'' */
+struct jet jet_mul(struct jet a, struct jet b)
+{
+    if (is_number(&a) || is_number(&b))
+        return is_number(&a) ? scaled(a.value, &b) : scaled(b.value, &a);
+    const struct interval both = interval_mul(a.slope, b.slope);
+    return (struct jet){
+        interval_mul(a.value, b.value),
+        interval_add(interval_mul(a.slope, b.value), interval_mul(a.value, b.slope)),
+        interval_add(interval_add(interval_mul(a.bend, b.value), interval_mul(a.value, b.bend)),
+                     interval_add(both, both))};
+}
+
+/* q = a/b: q' = (a' - q b')/b, q'' = (a'' - 2 q' b' - q b'')/b */
+struct jet jet_div(struct jet a, struct jet b)
+{
+    struct jet q = {.value = interval_div(a.value, b.value)};
+    const struct interval rise = interval_sub(a.slope, interval_mul(q.value, b.slope));
+    q.slope = interval_div(rise, b.value);
+    const struct interval both = interval_mul(q.slope, b.slope);
+    const struct interval bend = interval_sub(interval_sub(a.bend, interval_add(both, both)),
+                                              interval_mul(q.value, b.bend));
+    q.bend = interval_div(bend, b.value);
+    return q;
+}
+
+/* 1 where a < b (a <= b), else 0. */
+struct jet jet_less(struct jet a, struct jet b, bool equal)
+{
+    if (interval_empty(a.value) || interval_empty(b.value))
+        return jet_jump(NAN, NAN);
+    if (a.value.hi < b.value.lo || (equal && a.value.hi <= b.value.lo))
+        return jet_number(1);
+    if (a.value.lo > b.value.hi || (!equal && a.value.lo >= b.value.hi))
+        return jet_number(0);
+    return jet_jump(0, 1);
+}
+
+struct jet jet_if(struct jet condition, struct jet yes, struct jet no)
+{
+    if (interval_empty(condition.value))
+        return jet_jump(NAN, NAN);
+    if (condition.value.lo > 0)
+        return yes;
+    if (condition.value.hi <= 0)
+        return no;
+    const struct interval hull = interval_hull(yes.value, no.value);
+    return jet_jump(hull.lo, hull.hi);
+}
+
+/* ---- functions of two arguments ---- */
+
+/* Of two that are continuous, one is chosen: the slope is one of theirs. */
+static struct jet either(const struct jet *a, const struct jet *b, double lo, double hi)
+{
+    return (struct jet){{lo, hi}, interval_hull(a->slope, b->slope), interval_all};
+}
+
+static struct jet least(struct jet a, struct jet b)
+{
+    if (interval_empty(a.value) || interval_empty(b.value))
+        return jet_jump(NAN, NAN);
+    if (a.value.hi < b.value.lo || b.value.hi < a.value.lo)
+        return a.value.hi < b.value.lo ? a : b;
+    return either(&a, &b, fmin(a.value.lo, b.value.lo), fmin(a.value.hi, b.value.hi));
+}
+
+static struct jet square(struct jet a)
+{
+    struct jet out = jet_mul(a, a);
+    const struct interval bend = interval_mul(a.value, a.bend);
+    out.value = interval_square(a.value);
+    out.bend = interval_add(interval_square(a.slope), bend);
+    out.bend = interval_add(out.bend, out.bend);
+    return out;
+}
+
+static struct jet length(struct jet a, struct jet b)
+{
+    struct jet out = jet_one(sqrt, jet_add(square(a), square(b)));
+    if (!(out.value.hi < HUGE_VAL) && !interval_empty(out.value))
+        out.value = (struct interval){0, HUGE_VAL};
+    return out;
+}
+
+/* The angle of (x, y): its slope is (x y' - y x')/(x^2 + y^2) wherever it does not jump, at y = 0 with x < 0. */
+static struct jet angle(struct jet y, struct jet x)
+{
+    if (interval_empty(y.value) || interval_empty(x.value))
+        return jet_jump(NAN, NAN);
+    const struct jet quarter = jet_number(M_PI_2);
+    struct jet out;
+    if (x.value.lo > 0)
+        return jet_one(atan, jet_div(y, x));
+    if (y.value.lo > 0)
+        out = jet_sub(quarter, jet_one(atan, jet_div(x, y)));
+    else if (y.value.hi < 0)
+        out = jet_neg(jet_add(quarter, jet_one(atan, jet_div(x, y))));
+    else
+        return jet_jump(-4, 4);
+    out.value = interval_wide(out.value.lo, out.value.hi, 4);
+    return out;
+}
+
+static struct jet modulo(struct jet a, struct jet b)
+{
+    if (interval_empty(a.value) || interval_empty(b.value))
+        return jet_jump(NAN, NAN);
+    const struct interval ratio = interval_div(a.value, b.value);
+    const struct interval wide = interval_wide(ratio.lo, ratio.hi, 4);
+    if (floor(wide.lo) == floor(wide.hi) && fabs(wide.hi) < 0x1p52)
+        return jet_sub(a, jet_mul(b, jet_number(floor(wide.lo))));
+    return jet_jump(fmin(b.value.lo, 0), fmax(b.value.hi, 0));
+}
+
+/* x^n for an integer n, or half of one: (x^n)' = n x^(n-1) x'. */
+static struct jet to_number(struct jet x, double n)
+{
+    if (n == 0)
+        return interval_empty(x.value) ? x : jet_number(1);
+    if (n != floor(n)) {
+        const struct jet root = jet_one(sqrt, x);
+        return jet_mul(to_number(x, floor(n)), root);
+    }
+    const int k = (int)n;
+    const struct interval one = interval_power(x.value, k - 1), factor = interval_point(n);
+    const struct interval two = k == 1 ? interval_point(0) : interval_power(x.value, k - 2);
+    const struct interval once = interval_mul(factor, one);
+    const struct interval twice = interval_mul(interval_point(n * (n - 1)), two);
+    return (struct jet){interval_power(x.value, k), interval_mul(once, x.slope),
+                        interval_add(interval_mul(twice, interval_square(x.slope)), interval_mul(once, x.bend))};
+}
+
+/* In general exp(n log x), for which x has to be above 0. */
+static struct jet to_power(struct jet x, struct jet n)
+{
+    if (interval_empty(x.value) || interval_empty(n.value))
+        return jet_jump(NAN, NAN);
+    if (is_number(&n) && n.value.lo == n.value.hi && power_is_short(n.value.lo))
+        return to_number(x, n.value.lo);
+    if (!(x.value.lo > 0)) {
+        const bool whole = is_number(&n) && n.value.lo == floor(n.value.lo);
+        const double least = !whole ? 0 : -HUGE_VAL;
+        return x.value.hi < 0 && is_number(&n) && !whole ? jet_jump(NAN, NAN) : jet_jump(least, HUGE_VAL);
+    }
+    return jet_one(exp, jet_mul(n, jet_one(log, x)));
+}
+
+struct jet jet_two(double (*function)(double, double), struct jet a, struct jet b)
+{
+    if (function == function_power)
+        return to_power(a, b);
+    if (function == function_least)
+        return least(a, b);
+    if (function == function_most)
+        return jet_neg(least(jet_neg(a), jet_neg(b)));
+    if (function == function_mod)
+        return modulo(a, b);
+    if (function == (double (*)(double, double))hypot)
+        return length(a, b);
+    if (function == (double (*)(double, double))atan2)
+        return angle(a, b);
+    return jet_jump(-HUGE_VAL, HUGE_VAL);
+}
+
+/* ---- expressions ---- */
+
+static struct jet apply(const struct op *op, const struct jet *x)
+{
+    switch (op->kind) {
+    case OP_NUMBER:
+        return jet_number(op->number);
+    case OP_NEG:
+        return jet_neg(x[0]);
+    case OP_LESS:
+    case OP_LESS_EQUAL:
+        return jet_less(x[0], x[1], op->kind == OP_LESS_EQUAL);
+    case OP_GREATER:
+    case OP_GREATER_EQUAL:
+        return jet_less(x[1], x[0], op->kind == OP_GREATER_EQUAL);
+    case OP_ADD:
+        return jet_add(x[0], x[1]);
+    case OP_SUB:
+        return jet_sub(x[0], x[1]);
+    case OP_MUL:
+        return jet_mul(x[0], x[1]);
+    case OP_DIV:
+        return jet_div(x[0], x[1]);
+    case OP_POW:
+        return jet_two(function_power, x[0], x[1]);
+    case OP_CALL:
+        return op->function->one   ? jet_one(op->function->one, x[0])
+               : op->function->two ? jet_two(op->function->two, x[0], x[1])
+                                   : jet_if(x[0], x[1], x[2]);
+    case OP_NAME:
+        break;
+    }
+    return x[0];
+}
+
+struct jet expr_jet(const struct expr *expr, const struct jet *jet)
+{
+    struct jet stack[LIMIT_EXPR_DEPTH], *top = stack;
+    for (const struct op *op = expr->op; op < expr->op + expr->count; op++) {
+        if (op->kind == OP_NAME) {
+            *top++ = jet[op->slot];
+            continue;
+        }
+        top -= op->kind == OP_NUMBER ? 0 : op_arity(op);
+        *top = apply(op, top);
+        top++;
+    }
+    return stack[0];
+}
+
+const struct expr *expr_settle(const struct expr *expr, const struct expr_scope *scope,
+                               int (*slot)(void *context, int slot), void *context, struct arena *arena)
+{
+    struct expr *settled = arena_alloc(arena, sizeof *settled);
+    struct op *op = arena_array(arena, expr->count, sizeof *op);
+    if (!settled || !op)
+        return NULL;
+    *settled = (struct expr){.op = op, .count = expr->count, .room = expr->count};
+    for (size_t i = 0; i < expr->count; i++) {
+        op[i] = expr->op[i];
+        if (op[i].kind != OP_NAME)
+            continue;
+        const int moves = slot(context, op[i].slot);
+        if (moves >= 0)
+            op[i].slot = moves;
+        else
+            op[i] = (struct op){.kind = OP_NUMBER, .number = scope->load(scope->context, op[i].slot)};
+    }
+    return settled;
+}

@@ -1,0 +1,253 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Bounds of the functions of one argument, of their first and of their second derivatives. */
+#include "scene/formula/jet.h"
+
+#define UNITS 4 /* of the last place: what libm may be off */
+
+/* f, f', f'' over an interval. */
+struct series {
+    struct interval f, first, second;
+};
+
+static struct interval one(void)
+{
+    return interval_point(1);
+}
+
+static struct interval times(double factor, struct interval a)
+{
+    return interval_mul(interval_point(factor), a);
+}
+
+static struct interval rising(double (*function)(double), struct interval x)
+{
+    return interval_wide(function(x.lo), function(x.hi), UNITS);
+}
+
+static const struct series unknown = {{NAN, NAN}, {NAN, NAN}, {NAN, NAN}};
+
+/* The part of x from lo to hi, where there is a value; beyond, nothing is known of slopes. */
+static bool clipped(struct interval *x, double lo, double hi)
+{
+    const bool whole = x->lo >= lo && x->hi <= hi;
+    if (x->hi < lo || x->lo > hi)
+        *x = interval_none;
+    else if (!whole)
+        *x = (struct interval){fmax(x->lo, lo), fmin(x->hi, hi)};
+    return whole;
+}
+
+static struct series somewhere(struct interval f)
+{
+    return (struct series){f, interval_all, interval_all};
+}
+
+/* ---- circular ---- */
+
+/* Is there a k with (k + shift) pi in x, even k (odd, or any for part 2)? Too near to tell counts. */
+static bool meets(struct interval x, double shift, int part)
+{
+    const double near = 4 * 0x1p-52 * fmax(fabs(x.lo), fabs(x.hi));
+    const double period = part == 2 ? M_PI : 2 * M_PI, first = (part == 1 ? shift + 1 : shift) * M_PI;
+    return floor((x.hi + near - first) / period) >= ceil((x.lo - near - first) / period);
+}
+
+/* The function has its maxima at (2 k + shift) pi. */
+static struct interval wave(double (*function)(double), struct interval x, double shift)
+{
+    if (!(x.hi - x.lo < 2 * M_PI) || fmax(fabs(x.lo), fabs(x.hi)) > 0x1p40)
+        return (struct interval){-1, 1};
+    const double p = function(x.lo), q = function(x.hi);
+    struct interval f = interval_wide(fmin(p, q), fmax(p, q), UNITS);
+    f.hi = meets(x, shift, 0) || f.hi > 1 ? 1 : f.hi;
+    f.lo = meets(x, shift, 1) || f.lo < -1 ? -1 : f.lo;
+    return f;
+}
+
+static struct series series_sin(struct interval x)
+{
+    const struct interval f = wave(sin, x, 0.5);
+    return (struct series){f, wave(cos, x, 0), interval_neg(f)};
+}
+
+static struct series series_cos(struct interval x)
+{
+    const struct interval f = wave(cos, x, 0);
+    return (struct series){f, interval_neg(wave(sin, x, 0.5)), interval_neg(f)};
+}
+
+static struct series series_tan(struct interval x)
+{
+    if (!(x.hi - x.lo < M_PI) || fmax(fabs(x.lo), fabs(x.hi)) > 0x1p40 || meets(x, 0.5, 2))
+        return somewhere(interval_all);
+    const struct interval f = rising(tan, x), first = interval_add(one(), interval_square(f));
+    return (struct series){f, first, times(2, interval_mul(f, first))};
+}
+
+/* 1/sqrt(1 - x^2), x/(1 - x^2)^(3/2) */
+static struct series series_asin(struct interval x)
+{
+    const bool whole = clipped(&x, -1, 1);
+    if (interval_empty(x))
+        return unknown;
+    const struct interval f = rising(asin, x);
+    const struct interval rest = interval_mul(interval_sub(one(), x), interval_add(one(), x));
+    if (!whole || !(rest.lo > 0))
+        return somewhere(f);
+    const struct interval first = interval_div(one(), rising(sqrt, rest));
+    return (struct series){f, first, interval_div(interval_mul(x, first), rest)};
+}
+
+static struct series series_acos(struct interval x)
+{
+    struct series s = series_asin(x);
+    if (interval_empty(s.f))
+        return s;
+    clipped(&x, -1, 1);
+    return (struct series){interval_wide(acos(x.hi), acos(x.lo), UNITS), interval_neg(s.first),
+                           interval_neg(s.second)};
+}
+
+static struct series series_atan(struct interval x)
+{
+    const struct interval first = interval_div(one(), interval_add(one(), interval_square(x)));
+    return (struct series){rising(atan, x), first, times(-2, interval_mul(x, interval_square(first)))};
+}
+
+/* ---- exponential ---- */
+
+static struct interval cosh_of(struct interval x)
+{
+    const double p = cosh(x.lo), q = cosh(x.hi);
+    return interval_wide(interval_has(x, 0) ? 1 : fmin(p, q), fmax(p, q), UNITS);
+}
+
+static struct series series_sinh(struct interval x)
+{
+    const struct interval f = rising(sinh, x);
+    return (struct series){f, cosh_of(x), f};
+}
+
+static struct series series_cosh(struct interval x)
+{
+    const struct interval f = cosh_of(x);
+    return (struct series){f, rising(sinh, x), f};
+}
+
+static struct series series_tanh(struct interval x)
+{
+    const struct interval f = rising(tanh, x), first = interval_div(one(), interval_square(cosh_of(x)));
+    return (struct series){f, first, times(-2, interval_mul(f, first))};
+}
+
+static struct series series_exp(struct interval x)
+{
+    struct interval f = rising(exp, x);
+    f.lo = fmax(f.lo, 0);
+    return (struct series){f, f, f};
+}
+
+/* 1/x times the factor, which is 1/ln of the base */
+static struct series logarithm(double (*function)(double), struct interval x, double factor)
+{
+    const bool whole = clipped(&x, 0, HUGE_VAL);
+    if (interval_empty(x))
+        return unknown;
+    const struct interval f = rising(function, x);
+    if (!whole || !(x.lo > 0))
+        return somewhere(f);
+    const struct interval first = interval_div(interval_wide(factor, factor, 1), x);
+    return (struct series){f, first, interval_neg(interval_div(first, x))};
+}
+
+static struct series series_log(struct interval x)
+{
+    return logarithm(log, x, 1);
+}
+
+static struct series series_log10(struct interval x)
+{
+    return logarithm(log10, x, M_LOG10E);
+}
+
+/* ---- roots ---- */
+
+static struct series series_sqrt(struct interval x)
+{
+    const bool whole = clipped(&x, 0, HUGE_VAL);
+    if (interval_empty(x))
+        return unknown;
+    struct interval f = rising(sqrt, x);
+    f.lo = fmax(f.lo, 0);
+    if (!whole || !(x.lo > 0))
+        return somewhere(f);
+    const struct interval first = interval_div(interval_point(0.5), f);
+    return (struct series){f, first, times(-0.5, interval_div(first, x))};
+}
+
+static struct series series_cbrt(struct interval x)
+{
+    const struct interval f = rising(cbrt, x);
+    const struct interval first = interval_div(one(), times(3, interval_square(f)));
+    return (struct series){f, first, interval_div(times(-2. / 3, interval_wide(first.lo, first.hi, 2)), x)};
+}
+
+/* ---- corners and jumps ---- */
+
+static struct series straight(struct interval f, double slope)
+{
+    return (struct series){f, interval_point(slope), interval_point(0)};
+}
+
+static struct series series_abs(struct interval x)
+{
+    if (x.lo >= 0 || x.hi <= 0)
+        return x.lo >= 0 ? straight(x, 1) : straight(interval_neg(x), -1);
+    return (struct series){{0, fmax(-x.lo, x.hi)}, {-1, 1}, interval_all};
+}
+
+/* A function that is constant between its jumps. */
+static struct series stairs(double (*function)(double), struct interval x)
+{
+    const struct interval f = {function(x.lo), function(x.hi)};
+    return f.lo == f.hi ? straight(f, 0) : somewhere(f);
+}
+
+#define STAIRS(name, function)                                                                                         \
+    static struct series name(struct interval x)                                                                       \
+    {                                                                                                                  \
+        return stairs(function, x);                                                                                    \
+    }
+STAIRS(series_sign, function_sign)
+STAIRS(series_step, function_step)
+STAIRS(series_floor, floor)
+STAIRS(series_ceil, ceil)
+STAIRS(series_round, round)
+
+/* ---- the table ---- */
+
+static const struct {
+    double (*function)(double);
+    struct series (*series)(struct interval x);
+} rows[] = {
+    {sin, series_sin},     {cos, series_cos},     {tan, series_tan},      {asin, series_asin},
+    {acos, series_acos},   {atan, series_atan},   {sinh, series_sinh},    {cosh, series_cosh},
+    {tanh, series_tanh},   {sqrt, series_sqrt},   {cbrt, series_cbrt},    {exp, series_exp},
+    {log, series_log},     {log10, series_log10}, {fabs, series_abs},     {function_sign, series_sign},
+    {floor, series_floor}, {ceil, series_ceil},   {function_step, series_step}, {round, series_round},
+};
+
+struct jet jet_one(double (*function)(double), struct jet x)
+{
+    size_t i = 0;
+    while (i < COUNT_OF(rows) && rows[i].function != function)
+        i++;
+    if (interval_empty(x.value))
+        return jet_jump(NAN, NAN);
+    if (i == COUNT_OF(rows))
+        return jet_jump(-HUGE_VAL, HUGE_VAL);
+    const struct series s = rows[i].series(x.value);
+    return (struct jet){s.f, interval_mul(s.first, x.slope),
+                        interval_add(interval_mul(s.second, interval_square(x.slope)),
+                                     interval_mul(s.first, x.bend))};
+}

@@ -1,0 +1,162 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Equations: expressions in the same names, and their derivatives, in one graph. */
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "scene/formula/program/program.h"
+
+struct equations *equations_create(int names, struct error *error)
+{
+    struct equations *e = calloc(1, sizeof *e);
+    if (!e) {
+        error_memory(error);
+        return NULL;
+    }
+    graph_init(&e->graph, &e->arena, false);
+    e->names = names;
+    e->meaning = arena_array(&e->arena, (size_t)names + 1, sizeof *e->meaning);
+    for (int i = 0; e->meaning && i < names; i++)
+        e->meaning[i] = graph_name(&e->graph, i);
+    if (!e->meaning || !graph_check(&e->graph, error)) {
+        error_memory(error);
+        equations_destroy(e);
+        return NULL;
+    }
+    return e;
+}
+
+void equations_destroy(struct equations *e)
+{
+    if (e)
+        arena_reset(&e->arena);
+    free(e);
+}
+
+/* ---- from postfix order ---- */
+
+static int add_call(struct graph *g, const struct function *f, const int *x)
+{
+    if (f->one)
+        return graph_one(g, f->one, x[0]);
+    return f->two ? graph_two(g, f->two, x[0], x[1]) : graph_apply(g, NODE_IF, x[0], x[1], x[2]);
+}
+
+static int add_operation(struct graph *g, const struct op *op, const int *x)
+{
+    switch (op->kind) {
+    case OP_NEG:
+        return graph_apply(g, NODE_NEG, x[0], 0, 0);
+    case OP_LESS:
+        return graph_apply(g, NODE_LESS, x[0], x[1], 0);
+    case OP_GREATER:
+        return graph_apply(g, NODE_LESS, x[1], x[0], 0);
+    case OP_LESS_EQUAL:
+        return graph_apply(g, NODE_LESS_EQUAL, x[0], x[1], 0);
+    case OP_GREATER_EQUAL:
+        return graph_apply(g, NODE_LESS_EQUAL, x[1], x[0], 0);
+    case OP_ADD:
+        return graph_apply(g, NODE_ADD, x[0], x[1], 0);
+    case OP_SUB:
+        return graph_apply(g, NODE_SUB, x[0], x[1], 0);
+    case OP_MUL:
+        return graph_apply(g, NODE_MUL, x[0], x[1], 0);
+    case OP_DIV:
+        return graph_apply(g, NODE_DIV, x[0], x[1], 0);
+    case OP_POW:
+        return graph_two(g, function_power, x[0], x[1]);
+    case OP_CALL:
+        return add_call(g, op->function, x);
+    case OP_NUMBER: /* values */
+    case OP_NAME:
+        break;
+    }
+    return 0;
+}
+
+static int add_expr(struct equations *e, const struct expr *expr)
+{
+    int stack[LIMIT_EXPR_DEPTH], *top = stack;
+    for (const struct op *op = expr->op; op < expr->op + expr->count; op++) {
+        if (op->kind == OP_NUMBER) {
+            *top++ = graph_number(&e->graph, op->number);
+        } else if (op->kind == OP_NAME) {
+            assert(op->slot >= 0 && op->slot < e->names);
+            *top++ = e->meaning[op->slot];
+        } else {
+            top -= op_arity(op);
+            *top = add_operation(&e->graph, op, top);
+            top++;
+        }
+    }
+    return stack[0];
+}
+
+bool equations_let(struct equations *e, int name, const struct expr *expr, struct error *error)
+{
+    const int node = add_expr(e, expr);
+    if (!graph_check(&e->graph, error))
+        return false;
+    e->meaning[name] = node;
+    return true;
+}
+
+bool equations_reserve(struct equations *e, int more)
+{
+    if (e->outputs + more <= e->room)
+        return true;
+    const int room = 2 * e->room + more;
+    int *output = arena_array(&e->arena, (size_t)room, sizeof *output);
+    if (!output)
+        return false;
+    if (e->outputs)
+        memcpy(output, e->output, (size_t)e->outputs * sizeof *output);
+    e->output = output;
+    e->room = room;
+    return true;
+}
+
+bool equations_add(struct equations *e, const struct expr *expr, struct error *error)
+{
+    const int node = add_expr(e, expr);
+    if (!graph_check(&e->graph, error))
+        return false;
+    if (!equations_reserve(e, 1))
+        return error_memory(error);
+    e->output[e->outputs++] = node;
+    return true;
+}
+
+int equations_count(const struct equations *e)
+{
+    return e->outputs;
+}
+
+bool equations_derive(struct equations *e, int first, int count, const int *name, int names, struct error *error)
+{
+    const int before = e->graph.count;
+    if (names > 0 && count > PROGRAM_SIZE / names)
+        e->graph.failed = GRAPH_FULL;
+    if (!graph_check(&e->graph, error))
+        return false;
+    bool *mark = calloc((size_t)before, sizeof *mark);
+    int *slope = malloc((size_t)before * sizeof *slope);
+    const bool fine = mark && slope && equations_reserve(e, count * names);
+    for (int i = 0; fine && i < count; i++)
+        mark[e->output[first + i]] = true;
+    if (fine)
+        graph_reach(e->graph.node, before, mark);
+    for (int j = 0; fine && j < names && !e->graph.failed; j++) {
+        graph_derive(&e->graph, name[j], mark, before, slope);
+        for (int i = 0; i < count; i++)
+            e->output[e->outputs + i * names + j] = slope[e->output[first + i]];
+    }
+    free(mark);
+    free(slope);
+    if (!fine)
+        return error_memory(error);
+    if (!graph_check(&e->graph, error))
+        return false;
+    e->outputs += count * names;
+    return true;
+}

@@ -1,0 +1,307 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Expressions as a graph: equal nodes are one (hash-consing, Ershov 1958), and each is made simpler when it is made.
+ * Nothing is done that could change a bit of the result, but for one rule, that of the scene: a term whose coefficient
+ * is the number 0 is absent. Where x depends on an input 0 x and 0/x are the number 0, x + 0 and x - 0 are x, 0 - x
+ * is -x. What depends on an input is known only when names are bound, so it is done then.
+ */
+#include <stdlib.h>
+#include <string.h>
+
+#include "scene/formula/program/program.h"
+
+/* ---- nodes ---- */
+
+int node_arity(enum node_kind kind)
+{
+    static const signed char arity[NODE_KINDS] = {
+        [NODE_NEG] = 1, [NODE_ABS] = 1, [NODE_SQRT] = 1,    [NODE_ADD] = 2,        [NODE_SUB] = 2,
+        [NODE_MUL] = 2, [NODE_DIV] = 2, [NODE_LESS] = 2,    [NODE_LESS_EQUAL] = 2, [NODE_IF] = 3,
+        [NODE_ONE] = 1, [NODE_TWO] = 2, [NODE_MUL_ADD] = 3, [NODE_MUL_SUB] = 3,    [NODE_SUB_MUL] = 3,
+        [NODE_NEG_MUL] = 2,
+    };
+    return arity[kind];
+}
+
+static uint64_t payload(const struct node *node)
+{
+    uint64_t bits;
+    memcpy(&bits, &node->number, sizeof bits); /* the function pointers share its place */
+    return bits;
+}
+
+/* Any spread will do; multiplier: splitmix64 (Steele, Lea, Flood 2014). */
+static unsigned node_hash(const struct node *node)
+{
+    uint64_t hash = (uint64_t)node->kind;
+    for (int i = 0; i < 3; i++)
+        hash = (hash ^ (uint64_t)node->operand[i]) * 0xBF58476D1CE4E5B9u;
+    hash = (hash ^ payload(node)) * 0x94D049BB133111EBu;
+    return (unsigned)(hash >> 32) ^ (unsigned)(hash >> 58);
+}
+
+static bool node_equal(const struct node *a, const struct node *b)
+{
+    return a->kind == b->kind && a->operand[0] == b->operand[0] && a->operand[1] == b->operand[1] &&
+           a->operand[2] == b->operand[2] && payload(a) == payload(b);
+}
+
+/* ---- the table ---- */
+
+static void table_put(int *table, unsigned slots, const struct node *node, int i)
+{
+    unsigned at = node_hash(&node[i]) & (slots - 1);
+    while (table[at])
+        at = (at + 1) & (slots - 1);
+    table[at] = i;
+}
+
+static bool grow(struct graph *g)
+{
+    int room = g->room ? 2 * g->room : 64;
+    unsigned slots = 2 * (unsigned)room; /* at most half full */
+    struct node *node = arena_array(g->arena, (size_t)room, sizeof *node);
+    int *table = arena_array(g->arena, slots, sizeof *table);
+    if (!node || !table)
+        return false;
+    if (g->count)
+        memcpy(node, g->node, (size_t)g->count * sizeof *node);
+    for (int i = 1; i < g->count; i++)
+        table_put(table, slots, node, i);
+    g->node = node;
+    g->table = table;
+    g->slots = slots;
+    g->room = room;
+    return true;
+}
+
+static int intern(struct graph *g, struct node node)
+{
+    if (g->failed)
+        return 0;
+    unsigned at = node_hash(&node) & (g->slots - 1);
+    for (; g->table[at]; at = (at + 1) & (g->slots - 1))
+        if (node_equal(&g->node[g->table[at]], &node))
+            return g->table[at];
+    if (g->count == PROGRAM_SIZE) {
+        g->failed = GRAPH_FULL;
+        return 0;
+    }
+    if (g->count == g->room) {
+        if (!grow(g)) {
+            g->failed = GRAPH_NO_MEMORY;
+            return 0;
+        }
+        return intern(g, node);
+    }
+    g->table[at] = g->count;
+    g->node[g->count] = node;
+    return g->count++;
+}
+
+void graph_init(struct graph *g, struct arena *arena, bool binds)
+{
+    *g = (struct graph){.arena = arena, .binds = binds};
+    if (!grow(g)) {
+        g->failed = GRAPH_NO_MEMORY;
+        return;
+    }
+    g->node[g->count++] = (struct node){.kind = NODE_NUMBER};
+}
+
+bool graph_check(const struct graph *g, struct error *error)
+{
+    if (g->failed == GRAPH_NO_MEMORY)
+        return error_memory(error);
+    if (g->failed)
+        return error_set(error, ERROR_COMMAND, "the equations and their derivatives have more than %d operations",
+                         PROGRAM_SIZE);
+    return true;
+}
+
+void graph_reach(const struct node *node, int count, bool *mark)
+{
+    for (int i = count - 1; i >= 0; i--)
+        for (int k = 0; mark[i] && k < node_arity(node[i].kind); k++)
+            mark[node[i].operand[k]] = true;
+}
+
+/* ---- making nodes ---- */
+
+int graph_number(struct graph *g, double number)
+{
+    struct node node = {.kind = NODE_NUMBER, .number = number};
+    return payload(&node) == 0 ? 0 : intern(g, node);
+}
+
+int graph_name(struct graph *g, int name)
+{
+    return intern(g, (struct node){.kind = NODE_NAME, .operand = {name}});
+}
+
+static bool is_number(const struct graph *g, int i)
+{
+    return !g->failed && g->node[i].kind == NODE_NUMBER;
+}
+
+static bool is(const struct graph *g, int i, double number)
+{
+    return is_number(g, i) && g->node[i].number == number;
+}
+
+/* The number 0, where all names that are known are numbers. */
+static bool is_absent(const struct graph *g, int i)
+{
+    return g->binds && is(g, i, 0);
+}
+
+/* The operand of a negation; -1: it is none. */
+static int negated(const struct graph *g, int i)
+{
+    return !g->failed && g->node[i].kind == NODE_NEG ? g->node[i].operand[0] : -1;
+}
+
+/* 1/x is exact: a power of two, neither it nor its inverse denormal. */
+static bool inverts(double x)
+{
+    int exponent;
+    return isfinite(x) && fabs(frexp(x, &exponent)) == 0.5 && abs(exponent) < 1000;
+}
+
+/* function_power() as operations. */
+static int power(struct graph *g, int x, double n)
+{
+    int whole = (int)fabs(n), bit = POWER_MOST;
+    while (bit > whole)
+        bit /= 2;
+    int made = whole > 0 ? x : graph_number(g, 1);
+    while ((bit /= 2) > 0) {
+        made = graph_apply(g, NODE_MUL, made, made, 0);
+        if (whole & bit)
+            made = graph_apply(g, NODE_MUL, made, x, 0);
+    }
+    if (fabs(n) > whole)
+        made = graph_apply(g, NODE_MUL, made, graph_apply(g, NODE_SQRT, x, 0, 0), 0);
+    return n < 0 ? graph_apply(g, NODE_DIV, graph_number(g, 1), made, 0) : made;
+}
+
+/* What is as good and simpler; -1: nothing. */
+static int simpler(struct graph *g, struct node node)
+{
+    const int a = node.operand[0], b = node.operand[1], c = node.operand[2];
+    switch (node.kind) {
+    case NODE_NEG:
+        if (g->binds && g->node[a].kind == NODE_MUL && is_number(g, g->node[a].operand[0]))
+            return graph_apply(g, NODE_MUL, graph_number(g, -g->node[g->node[a].operand[0]].number),
+                               g->node[a].operand[1], 0);
+        return negated(g, a);
+    case NODE_ABS:
+        if (negated(g, a) >= 0)
+            return graph_apply(g, NODE_ABS, negated(g, a), 0, 0);
+        return !g->failed && g->node[a].kind == NODE_ABS ? a : -1;
+    case NODE_ADD:
+        if (is_absent(g, a) || is_absent(g, b))
+            return is_absent(g, a) ? b : a;
+        if (negated(g, b) >= 0)
+            return graph_apply(g, NODE_SUB, a, negated(g, b), 0);
+        if (negated(g, a) >= 0)
+            return graph_apply(g, NODE_SUB, b, negated(g, a), 0);
+        return a == b ? graph_apply(g, NODE_MUL, graph_number(g, 2), a, 0) : -1;
+    case NODE_SUB:
+        if (is_absent(g, a) || is_absent(g, b))
+            return is_absent(g, b) ? a : graph_apply(g, NODE_NEG, b, 0, 0);
+        return negated(g, b) >= 0 ? graph_apply(g, NODE_ADD, a, negated(g, b), 0) : -1;
+    case NODE_MUL:
+        if (is_absent(g, a) || is_absent(g, b))
+            return 0;
+        if (is(g, a, 1) || is(g, b, 1))
+            return is(g, a, 1) ? b : a;
+        if (is(g, a, -1) || is(g, b, -1))
+            return graph_apply(g, NODE_NEG, is(g, a, -1) ? b : a, 0, 0);
+        if (g->binds && (negated(g, a) >= 0 || negated(g, b) >= 0)) { /* no 0: its sign might come out wrong */
+            const bool first = negated(g, a) >= 0;
+            const int other = first ? b : a, inner = negated(g, first ? a : b);
+            if (is_number(g, other))
+                return graph_apply(g, NODE_MUL, graph_number(g, -g->node[other].number), inner, 0);
+            return graph_apply(g, NODE_NEG, graph_apply(g, NODE_MUL, inner, other, 0), 0, 0);
+        }
+        return -1;
+    case NODE_DIV:
+        if (is_absent(g, a) || is(g, b, 1))
+            return is_absent(g, a) ? 0 : a;
+        if (is_number(g, b) && inverts(g->node[b].number))
+            return graph_apply(g, NODE_MUL, a, graph_number(g, 1 / g->node[b].number), 0);
+        return -1;
+    case NODE_IF:
+        return is_number(g, a) ? isnan(g->node[a].number) ? a : g->node[a].number > 0 ? b : c : -1;
+    case NODE_ONE:
+        return -1;
+    case NODE_TWO:
+        if (node.two != function_power || !is_number(g, b))
+            return -1;
+        if (is(g, b, 0) || is(g, b, 1))
+            return is(g, b, 1) ? a : graph_number(g, 1);
+        return g->binds && power_is_short(g->node[b].number) ? power(g, a, g->node[b].number) : -1;
+    default:
+        return -1;
+    }
+}
+
+static int make(struct graph *g, struct node node)
+{
+    if (g->failed)
+        return 0;
+    const int arity = node_arity(node.kind);
+    double value[3] = {0};
+    int numbers = 0;
+    for (int k = 0; k < arity; k++) {
+        value[k] = g->node[node.operand[k]].number;
+        numbers += is_number(g, node.operand[k]);
+    }
+    if (numbers == arity)
+        return graph_number(g, node_value(node.kind, &node, value[0], value[1], value[2]));
+    const int other = simpler(g, node);
+    if (other >= 0 || g->failed)
+        return other >= 0 ? other : 0;
+    /* Their operands may change places: a number to the front. */
+    const int first = node.operand[0], second = node.operand[1];
+    if ((node.kind == NODE_ADD || node.kind == NODE_MUL) &&
+        (is_number(g, second) || (first > second && !is_number(g, first)))) {
+        node.operand[0] = second;
+        node.operand[1] = first;
+    }
+    return intern(g, node);
+}
+
+int graph_apply(struct graph *g, enum node_kind kind, int a, int b, int c)
+{
+    return make(g, (struct node){.kind = kind, .operand = {a, b, c}});
+}
+
+int graph_one(struct graph *g, double (*one)(double), int a)
+{
+    if (one == fabs || one == sqrt)
+        return graph_apply(g, one == fabs ? NODE_ABS : NODE_SQRT, a, 0, 0);
+    if (one == function_sign)
+        return graph_apply(g, NODE_SUB, graph_apply(g, NODE_LESS, 0, a, 0), graph_apply(g, NODE_LESS, a, 0, 0), 0);
+    if (one == function_step)
+        return graph_apply(g, NODE_LESS_EQUAL, 0, a, 0);
+    return make(g, (struct node){.kind = NODE_ONE, .operand = {a}, .one = one});
+}
+
+int graph_two(struct graph *g, double (*two)(double, double), int a, int b)
+{
+    if (two == function_least)
+        return graph_apply(g, NODE_IF, graph_apply(g, NODE_LESS, a, b, 0), a, b);
+    if (two == function_most)
+        return graph_apply(g, NODE_IF, graph_apply(g, NODE_LESS, b, a, 0), a, b);
+    return make(g, (struct node){.kind = NODE_TWO, .operand = {a, b}, .two = two});
+}
+
+int graph_copy(struct graph *g, const struct node *node, const int *map)
+{
+    struct node copy = *node;
+    for (int k = 0; k < node_arity(node->kind); k++)
+        copy.operand[k] = map[node->operand[k]];
+    return make(g, copy);
+}

@@ -1,0 +1,369 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Machine code for programs, where this is an x86-64 with the System V calling convention: the operations in their
+ * order with the instructions that a compiler would choose (SSE2, one double), intermediate values in registers, the
+ * least recently used one into its place in the frame when there are no more. So the bits are those of the other forms.
+ * A page is written first and made executable afterwards, never both at once; where that is not allowed there is none.
+ */
+#include "scene/formula/program/x86.h"
+
+#if defined(__x86_64__) && defined(__LP64__) && defined(__unix__)
+
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+
+struct native {
+    void *page;
+    size_t size;
+};
+
+/* ---- values ---- */
+
+static size_t pool_place(const struct emitter *e, int place)
+{
+    return POOL_NUMBERS + 8 * (size_t)(place - e->program->names);
+}
+
+static void with_memory(struct emitter *e, int code, int reg, int place)
+{
+    const struct program *p = e->program;
+    if (place >= p->moving && place < p->names)
+        with_address(e, DOUBLE, code, reg, e->given, place - p->moving);
+    else if (place >= LEADING && place < p->moving)
+        with_address(e, DOUBLE, code, reg, e->state, place - 1);
+    else
+        with_address(e, DOUBLE, code, reg, e->frame, place);
+}
+
+/* An operation on a register and the value of a place, wherever it is. immediate < 0: none. */
+static void with_place(struct emitter *e, int code, int reg, int place, int immediate)
+{
+    const int behind = immediate >= 0;
+    if (e->where[place] != NOTHING) {
+        e->used[e->where[place]] = ++e->clock;
+        with_register(e, DOUBLE, code, reg, e->where[place]);
+    } else if (place >= e->program->names && place < e->program->names + e->program->numbers) {
+        with_pool(e, DOUBLE, code, reg, pool_place(e, place), behind);
+    } else {
+        with_memory(e, code, reg, place);
+    }
+    if (behind)
+        byte(e, immediate);
+}
+
+static void save(struct emitter *e, int reg)
+{
+    if (e->dirty[reg])
+        with_address(e, DOUBLE, STORE, reg, e->frame, e->held[reg]);
+    e->dirty[reg] = false;
+}
+
+static void forget(struct emitter *e, int reg)
+{
+    if (e->held[reg] >= 0)
+        e->where[e->held[reg]] = NOTHING;
+    e->held[reg] = NOTHING;
+    e->dirty[reg] = false;
+}
+
+/* A register for the operation at hand. */
+static int take(struct emitter *e)
+{
+    int best = NOTHING;
+    for (int r = 0; r < REGISTERS; r++) {
+        if (e->held[r] == NOTHING) {
+            best = r;
+            break;
+        }
+        if (e->held[r] >= 0 && (best == NOTHING || e->used[r] < e->used[best]))
+            best = r;
+    }
+    save(e, best);
+    forget(e, best);
+    e->held[best] = TAKEN;
+    return best;
+}
+
+/* A register with the value of a place, to be changed: its own where that is needed no more (last). */
+static int take_value(struct emitter *e, int place, bool last)
+{
+    const int own = e->where[place];
+    if (own != NOTHING && last) {
+        forget(e, own);
+        e->held[own] = TAKEN;
+        return own;
+    }
+    const int reg = take(e);
+    if (e->where[place] != NOTHING)
+        with_register(e, PACKED, MOVE, reg, e->where[place]);
+    else
+        with_place(e, LOAD, reg, place, -1);
+    return reg;
+}
+
+/* ---- operations: each returns the register of the result ---- */
+
+static int binary(struct emitter *e, const struct instruction *i, int code)
+{
+    const int *place = i->node.operand;
+    /* x + y is y + x: what is needed no more takes the result. */
+    const bool swap = (code == PLUS || code == TIMES) && place[0] != place[1] && i->last[1] && !i->last[0];
+    const int reg = take_value(e, place[swap], i->last[swap]);
+    with_place(e, code, reg, place[!swap], -1);
+    return reg;
+}
+
+/* 1 or 0; all bits set, which is a NaN, where an operand is one. */
+static int comparison(struct emitter *e, const struct instruction *i, int how)
+{
+    const int *place = i->node.operand;
+    const int unordered = take_value(e, place[0], false);
+    with_place(e, COMPARE, unordered, place[1], UNORDERED);
+    const int reg = take_value(e, place[0], i->last[0]);
+    with_place(e, COMPARE, reg, place[1], how);
+    with_pool(e, PACKED, AND, reg, POOL_ONE, 0);
+    with_register(e, PACKED, OR, reg, unordered);
+    return reg;
+}
+
+static int choice(struct emitter *e, const struct instruction *i)
+{
+    const int *place = i->node.operand;
+    const int unordered = take_value(e, place[0], false), positive = take(e);
+    with_register(e, PACKED, XOR, positive, positive);
+    with_place(e, COMPARE, positive, place[0], LESS_THAN);
+    with_register(e, DOUBLE, COMPARE, unordered, unordered);
+    byte(e, UNORDERED);
+    const int yes = take_value(e, place[1], i->last[1]), no = take_value(e, place[2], i->last[2]);
+    with_register(e, PACKED, AND, yes, positive);
+    with_register(e, PACKED, AND_NOT, positive, no);
+    with_register(e, PACKED, OR, yes, positive);
+    with_register(e, PACKED, OR, yes, unordered);
+    return yes;
+}
+
+/* A call keeps no register: what is still needed goes into the frame. */
+static int call(struct emitter *e, const struct instruction *i)
+{
+    const int *place = i->node.operand, arity = node_arity(i->node.kind);
+    for (int r = 0; r < REGISTERS; r++)
+        if (e->held[r] >= 0 && !(e->held[r] == place[0] && i->last[0]))
+            save(e, r);
+    const int first = e->where[place[0]];
+    if (first > 0)
+        with_register(e, PACKED, MOVE, 0, first);
+    if (first < 0)
+        with_place(e, LOAD, 0, place[0], -1);
+    for (int r = 0; r < REGISTERS; r++)
+        forget(e, r);
+    if (arity == 2)
+        with_place(e, LOAD, 1, place[1], -1);
+    uint64_t address;
+    memcpy(&address, &i->node.one, sizeof address);
+    word(e, 0xB848, 2); /* mov rax, address; call rax */
+    word(e, address, 8);
+    word(e, 0xD0FF, 2);
+    e->held[0] = TAKEN;
+    return 0;
+}
+
+static int operation(struct emitter *e, const struct instruction *i)
+{
+    const int *place = i->node.operand;
+    int reg, other;
+    switch (i->node.kind) {
+    case NODE_NEG:
+        reg = take_value(e, place[0], i->last[0]);
+        with_pool(e, PACKED, XOR, reg, POOL_SIGN, 0);
+        return reg;
+    case NODE_ABS:
+        reg = take_value(e, place[0], i->last[0]);
+        with_pool(e, PACKED, AND, reg, POOL_MAGNITUDE, 0);
+        return reg;
+    case NODE_SQRT:
+        reg = take_value(e, place[0], i->last[0]);
+        with_register(e, DOUBLE, ROOT, reg, reg);
+        return reg;
+    case NODE_ADD:
+        return binary(e, i, PLUS);
+    case NODE_SUB:
+        return binary(e, i, MINUS);
+    case NODE_MUL:
+        return binary(e, i, TIMES);
+    case NODE_DIV:
+        return binary(e, i, OVER);
+    case NODE_LESS:
+        return comparison(e, i, LESS_THAN);
+    case NODE_LESS_EQUAL:
+        return comparison(e, i, AT_MOST);
+    case NODE_IF:
+        return choice(e, i);
+    case NODE_MUL_ADD:
+    case NODE_MUL_SUB:
+        reg = binary(e, i, TIMES);
+        with_place(e, i->node.kind == NODE_MUL_ADD ? PLUS : MINUS, reg, place[2], -1);
+        return reg;
+    case NODE_NEG_MUL:
+        reg = binary(e, i, TIMES);
+        with_pool(e, PACKED, XOR, reg, POOL_SIGN, 0);
+        return reg;
+    case NODE_SUB_MUL:
+        other = binary(e, i, TIMES);
+        reg = take_value(e, place[2], i->last[2]);
+        with_register(e, DOUBLE, MINUS, reg, other);
+        return reg;
+    default: /* NODE_ONE, NODE_TWO */
+        return call(e, i);
+    }
+}
+
+static void instruction(struct emitter *e, const struct instruction *i)
+{
+    const int result = operation(e, i);
+    for (int k = 0; k < node_arity(i->node.kind); k++)
+        if (i->last[k] && e->where[i->node.operand[k]] != NOTHING)
+            forget(e, e->where[i->node.operand[k]]);
+    for (int r = 0; r < REGISTERS; r++)
+        if (e->held[r] == TAKEN)
+            e->held[r] = NOTHING;
+    e->held[result] = i->out;
+    e->where[i->out] = result;
+    e->dirty[result] = true;
+    e->used[result] = ++e->clock;
+}
+
+/* ---- the whole ---- */
+
+static void write_pool(struct emitter *e)
+{
+    const uint64_t constants[] = {1ull << 63, 0, ~0ull >> 1, 0, 0x3FFull << 52, 0};
+    for (size_t i = 0; i < COUNT_OF(constants); i++)
+        word(e, constants[i], 8);
+    for (int i = 0; i < e->program->numbers; i++) {
+        uint64_t bits;
+        memcpy(&bits, &e->program->number[i], sizeof bits);
+        word(e, bits, 8);
+    }
+}
+
+/* Outputs 0 and 1 into registers 0 and 1, where they may be the other way round. */
+static void write_leading(struct emitter *e)
+{
+    const struct program *p = e->program;
+    const int first = p->output[0], second = p->output[p->outputs > 1];
+    if (p->outputs > 1 && e->where[second] == 0) {
+        const int spare = e->where[first] == 2 ? 3 : 2;
+        with_register(e, PACKED, MOVE, spare, 0);
+        if (first == second) {
+            with_register(e, PACKED, MOVE, 1, 0);
+            return;
+        }
+        e->where[second] = spare;
+    }
+    if (e->where[first] == NOTHING)
+        with_place(e, LOAD, 0, first, -1);
+    else if (e->where[first] != 0)
+        with_register(e, PACKED, MOVE, 0, e->where[first]);
+    if (p->outputs < 2)
+        return;
+    if (e->where[second] == NOTHING)
+        with_place(e, LOAD, 1, second, -1);
+    else if (e->where[second] != 1)
+        with_register(e, PACKED, MOVE, 1, e->where[second]);
+}
+
+/* Where calls are made the addresses are in registers that survive them; five pushes align the stack. */
+static void write_code(struct emitter *e, bool calls)
+{
+    const struct program *p = e->program;
+    word(e, 0xFA1E0FF3u, 4); /* endbr64: may be jumped to */
+    if (calls) {
+        word(e, 0x57415641555350, 7); /* push rax; push rbx; push rbp; push r14; push r15 */
+        word(e, 0xF38948, 3);         /* mov rbx, rsi */
+        word(e, 0xD58948, 3);         /* mov rbp, rdx */
+        word(e, 0xCE8949, 3);         /* mov r14, rcx */
+        word(e, 0xC7894D, 3);         /* mov r15, r8 */
+    }
+    e->state = calls ? RBX : RSI;
+    e->given = calls ? RBP : RDX;
+    e->output = calls ? R14 : RCX;
+    e->frame = calls ? R15 : R8;
+    for (int i = 0; i < p->uses; i++)
+        if (p->used[i] < LEADING && p->used[i] < p->moving) {
+            e->held[p->used[i]] = p->used[i];
+            e->where[p->used[i]] = p->used[i];
+            e->dirty[p->used[i]] = true;
+        }
+    for (int i = 0; i < p->count; i++)
+        instruction(e, &p->code[i]);
+    for (int i = 2; i < p->outputs; i++) {
+        int reg = e->where[p->output[i]];
+        if (reg == NOTHING) {
+            reg = take_value(e, p->output[i], false);
+            e->held[reg] = NOTHING;
+        }
+        with_address(e, DOUBLE, STORE, reg, e->output, i);
+    }
+    write_leading(e);
+    if (calls)
+        word(e, 0x595B5D5E415F41, 7); /* pop r15; pop r14; pop rbp; pop rbx; pop rcx */
+    byte(e, 0xC3);
+}
+
+struct native *native_create(const struct program *p, program_function **run)
+{
+    enum { LONGEST = 320 /* an operation with all that it saves */, OUTPUT = 24, REST = 256 };
+    bool calls = false;
+    for (int i = 0; i < p->count; i++)
+        calls = calls || p->code[i].node.kind == NODE_ONE || p->code[i].node.kind == NODE_TWO;
+    struct emitter e = {.program = p};
+    e.size = 8 * (size_t)p->numbers + LONGEST * (size_t)p->count + OUTPUT * (size_t)p->outputs + REST;
+    for (int r = 0; r < REGISTERS; r++)
+        e.held[r] = NOTHING;
+    struct native *native = malloc(sizeof *native);
+    e.where = malloc(((size_t)p->places + 1) * sizeof *e.where);
+    void *page =
+        native && e.where ? mmap(NULL, e.size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0) : MAP_FAILED;
+    if (page != MAP_FAILED) {
+        *native = (struct native){.page = page, .size = e.size};
+        for (int i = 0; i < p->places; i++)
+            e.where[i] = NOTHING;
+        e.page = page;
+        write_pool(&e);
+        uint8_t *const begin = e.page + e.at;
+        write_code(&e, calls);
+        if (!e.full && mprotect(page, e.size, PROT_READ | PROT_EXEC) == 0) {
+            memcpy(run, &begin, sizeof begin);
+            free(e.where);
+            return native;
+        }
+    }
+    free(e.where);
+    if (page != MAP_FAILED)
+        munmap(page, e.size);
+    free(native);
+    return NULL;
+}
+
+void native_destroy(struct native *native)
+{
+    if (native)
+        munmap(native->page, native->size);
+    free(native);
+}
+
+#else
+
+struct native *native_create(const struct program *program, program_function **run)
+{
+    (void)program, (void)run;
+    return NULL;
+}
+
+void native_destroy(struct native *native)
+{
+    (void)native;
+}
+
+#endif

@@ -1,0 +1,400 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Programs: equations with some names known, as operations on places of a frame. The scalar form. */
+#include "scene/formula/program/program.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- binding: the graph once more, with numbers for names ---- */
+
+/* All that the outputs need, of known names their value. result [outputs]: where the outputs are. */
+static bool bind(const struct equations *e, int first, const bool *bound, const double *value, struct graph *g,
+                 int *result, int outputs)
+{
+    bool *mark = calloc((size_t)e->graph.count, sizeof *mark);
+    int *map = calloc((size_t)e->graph.count, sizeof *map);
+    const bool fine = mark && map;
+    for (int i = 0; fine && i < outputs; i++)
+        mark[e->output[first + i]] = true;
+    if (fine)
+        graph_reach(e->graph.node, e->graph.count, mark);
+    for (int i = 0; fine && i < e->graph.count; i++) {
+        const struct node *node = &e->graph.node[i];
+        const int name = node->operand[0];
+        if (!mark[i])
+            continue;
+        if (node->kind == NODE_NUMBER)
+            map[i] = graph_number(g, node->number);
+        else if (node->kind == NODE_NAME)
+            map[i] = bound && bound[name] ? graph_number(g, value[name]) : graph_name(g, name);
+        else
+            map[i] = graph_copy(g, node, map);
+    }
+    for (int i = 0; fine && i < outputs; i++)
+        result[i] = map[e->output[first + i]];
+    free(mark);
+    free(map);
+    return fine;
+}
+
+/* ---- scheduling ---- */
+
+/* What is known of each node of the bound graph. */
+struct usage {
+    int uses;  /* by operations and outputs */
+    int place; /* in the frame */
+    int output; /* that it is, the last one of them; -1: none */
+    bool fused;
+};
+
+struct schedule {
+    struct program *program;
+    struct usage *usage;
+    struct node *node; /* what is kept is a name, then products are fused */
+    int *free_place;   /* a stack */
+    int free_places;
+};
+
+/* A product that is used once, by a sum, a difference or a minus sign, becomes part of it. */
+static void fuse(struct node *node, const struct node *all, struct usage *usage)
+{
+    if (node->kind != NODE_ADD && node->kind != NODE_SUB && node->kind != NODE_NEG)
+        return;
+    for (int k = 0; k < node_arity(node->kind); k++) {
+        const int product = node->operand[k], other = node->operand[!k];
+        if (all[product].kind != NODE_MUL || usage[product].uses != 1)
+            continue;
+        node->kind = node->kind == NODE_NEG   ? NODE_NEG_MUL
+                     : node->kind == NODE_ADD ? NODE_MUL_ADD
+                     : k == 0                 ? NODE_MUL_SUB
+                                              : NODE_SUB_MUL;
+        node->operand[0] = all[product].operand[0];
+        node->operand[1] = all[product].operand[1];
+        node->operand[2] = other;
+        usage[product].fused = true;
+        return;
+    }
+}
+
+/* What nothing needs any more gives its place back. */
+static void release(struct schedule *s, const struct node *node, struct instruction *instruction)
+{
+    const int constant = s->program->names + s->program->numbers;
+    for (int k = 0; k < node_arity(node->kind); k++) {
+        struct usage *usage = &s->usage[node->operand[k]];
+        instruction->last[k] = --usage->uses == 0;
+        if (instruction->last[k] && usage->place >= constant)
+            s->free_place[s->free_places++] = usage->place;
+    }
+}
+
+static void emit(struct schedule *s, const struct node *node, int i)
+{
+    struct program *p = s->program;
+    struct instruction *instruction = &p->code[p->count++];
+    *instruction = (struct instruction){.node = *node, .output = s->usage[i].uses == 1 ? s->usage[i].output : -1};
+    if (instruction->output >= 0)
+        p->written[instruction->output] = true;
+    for (int k = 0; k < 3; k++) /* an operand that it does not have: any that is there */
+        instruction->node.operand[k] = s->usage[node->operand[k < node_arity(node->kind) ? k : 0]].place;
+    instruction->out = s->free_places > 0 ? s->free_place[--s->free_places] : p->places++;
+    s->usage[i].place = instruction->out;
+    release(s, node, instruction);
+}
+
+/* Counts uses, finds what is fused, gives places to names and numbers. False: no memory. */
+static bool prepare(struct schedule *s)
+{
+    struct program *p = s->program;
+    struct usage *usage = s->usage;
+    struct node *node = s->node;
+    for (int i = 0; i < p->nodes; i++)
+        usage[i].output = -1;
+    for (int i = 0; i < p->outputs; i++) {
+        usage[p->result[i]].uses++;
+        usage[p->result[i]].output = i;
+    }
+    for (int i = p->nodes - 1; i >= 0; i--)
+        for (int k = 0; usage[i].uses > 0 && k < node_arity(node[i].kind); k++)
+            usage[node[i].operand[k]].uses++;
+    int operations = 0;
+    for (int i = 0; i < p->nodes; i++) {
+        if (usage[i].uses == 0)
+            continue;
+        fuse(&node[i], node, usage);
+        p->numbers += node[i].kind == NODE_NUMBER;
+        p->uses += node[i].kind == NODE_NAME;
+        operations += node[i].kind > NODE_NAME;
+    }
+    p->number = arena_array(&p->arena, (size_t)p->numbers + 1, sizeof *p->number);
+    p->used = arena_array(&p->arena, (size_t)p->uses + 1, sizeof *p->used);
+    p->code = arena_array(&p->arena, (size_t)operations + 1, sizeof *p->code);
+    if (!p->number || !p->used || !p->code)
+        return false;
+    p->places = p->names;
+    p->uses = 0;
+    for (int i = 0; i < p->nodes; i++) {
+        if (usage[i].uses > 0 && node[i].kind == NODE_NUMBER) {
+            p->number[p->places - p->names] = node[i].number;
+            usage[i].place = p->places++;
+        } else if (usage[i].uses > 0 && node[i].kind == NODE_NAME) {
+            usage[i].place = p->used[p->uses++] = node[i].operand[0];
+        }
+    }
+    return true;
+}
+
+/* Of the graph, with the nodes `kept` [p->keeps] as the last names. */
+static bool schedule(struct program *p, const int *kept)
+{
+    const size_t nodes = (size_t)p->nodes;
+    struct schedule s = {.program = p, .usage = calloc(nodes, sizeof *s.usage)};
+    s.node = malloc(nodes * sizeof *s.node);
+    s.free_place = malloc(nodes * sizeof *s.free_place);
+    bool fine = s.usage && s.node && s.free_place;
+    if (fine)
+        memcpy(s.node, p->node, nodes * sizeof *s.node);
+    for (int i = 0; fine && i < p->keeps; i++)
+        s.node[kept[i]] = (struct node){.kind = NODE_NAME, .operand = {p->names - p->keeps + i}};
+    fine = fine && prepare(&s);
+    for (int i = 0; fine && i < p->nodes; i++)
+        if (s.usage[i].uses > 0 && !s.usage[i].fused && s.node[i].kind > NODE_NAME)
+            emit(&s, &s.node[i], i);
+    for (int i = 0; fine && i < p->outputs; i++) {
+        p->output[i] = s.usage[p->result[i]].place;
+        p->copies += !p->written[i];
+    }
+    free(s.usage);
+    free(s.node);
+    free(s.free_place);
+    return fine;
+}
+
+/* ---- the scalar form ---- */
+
+static struct leading interpret(const struct program *p, double x0, double x1, double x2, const double *state,
+                                const double *given, double *output, double *frame)
+{
+    const double leading[LEADING] = {x0, x1, x2};
+    for (int i = 0; i < p->uses; i++) {
+        const int name = p->used[i];
+        frame[name] = name >= p->moving ? given[name - p->moving] : name < LEADING ? leading[name] : state[name - 1];
+    }
+#define CASE(kind)                                                                                                     \
+    case kind:                                                                                                         \
+        frame[i->out] = node_value(kind, &i->node, frame[place[0]], frame[place[1]], frame[place[2]]);                 \
+        break;
+    for (const struct instruction *i = p->code, *end = i + p->count; i < end; i++) {
+        const int *place = i->node.operand;
+        switch (i->node.kind) {
+            OPERATIONS(CASE)
+        default: /* no operations */
+            break;
+        }
+    }
+#undef CASE
+    for (int i = 2; i < p->outputs; i++)
+        output[i] = frame[p->output[i]];
+    return (struct leading){frame[p->output[0]], frame[p->output[p->outputs > 1]]};
+}
+
+/* ---- what is kept ---- */
+
+/* Nodes that depend on given names only and are used by others or are outputs. -1: no memory. */
+static int find_kept(const struct program *p, int *kept)
+{
+    bool *steady = calloc((size_t)p->nodes, sizeof *steady), *mark = calloc((size_t)p->nodes, sizeof *mark);
+    int count = steady && mark ? 0 : -1;
+    for (int i = 0; count == 0 && i < p->outputs; i++)
+        mark[p->result[i]] = true;
+    for (int i = 0; count == 0 && i < p->nodes; i++) {
+        const struct node *node = &p->node[i];
+        steady[i] = node->kind != NODE_NAME || node->operand[0] >= p->moving;
+        for (int k = 0; k < node_arity(node->kind); k++)
+            steady[i] = steady[i] && steady[node->operand[k]];
+    }
+    for (int i = p->nodes - 1; count == 0 && i >= 0; i--) /* steady ones pass no mark on */
+        for (int k = 0; mark[i] && !steady[i] && k < node_arity(p->node[i].kind); k++)
+            mark[p->node[i].operand[k]] = true;
+    for (int i = 0; count >= 0 && i < p->nodes; i++)
+        if (mark[i] && steady[i] && p->node[i].kind > NODE_NAME)
+            kept[count++] = i;
+    free(steady);
+    free(mark);
+    return count;
+}
+
+/* The program of what is kept, unless that is too large. False: no memory. */
+static bool make_keep(struct program *p, const struct given *given, const int *kept, int count)
+{
+    struct program *keep = calloc(1, sizeof *keep);
+    if (!keep)
+        return false;
+    *keep = (struct program){.run = interpret, .moving = p->moving, .names = p->names, .outputs = count};
+    keep->node = p->node;
+    keep->nodes = p->nodes;
+    keep->result = arena_array(&keep->arena, 2 * (size_t)count, sizeof *keep->result);
+    keep->written = arena_array(&keep->arena, (size_t)count, sizeof *keep->written);
+    bool fine = keep->result && keep->written;
+    if (fine) {
+        keep->output = keep->result + count;
+        memcpy(keep->result, kept, (size_t)count * sizeof *kept);
+        fine = schedule(keep, NULL);
+    }
+    if (!fine || keep->places > PROGRAM_KEEP) {
+        program_destroy(keep);
+        return fine;
+    }
+    p->keep = keep;
+    p->keeps = count;
+    p->names = given->first + given->kept + count;
+    return true;
+}
+
+static bool schedule_in_parts(struct program *p, const struct given *given)
+{
+    if (!given || given->most <= 0)
+        return schedule(p, NULL);
+    int *kept = malloc((size_t)p->nodes * sizeof *kept);
+    const int count = kept ? find_kept(p, kept) : -1;
+    bool fine = count >= 0;
+    if (count > 0 && count <= given->most)
+        fine = make_keep(p, given, kept, count);
+    fine = fine && schedule(p, kept);
+    free(kept);
+    return fine;
+}
+
+void program_keep(const struct program *p, double *given)
+{
+    double frame[PROGRAM_KEEP];
+    if (!p->keep)
+        return;
+    program_prepare(p->keep, frame);
+    double *const kept = given + p->names - p->keeps - p->moving;
+    const struct leading leading = p->keep->run(p->keep, 0, 0, 0, NULL, given, kept, frame);
+    kept[0] = leading.first;
+    if (p->keeps > 1)
+        kept[1] = leading.second;
+}
+
+/* ---- making and destroying ---- */
+
+struct program *program_create_given(const struct equations *e, int first, int count, const bool *bound,
+                                     const double *value, const struct given *given, bool native, struct error *error)
+{
+    struct program *p = calloc(1, sizeof *p);
+    if (!p) {
+        error_memory(error);
+        return NULL;
+    }
+    p->names = e->names;
+    p->moving = given ? given->first : e->names;
+    p->outputs = count;
+    p->output = arena_array(&p->arena, 2 * (size_t)count + 1, sizeof *p->output);
+    p->result = p->output + count;
+    p->written = arena_array(&p->arena, (size_t)count, sizeof *p->written);
+    struct graph graph;
+    graph_init(&graph, &p->arena, true);
+    bool fine = p->output && p->written && bind(e, first, bound, value, &graph, p->result, count);
+    if (!fine)
+        error_memory(error);
+    fine = fine && graph_check(&graph, error);
+    p->node = graph.node;
+    p->nodes = graph.count;
+    if (fine && !schedule_in_parts(p, given))
+        fine = error_memory(error);
+    if (!fine) {
+        program_destroy(p);
+        return NULL;
+    }
+    p->run = interpret;
+    p->native = native ? native_create(p, &p->run) : NULL;
+    return p;
+}
+
+struct program *program_create(const struct equations *e, int first, int count, const bool *bound, const double *value,
+                               bool native, struct error *error)
+{
+    return program_create_given(e, first, count, bound, value, NULL, native, error);
+}
+
+void program_destroy(struct program *p)
+{
+    if (!p)
+        return;
+    program_destroy(p->keep);
+    native_destroy(p->native);
+    arena_reset(&p->arena);
+    free(p);
+}
+
+/* ---- questions ---- */
+
+bool program_native(const struct program *p)
+{
+    return p->native;
+}
+
+int program_operations(const struct program *p)
+{
+    return p->count;
+}
+
+bool program_constant(const struct program *p, int output, double *value)
+{
+    const struct node *node = &p->node[p->result[output]];
+    if (node->kind == NODE_NUMBER)
+        *value = node->number;
+    return node->kind == NODE_NUMBER;
+}
+
+bool program_depends_on(const struct program *p, int first, int count, int name, int names)
+{
+    bool *mark = calloc((size_t)p->nodes, sizeof *mark), found = !mark;
+    for (int i = 0; mark && i < count; i++)
+        mark[p->result[first + i]] = true;
+    if (mark)
+        graph_reach(p->node, p->nodes, mark);
+    for (int i = 0; mark && !found && i < p->nodes; i++)
+        found = mark[i] && p->node[i].kind == NODE_NAME && p->node[i].operand[0] >= name &&
+                p->node[i].operand[0] < name + names;
+    free(mark);
+    return found;
+}
+
+bool program_depends(const struct program *p, int first, int count, int name)
+{
+    return program_depends_on(p, first, count, name, 1);
+}
+
+/* ---- evaluation ---- */
+
+program_function *program_code(const struct program *p)
+{
+    return p->run;
+}
+
+size_t program_frame(const struct program *p)
+{
+    return (size_t)p->places;
+}
+
+void program_prepare(const struct program *p, double *frame)
+{
+    if (!p->native) /* machine code has them beside it */
+        memcpy(frame + p->names, p->number, (size_t)p->numbers * sizeof *frame);
+}
+
+double program_eval(const struct program *p, const double *input, double *output, double *frame)
+{
+    double x[LEADING] = {0};
+    for (int i = 0; i < LEADING && i < p->names; i++)
+        x[i] = input[i];
+    const double *const state = input + (p->names > 1), *const given = input + p->moving;
+    const struct leading leading = p->run(p, x[0], x[1], x[2], state, given, output, frame);
+    output[0] = leading.first;
+    if (p->outputs > 1)
+        output[1] = leading.second;
+    return leading.first;
+}

@@ -1,0 +1,235 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Expressions as a graph without repetitions, and the program that it becomes. */
+#ifndef HOOKE_SCENE_FORMULA_PROGRAM_PROGRAM_H
+#define HOOKE_SCENE_FORMULA_PROGRAM_PROGRAM_H
+
+#include "scene/formula/expr.h"
+
+/* ---- the graph ----
+ *
+ * A node is a number, a name, or an operation on earlier nodes; equal nodes are one. Made simpler as it grows.
+ */
+
+enum node_kind {
+    NODE_NUMBER,
+    NODE_NAME,
+    NODE_NEG,
+    NODE_ABS,
+    NODE_SQRT,
+    NODE_ADD,
+    NODE_SUB,
+    NODE_MUL,
+    NODE_DIV,
+    NODE_LESS,
+    NODE_LESS_EQUAL,
+    NODE_IF, /* a > 0 ? b : c */
+    NODE_ONE,
+    NODE_TWO,
+    /* Only in programs; rounded twice, as two operations: a b + c, a b - c, c - a b, -(a b) */
+    NODE_MUL_ADD,
+    NODE_MUL_SUB,
+    NODE_SUB_MUL,
+    NODE_NEG_MUL,
+    NODE_KINDS
+};
+
+struct node {
+    enum node_kind kind;
+    int operand[3]; /* nodes, earlier ones; of a name: the name */
+    union {
+        double number;
+        double (*one)(double);
+        double (*two)(double, double);
+    };
+};
+
+/* Node 0 is the number 0. After a failure `failed` is set and everything is node 0: check once at the end. */
+struct graph {
+    struct arena *arena;
+    struct node *node;
+    int count, room;
+    int *table; /* hashed nodes, 0: free; `slots` is a power of two */
+    unsigned slots;
+    bool binds; /* known names are numbers: powers become multiplications, products with 0 are absent */
+    enum { GRAPH_FINE, GRAPH_NO_MEMORY, GRAPH_FULL } failed;
+};
+
+void graph_init(struct graph *graph, struct arena *arena, bool binds);
+int graph_number(struct graph *graph, double number);
+int graph_name(struct graph *graph, int name);
+int graph_apply(struct graph *graph, enum node_kind kind, int a, int b, int c); /* NODE_NEG … NODE_IF */
+int graph_one(struct graph *graph, double (*one)(double), int a);
+int graph_two(struct graph *graph, double (*two)(double, double), int a, int b);
+int graph_copy(struct graph *graph, const struct node *node, const int *map); /* the operation, on the map's nodes */
+bool graph_check(const struct graph *graph, struct error *error);
+/* Marks [count] what the marked nodes need. */
+void graph_reach(const struct node *node, int count, bool *mark);
+int node_arity(enum node_kind kind);
+
+/* The value of an operation of this kind, which is a constant where this is the body of a loop. */
+static inline __attribute__((always_inline)) double node_value(enum node_kind kind, const struct node *node, double a,
+                                                               double b, double c)
+{
+    switch (kind) {
+    case NODE_NUMBER:
+    case NODE_NAME:
+    case NODE_KINDS:
+        break;
+    case NODE_NEG:
+        return -a;
+    case NODE_ABS:
+        return fabs(a);
+    case NODE_SQRT:
+        return sqrt(a);
+    case NODE_ADD:
+        return a + b;
+    case NODE_SUB:
+        return a - b;
+    case NODE_MUL:
+        return a * b;
+    case NODE_DIV:
+        return a / b;
+    case NODE_LESS:
+        return less(a, b);
+    case NODE_LESS_EQUAL:
+        return less_equal(a, b);
+    case NODE_IF:
+        return a > 0 ? b : a <= 0 ? c : a;
+    case NODE_ONE:
+        return node->one(a);
+    case NODE_TWO:
+        return node->two(a, b);
+    case NODE_MUL_ADD:
+        return a * b + c;
+    case NODE_MUL_SUB:
+        return a * b - c;
+    case NODE_SUB_MUL:
+        return c - a * b;
+    case NODE_NEG_MUL:
+        return -(a * b);
+    }
+    return node->number;
+}
+
+/* A case for each operation, so that its loop or its code is its own. */
+#define OPERATIONS(CASE)                                                                                               \
+    CASE(NODE_NEG)                                                                                                     \
+    CASE(NODE_ABS)                                                                                                     \
+    CASE(NODE_SQRT)                                                                                                    \
+    CASE(NODE_ADD)                                                                                                     \
+    CASE(NODE_SUB)                                                                                                     \
+    CASE(NODE_MUL)                                                                                                     \
+    CASE(NODE_DIV)                                                                                                     \
+    CASE(NODE_LESS)                                                                                                    \
+    CASE(NODE_LESS_EQUAL)                                                                                              \
+    CASE(NODE_IF)                                                                                                      \
+    CASE(NODE_ONE)                                                                                                     \
+    CASE(NODE_TWO)                                                                                                     \
+    CASE(NODE_MUL_ADD)                                                                                                 \
+    CASE(NODE_MUL_SUB)                                                                                                 \
+    CASE(NODE_SUB_MUL)                                                                                                 \
+    CASE(NODE_NEG_MUL)
+
+/* ---- derivatives (derive.c) ---- */
+
+/* slope [count]: for each of the first `count` nodes that is marked, its partial derivative by the name, as a node. */
+void graph_derive(struct graph *graph, int name, const bool *mark, int count, int *slope);
+
+/* ---- equations and programs ---- */
+
+struct equations {
+    struct arena arena;
+    struct graph graph;
+    int names;
+    int *meaning; /* [names] the node of a name: itself, or what it was defined as */
+    int *output;  /* [outputs] nodes */
+    int outputs, room;
+};
+
+bool equations_reserve(struct equations *e, int more); /* room for more outputs */
+
+/* ---- switches (program_switch.c) ---- */
+
+/* A branch is 1 where the argument is above 0 and 0 where it is below; or the largest integer not above it. */
+enum switch_kind { SWITCH_SIGN, SWITCH_WHOLE };
+
+struct switches {
+    int name;   /* the first of LIMIT_TYPED_SWITCHES names for branches */
+    int moving; /* the first names are t and the state: so many */
+    int count;
+    int argument[LIMIT_TYPED_SWITCHES]; /* nodes, themselves frozen; each depends on the branches before only */
+    enum switch_kind kind[LIMIT_TYPED_SWITCHES];
+    bool full; /* there are more */
+};
+
+/*
+ * Adds the switches' arguments as outputs, then `count` that are those from `first` on with every switch frozen. Nothing
+ * where there are no switches, or too many.
+ */
+bool equations_freeze(struct equations *e, int first, int count, struct switches *found, struct error *error);
+bool expr_switches(const struct expr *expr); /* has it any? NULL: none */
+
+/* One operation: places are doubles in the frame. What an operation writes is none of its operands. */
+struct instruction {
+    struct node node; /* operand: places */
+    int out;
+    int output;   /* in lanes: the output that this is, which no operation reads; -1: none */
+    bool last[3]; /* the operand's place is free afterwards */
+};
+
+enum { LEADING = 3 }; /* names that a program's function takes as numbers */
+
+/* The frame: names, numbers, then intermediate values whose places are used again. */
+struct program {
+    program_function *run;
+    struct arena arena;
+    int moving, names, numbers, places;
+    int keeps;            /* the last names: what depends on given ones only */
+    struct program *keep; /* their values, from the names before; NULL: there are none */
+    double *number;
+    struct instruction *code;
+    int count;
+    int *used; /* names that are read */
+    int uses;
+    int *output; /* [outputs] places */
+    int outputs;
+    bool *written; /* [outputs] in lanes by the operation itself */
+    int copies;    /* the others */
+    struct node *node; /* the graph it came from, and there the outputs: for questions */
+    int nodes, *result;
+    struct native *native; /* NULL: none */
+};
+
+/*
+ * Names from `first` on are given: they stay as they are for many evaluations. What depends on them only is computed by
+ * program_keep() and becomes more names, given[kept] and on, if they and all it takes fit (most; PROGRAM_KEEP doubles).
+ */
+struct given {
+    int first, kept, most;
+};
+#define PROGRAM_KEEP 4096
+
+struct program *program_create_given(const struct equations *e, int first, int count, const bool *bound,
+                                     const double *value, const struct given *given, bool native, struct error *error);
+/* As program_depends(), on any of these names? */
+bool program_depends_on(const struct program *p, int first, int count, int name, int names);
+/* Once for each set of given values. */
+void program_keep(const struct program *program, double *given);
+
+/* The outputs, where `moving` names are t and a state. */
+static inline void program_run(const struct program *p, double t, const double *state, const double *given,
+                               double *output, double *frame)
+{
+    const struct leading leading = p->run(p, t, state[0], p->moving > 2 ? state[1] : 0, state, given, output, frame);
+    output[0] = leading.first;
+    if (p->outputs > 1)
+        output[1] = leading.second;
+}
+
+/* ---- machine code (native_x86.c; elsewhere always NULL) ---- */
+
+/* NULL: not here, no memory, not allowed; else *run is the code. */
+struct native *native_create(const struct program *program, program_function **run);
+void native_destroy(struct native *native);
+
+#endif

@@ -1,0 +1,183 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Switches: where |u|, sign(u), u < v, if(), min(), max(), step(), floor(), ceil(), round(), mod() go from one smooth
+ * branch to another. Frozen equations take the branch from a name instead, and so are smooth across the switch.
+ */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "scene/formula/program/program.h"
+
+struct freezing {
+    struct equations *e;
+    struct switches *found;
+    int *map;          /* [nodes] the frozen node */
+    bool *moving;      /* [nodes] does the frozen node depend on what moves? */
+};
+
+static int apply(struct freezing *f, enum node_kind kind, int a, int b, int c)
+{
+    return graph_apply(&f->e->graph, kind, a, b, c);
+}
+
+/* Are two arguments the negatives of each other, as they stand in sign(x) = (0 < x) - (x < 0)? */
+static bool opposite(const struct freezing *f, int a, int b)
+{
+    const struct node *x = &f->e->graph.node[a], *y = &f->e->graph.node[b];
+    return (x->kind == NODE_NEG && x->operand[0] == b) || (y->kind == NODE_NEG && y->operand[0] == a) ||
+           (x->kind == NODE_SUB && y->kind == NODE_SUB && x->operand[0] == y->operand[1] &&
+            x->operand[1] == y->operand[0]);
+}
+
+/* The branch of u as a node; 0: there are too many. */
+static int branch(struct freezing *f, int u, enum switch_kind kind)
+{
+    struct switches *found = f->found;
+    for (int i = 0; i < found->count; i++) {
+        const int name = graph_name(&f->e->graph, found->name + i);
+        if (found->kind[i] != kind)
+            continue;
+        if (found->argument[i] == u)
+            return name;
+        if (kind == SWITCH_SIGN && opposite(f, found->argument[i], u))
+            return apply(f, NODE_SUB, graph_number(&f->e->graph, 1), name, 0);
+    }
+    if (found->count == LIMIT_TYPED_SWITCHES) {
+        found->full = true;
+        return 0;
+    }
+    found->argument[found->count] = u;
+    found->kind[found->count] = kind;
+    return graph_name(&f->e->graph, found->name + found->count++);
+}
+
+/* The largest integer not above u */
+static int whole(struct freezing *f, int u)
+{
+    return branch(f, u, SWITCH_WHOLE);
+}
+
+static int freeze_one(struct freezing *f, const struct node *node, int x)
+{
+    struct graph *g = &f->e->graph;
+    if (node->one == function_sign)
+        return apply(f, NODE_IF, branch(f, x, SWITCH_SIGN), graph_number(g, 1), graph_number(g, -1));
+    if (node->one == function_step)
+        return branch(f, x, SWITCH_SIGN);
+    if (node->one == floor)
+        return whole(f, x);
+    if (node->one == ceil)
+        return apply(f, NODE_NEG, whole(f, apply(f, NODE_NEG, x, 0, 0)), 0, 0);
+    if (node->one == round)
+        return whole(f, apply(f, NODE_ADD, x, graph_number(g, 0.5), 0));
+    return -1;
+}
+
+static int freeze_two(struct freezing *f, const struct node *node, int a, int b)
+{
+    if (node->two == function_least || node->two == function_most) {
+        const int less = branch(f, apply(f, NODE_SUB, b, a, 0), SWITCH_SIGN);
+        return node->two == function_least ? apply(f, NODE_IF, less, a, b) : apply(f, NODE_IF, less, b, a);
+    }
+    if (node->two == function_mod)
+        return apply(f, NODE_SUB, a, apply(f, NODE_MUL, b, whole(f, apply(f, NODE_DIV, a, b, 0)), 0), 0);
+    return -1;
+}
+
+/* The smooth node in place of one whose operands move; -1: it is smooth itself. x: frozen operands. */
+static int freeze(struct freezing *f, const struct node *node, const int *x, bool condition_moves)
+{
+    switch (node->kind) {
+    case NODE_ABS:
+        return apply(f, NODE_IF, branch(f, x[0], SWITCH_SIGN), x[0], apply(f, NODE_NEG, x[0], 0, 0));
+    case NODE_LESS:
+    case NODE_LESS_EQUAL:
+        return branch(f, apply(f, NODE_SUB, x[1], x[0], 0), SWITCH_SIGN);
+    case NODE_IF:
+        return condition_moves ? apply(f, NODE_IF, branch(f, x[0], SWITCH_SIGN), x[1], x[2]) : -1;
+    case NODE_ONE:
+        return freeze_one(f, node, x[0]);
+    case NODE_TWO:
+        return freeze_two(f, node, x[0], x[1]);
+    default:
+        return -1;
+    }
+}
+
+static void freeze_nodes(struct freezing *f, int count, const bool *reached)
+{
+    for (int i = 0; i < count && !f->e->graph.failed && !f->found->full; i++) {
+        const struct node node = f->e->graph.node[i]; /* a copy: the graph grows */
+        const int arity = node_arity(node.kind);
+        int x[3] = {0, 0, 0}, frozen = -1;
+        bool moving = node.kind == NODE_NAME && node.operand[0] < f->found->moving;
+        f->map[i] = i;
+        if (!reached[i])
+            continue;
+        for (int k = 0; k < arity; k++) {
+            x[k] = f->map[node.operand[k]];
+            moving = moving || f->moving[node.operand[k]];
+        }
+        if (arity > 0 && moving)
+            frozen = freeze(f, &node, x, f->moving[node.operand[0]]);
+        if (frozen >= 0) /* a switch moves no more where it is only a number on each branch */
+            moving = node.kind == NODE_ABS || node.kind == NODE_IF || node.kind == NODE_TWO;
+        else if (arity > 0)
+            frozen = graph_copy(&f->e->graph, &node, f->map);
+        f->moving[i] = moving;
+        f->map[i] = frozen >= 0 ? frozen : i;
+    }
+}
+
+bool equations_freeze(struct equations *e, int first, int count, struct switches *found, struct error *error)
+{
+    const int nodes = e->graph.count;
+    struct freezing f = {e, found, calloc((size_t)nodes, sizeof *f.map), calloc((size_t)nodes, sizeof *f.moving)};
+    bool *reached = calloc((size_t)nodes, sizeof *reached);
+    const bool room = f.map && f.moving && reached && equations_reserve(e, count + LIMIT_TYPED_SWITCHES);
+    found->count = 0;
+    found->full = false;
+    for (int i = 0; room && i < count; i++)
+        reached[e->output[first + i]] = true;
+    if (room) {
+        graph_reach(e->graph.node, nodes, reached);
+        freeze_nodes(&f, nodes, reached);
+    }
+    if (found->full)
+        found->count = 0;
+    for (int i = 0; room && i < found->count; i++)
+        e->output[e->outputs++] = found->argument[i];
+    for (int i = 0; room && found->count > 0 && i < count; i++)
+        e->output[e->outputs++] = f.map[e->output[first + i]];
+    free(f.map);
+    free(f.moving);
+    free(reached);
+    return room ? graph_check(&e->graph, error) : error_memory(error);
+}
+
+/* ---- is there any? ---- */
+
+static bool is_switch(const struct op *op)
+{
+    static double (*const one[])(double) = {fabs, function_sign, function_step, floor, ceil, round};
+    static double (*const two[])(double, double) = {function_least, function_most, function_mod};
+    bool found = op->kind == OP_LESS || op->kind == OP_GREATER || op->kind == OP_LESS_EQUAL ||
+                 op->kind == OP_GREATER_EQUAL;
+    if (op->kind != OP_CALL)
+        return found;
+    found = op->function->three != NULL;
+    for (size_t i = 0; i < COUNT_OF(one); i++)
+        found = found || (op->function->one && op->function->one == one[i]);
+    for (size_t i = 0; i < COUNT_OF(two); i++)
+        found = found || (op->function->two && op->function->two == two[i]);
+    return found;
+}
+
+bool expr_switches(const struct expr *expr)
+{
+    for (size_t i = 0; expr && i < expr->count; i++)
+        if (is_switch(&expr->op[i]))
+            return true;
+    return false;
+}

@@ -1,0 +1,223 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Where a function passes through 0: a stretch is halved until its bounds exclude 0, or a bound of the slope leaves one
+ * sign change at most, or one of the second derivative at most two (Moore 1966, Interval Analysis; Hansen, Walster
+ * 2004, Global Optimization Using Interval Analysis, chapter 9).
+ */
+#include "scene/formula/interval.h"
+
+#include <float.h>
+
+#define SLACK (64 * DBL_EPSILON) /* of the size of what a bound is made of */
+#define EACH 64                  /* stretches for each root that was found */
+#define SAME 1e-7                /* touches that near are one */
+#define DEPTH 64
+#define MOST 100000 /* roots in one search */
+
+struct stretch {
+    double a, b, fa, fb;
+};
+
+static int sign_of(double value)
+{
+    return (value > 0) - (value < 0);
+}
+
+static double value_at(const struct root_search *roots, double x)
+{
+    return roots->value(roots->context, x);
+}
+
+static void found(struct root_search *roots, double x, int sign)
+{
+    roots->count++;
+    roots->stopped = !roots->found(roots->context, x, sign) || roots->stopped;
+}
+
+/*
+ * The point beyond the sign change of s: regula falsi with the Illinois rule, every third time a bisection. At a it is
+ * r->sign.
+ */
+static double locate(const struct root_search *roots, const struct stretch *s)
+{
+    double a = s->a, b = s->b, ga = s->fa, gb = s->fb, fb = s->fb;
+    if (s->fa == 0)
+        return a;
+    for (int i = 0; i < 200 && fb != 0 && b - a > roots->least; i++) {
+        double x = i % 3 == 2 ? a + (b - a) / 2 : a + (b - a) * (ga / (ga - gb));
+        if (!(x > a && x < b))
+            x = a + (b - a) / 2;
+        if (!(x > a && x < b))
+            break;
+        const double f = value_at(roots, x);
+        if ((f < 0) == (s->fa < 0) && f != 0) {
+            a = x;
+            ga = f;
+            gb /= 2;
+        } else {
+            b = x;
+            fb = gb = f;
+            ga /= 2;
+        }
+    }
+    return b;
+}
+
+/* Its sign changes once at most. */
+static void pass(struct root_search *roots, const struct stretch *s)
+{
+    const int after = sign_of(s->fb);
+    if (after == 0)
+        return;
+    if (roots->sign != 0 && after != roots->sign)
+        found(roots, locate(roots, s), after);
+    roots->sign = after;
+}
+
+static void touch(struct root_search *roots, double x)
+{
+    if (!roots->touches || (roots->touched && x - roots->last_touch <= SAME))
+        return;
+    if (roots->touches(roots->context, x)) {
+        roots->touched = true;
+        roots->last_touch = x;
+        found(roots, x, 0);
+    }
+}
+
+static double slope_at(const struct root_search *roots, double x)
+{
+    const struct interval slope = roots->bounds(roots->context, x, x).slope;
+    return slope.lo + (slope.hi - slope.lo) / 2;
+}
+
+/*
+ * Bent away from 0, with ends on one side of it: is the extreme value on the other? *x is where it was found to be, or
+ * where the value is nearest to 0.
+ */
+static bool reaches(const struct root_search *roots, const struct stretch *s, double *x)
+{
+    double a = s->a, b = s->b, ga = roots->sign * slope_at(roots, a), gb = roots->sign * slope_at(roots, b);
+    *x = ga >= 0 ? a : b;
+    if (ga >= 0 || gb <= 0)
+        return roots->sign * value_at(roots, *x) < 0;
+    for (int i = 0; i < 100 && b - a > roots->least; i++) {
+        double at = i % 3 == 2 ? a + (b - a) / 2 : a + (b - a) * (ga / (ga - gb));
+        if (!(at > a && at < b))
+            at = a + (b - a) / 2;
+        if (!(at > a && at < b))
+            break;
+        *x = at;
+        const double f = roots->sign * value_at(roots, at), g = roots->sign * slope_at(roots, at);
+        if (f < 0)
+            return true;
+        if (!roots->touches && f > fabs(g) * (b - a) && f > SLACK * (fabs(s->fa) + fabs(s->fb)))
+            return false;
+        if (g == 0)
+            return false;
+        if (g < 0) {
+            a = at;
+            ga = g;
+            gb /= 2;
+        } else {
+            b = at;
+            gb = g;
+            ga /= 2;
+        }
+    }
+    return false;
+}
+
+/* With a second derivative of one sign. */
+static void bent(struct root_search *roots, const struct stretch *s, bool up)
+{
+    const int after = sign_of(s->fb);
+    if (roots->sign == 0 || after == -roots->sign || (roots->sign > 0) != up) {
+        pass(roots, s);
+        return;
+    }
+    double x;
+    const bool beyond = reaches(roots, s, &x);
+    if (!beyond) {
+        touch(roots, x);
+        return;
+    }
+    if (roots->touches && roots->touches(roots->context, x)) {
+        touch(roots, x);
+        return;
+    }
+    const double fx = value_at(roots, x);
+    pass(roots, &(struct stretch){s->a, x, s->fa, fx});
+    pass(roots, &(struct stretch){x, s->b, fx, s->fb});
+}
+
+/* The bounds of the value that follow from its ends and its slope, too. */
+static struct interval value_of(const struct jet *jet, const struct stretch *s)
+{
+    struct interval value = jet->value;
+    const double w = s->b - s->a, down = -jet->slope.lo, up = jet->slope.hi;
+    if (!(down > 0 && up > 0 && down + up < HUGE_VAL))
+        return value;
+    const double sum = down + up, most = down * up * w;
+    const double lo = (s->fa * up + s->fb * down - most) / sum, hi = (s->fa * down + s->fb * up + most) / sum;
+    const double slack = SLACK * (fabs(s->fa) + fabs(s->fb) + most / sum);
+    if (lo - slack > value.lo)
+        value.lo = lo - slack;
+    if (hi + slack < value.hi)
+        value.hi = hi + slack;
+    return value;
+}
+
+/* True: nothing is left to be found in it. */
+static bool decided(struct root_search *roots, const struct stretch *s)
+{
+    const int before = sign_of(s->fa);
+    if (before != 0 && roots->sign != 0 && before != roots->sign)
+        found(roots, s->a, before);
+    roots->sign = before != 0 ? before : roots->sign;
+    roots->used++;
+    const struct jet jet = roots->bounds(roots->context, s->a, s->b);
+    if (interval_empty(jet.value))
+        return true;
+    const struct interval value = value_of(&jet, s);
+    if (value.lo > 0 || value.hi < 0)
+        pass(roots, s);
+    else if (jet.slope.lo >= 0 || jet.slope.hi <= 0)
+        pass(roots, s);
+    else if (jet.bend.lo > 0 || jet.bend.hi < 0)
+        bent(roots, s, jet.bend.lo > 0);
+    else
+        return false;
+    return true;
+}
+
+void roots_find(struct root_search *roots, double a, double fa, double b, double fb)
+{
+    struct stretch stack[DEPTH] = {{a, b, fa, fb}};
+    int depth = 1;
+    roots->used = roots->count = 0;
+    roots->unsure = roots->stopped = roots->touched = false;
+    while (depth > 0 && !roots->stopped) {
+        const struct stretch s = stack[--depth];
+        if (decided(roots, &s))
+            continue;
+        const double middle = s.a + (s.b - s.a) / 2;
+        if (s.b - s.a <= roots->least || !(middle > s.a && middle < s.b) || depth + 2 > DEPTH) {
+            const int before = roots->sign;
+            pass(roots, &s);
+            if (roots->sign == before)
+                touch(roots, middle);
+            continue;
+        }
+        if (roots->used > roots->budget + EACH * roots->count || roots->count >= MOST) {
+            roots->unsure = true;
+            roots->unsure_from = s.a;
+            pass(roots, &(struct stretch){s.a, b, s.fa, fb});
+            return;
+        }
+        const double fm = value_at(roots, middle);
+        roots->nonzero = roots->nonzero || fm != 0;
+        stack[depth++] = (struct stretch){middle, s.b, fm, s.fb};
+        stack[depth++] = (struct stretch){s.a, middle, s.fa, fm};
+    }
+}

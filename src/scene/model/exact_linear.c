@@ -1,0 +1,266 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * The exact solution of y' = A y + b: exp(X) of X = [A b; 0 0] t on the state with a 1 below it, by scaling and
+ * squaring (Higham, Functions of Matrices, 2008, 10.3). What is squared is E = exp(X/2^s) - 1, E <- 2 E + E E: so slow
+ * motion keeps its digits beside a fast one that is over soon, where exp(X/2^s) would round it away s times. The series
+ * of E is that of Taylor, with X/2^s small enough for ten terms; balancing (Parlett, Reinsch 1969, Numer. Math. 13:293)
+ * makes X small where units are far apart.
+ */
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "scene/model/exact.h"
+
+#define LINEAR_MOST 16 /* variables: a matrix product of more is slow for each row of a run */
+#define SIDE (LINEAR_MOST + 1)
+#define TERMS 10
+#define SMALL (1. / 16) /* (1/16)^10/11! is below the rounding of long double */
+
+typedef long double real;
+
+struct matrix {
+    int n;
+    real at[SIDE][SIDE];
+};
+
+/* [A b; 0 0] */
+static void coefficients(const struct system *system, struct matrix *x)
+{
+    const int n = system->n;
+    double jac[LIMIT_VARIABLES * LIMIT_VARIABLES], b[LIMIT_VARIABLES], rest[LIMIT_VARIABLES] = {0};
+    system_jacobian(system, system->t0, rest, jac);
+    system_derivative(system, system->t0, rest, b);
+    x->n = n + 1;
+    for (int i = 0; i <= n; i++) {
+        for (int j = 0; j < n; j++)
+            x->at[i][j] = i < n ? (real)jac[i * n + j] : 0;
+        x->at[i][n] = i < n ? (real)b[i] : 0;
+    }
+}
+
+bool linear_has_exact(const struct system *system)
+{
+    struct matrix x;
+    bool fine = system->linear && system->autonomous && system->n <= LINEAR_MOST;
+    if (fine)
+        coefficients(system, &x);
+    for (int i = 0; fine && i < x.n; i++)
+        for (int j = 0; fine && j < x.n; j++)
+            fine = isfinite(x.at[i][j]);
+    return fine;
+}
+
+/* Makes it D^-1 X D, rows and columns of which are about the same size; d: the diagonal of D, powers of two. */
+static void balance(struct matrix *x, real *d)
+{
+    const int n = x->n - 1;
+    bool changed = true;
+    for (int i = 0; i <= n; i++)
+        d[i] = 1;
+    for (int sweep = 0; changed && sweep < 100; sweep++) {
+        changed = false;
+        for (int i = 0; i < n; i++) {
+            real row = 0, column = 0;
+            for (int j = 0; j < n; j++) {
+                row += j != i ? fabsl(x->at[i][j]) : 0;
+                column += j != i ? fabsl(x->at[j][i]) : 0;
+            }
+            const int power = row > 0 && column > 0 ? (ilogbl(row) - ilogbl(column)) / 2 : 0;
+            changed = changed || power != 0;
+            d[i] = scalbnl(d[i], power);
+            for (int j = 0; power != 0 && j <= n; j++) {
+                x->at[i][j] = scalbnl(x->at[i][j], -power);
+                x->at[j][i] = scalbnl(x->at[j][i], power);
+            }
+        }
+    }
+    /* The 1 below the state comes from nowhere: any size will do. */
+    real most = 0, shift = 0;
+    for (int i = 0; i < n; i++) {
+        for (int j = 0; j < n; j++)
+            most = fmaxl(most, fabsl(x->at[i][j]));
+        shift = fmaxl(shift, fabsl(x->at[i][n]));
+    }
+    const int power = most > 0 && shift > 0 ? ilogbl(most) - ilogbl(shift) : 0;
+    d[n] = scalbnl(1, power);
+    for (int i = 0; i < n; i++)
+        x->at[i][n] = scalbnl(x->at[i][n], power);
+}
+
+static real norm(const struct matrix *x)
+{
+    real most = 0;
+    for (int i = 0; i < x->n; i++) {
+        real sum = 0;
+        for (int j = 0; j < x->n; j++)
+            sum += fabsl(x->at[i][j]);
+        most = fmaxl(most, sum);
+    }
+    return most;
+}
+
+/* c = part (share a + b e), held where its square does not overflow: growth ends as a large number, not as NaN. */
+static void multiply_add(real part, real share, const struct matrix *a, const struct matrix *b, const struct matrix *e,
+                         struct matrix *c)
+{
+    const real most = scalbnl(1, LDBL_MAX_EXP / 2 - 8);
+    const int n = c->n = a->n;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) {
+            real sum = share * a->at[i][j];
+            for (int k = 0; k < n; k++)
+                sum += b->at[i][k] * e->at[k][j];
+            c->at[i][j] = fabsl(sum) <= most ? part * sum : copysignl(most, sum);
+        }
+}
+
+/* exp(x t) - 1 and, where it is wanted, the integral of exp(x t) over t, to a few per cent. */
+static void exponential(const struct matrix *x, real t, struct matrix *made, struct matrix *integral)
+{
+    struct matrix e[2], scaled = {.n = x->n}, before;
+    const real size = norm(x) * fabsl(t) / (real)SMALL;
+    const int halvings = size > 1 ? ilogbl(size) + 1 : 0;
+    int now = 0;
+    for (int i = 0; i < x->n; i++)
+        for (int j = 0; j < x->n; j++) {
+            scaled.at[i][j] = scalbnl(x->at[i][j] * t, -halvings);
+            e[now].at[i][j] = scaled.at[i][j] / TERMS;
+        }
+    for (int k = TERMS - 1; k > 0; k--, now = !now) /* x (1 + x/2 (1 + x/3 (1 + ...))) */
+        multiply_add(1 / (real)k, 1, &scaled, &scaled, &e[now], &e[!now]);
+    if (integral)
+        integral->n = x->n;
+    for (int i = 0; integral && i < x->n; i++)
+        for (int j = 0; j < x->n; j++)
+            integral->at[i][j] = scalbnl(t * ((i == j) + e[now].at[i][j] / 2), -halvings);
+    for (int k = 0; k < halvings; k++, now = !now) {
+        if (integral) {
+            before = *integral;
+            multiply_add(1, 2, &before, &e[now], &before, integral);
+        }
+        multiply_add(1, 2, &e[now], &e[now], &e[now], &e[!now]);
+    }
+    *made = e[now];
+}
+
+/* For each variable those that it depends on, directly or through others, as bits. */
+static void dependence(const struct matrix *x, unsigned *on)
+{
+    const int n = x->n - 1;
+    for (int i = 0; i < n; i++) {
+        on[i] = 1u << i;
+        for (int j = 0; j < n; j++)
+            on[i] |= (unsigned)(x->at[i][j] != 0) << j;
+    }
+    for (int k = 0; k < n; k++) /* Warshall 1962 */
+        for (int i = 0; i < n; i++)
+            on[i] |= on[i] >> k & 1 ? on[k] : 0;
+}
+
+/*
+ * What one ulp does. In the time scale it moves the state by eps |t| y'. A rate passes through 0 where another of the
+ * same motion is largest, so the largest of all that the variable depends on stands for it, in units of the natural
+ * sizes. In a coefficient it moves the rate by eps |A| |y|, more than y' where fast motion has come to rest, and the
+ * state by the integral of exp(A t) times that; where motion grows it was small while exp(A t) had far to go, so that
+ * |t| bounds what takes its place. What has decayed is the difference of 1 and -E: rounding of long double stays.
+ */
+static void find_floor(const struct system *system, const struct matrix *x, const real *d,
+                       const struct matrix *integral, const double *start, real t, const real *y, double *floor)
+{
+    const int n = system->n;
+    unsigned on[LINEAR_MOST];
+    real rate[LINEAR_MOST], parts[LINEAR_MOST];
+    dependence(x, on);
+    for (int i = 0; i < n; i++) {
+        rate[i] = x->at[i][n];
+        parts[i] = fabsl(rate[i]);
+        for (int j = 0; j < n; j++) {
+            rate[i] += x->at[i][j] * y[j];
+            parts[i] += fabsl(x->at[i][j] * y[j]);
+        }
+        rate[i] = fabsl(rate[i]) / (real)system->scale[i];
+    }
+    for (int i = 0; i < n; i++) {
+        real most = 0, moved = 0, begun = 0;
+        for (int j = 0; j < n; j++) {
+            most = on[i] >> j & 1 ? fmaxl(most, rate[j]) : most;
+            begun = on[i] >> j & 1 ? fmaxl(begun, d[i] * fabsl((real)start[j]) / d[j]) : begun;
+            moved += d[i] * fminl(fabsl(integral->at[i][j]), fabsl(t)) / d[j] * parts[j];
+        }
+        floor[i] = (double)((real)DBL_EPSILON * (fabsl(y[i]) + fabsl(t) * most * (real)system->scale[i] + moved) +
+                            16 * LDBL_EPSILON * begun);
+    }
+}
+
+/* The state, and the 1 below it, in units of d. */
+static void begin(int n, const double *start, const real *d, real *z)
+{
+    for (int i = 0; i < n; i++)
+        z[i] = (real)start[i] / d[i];
+    z[n] = 1 / d[n];
+}
+
+static void go(const struct matrix *e, real *z)
+{
+    real by[SIDE] = {0};
+    for (int i = 0; i < e->n; i++)
+        for (int j = 0; j < e->n; j++)
+            by[i] += e->at[i][j] * z[j];
+    for (int i = 0; i < e->n; i++)
+        z[i] += by[i];
+}
+
+void linear_exact(const struct system *system, double t0, const double *start, double t, double *y, double *floor)
+{
+    const int n = system->n;
+    const real elapsed = (real)t - (real)t0;
+    struct matrix x, balanced, e, integral;
+    real d[SIDE], z[SIDE];
+    coefficients(system, &x);
+    balanced = x;
+    balance(&balanced, d);
+    exponential(&balanced, elapsed, &e, floor ? &integral : NULL);
+    begin(n, start, d, z);
+    go(&e, z);
+    for (int i = 0; i < n; i++) {
+        z[i] *= d[i];
+        y[i] = (double)z[i];
+    }
+    if (floor)
+        find_floor(system, &x, d, &integral, start, elapsed, z, floor);
+}
+
+void linear_sizes(const struct system *system, double rate, double *most)
+{
+    enum { STAGES = 6, STEPS = 16 }; /* each stage takes twice the time of the one before */
+    const int n = system->n;
+    struct matrix x, e, before;
+    real d[SIDE], z[SIDE], constant = 0; /* the latter: the largest after one time constant, */
+    double early[LIMIT_VARIABLES];       /* and sizes until then */
+    coefficients(system, &x);
+    balance(&x, d);
+    begin(n, system->start, d, z);
+    exponential(&x, (real)(rate > 0 ? 8 / rate : 1) / STEPS, &e, NULL);
+    real first = 0;
+    for (int stage = 0; stage < STAGES; stage++) {
+        real last = 0;
+        for (int step = 0; step < STEPS; step++) {
+            go(&e, z);
+            for (int i = 0; i < n; i++)
+                last = fmaxl(last, fabsl(z[i]));
+            for (int i = 0; i < n && (stage == 0 || last <= 4 * first); i++) /* later it may only have grown */
+                most[i] = fmax(most[i], fabs((double)(d[i] * z[i])));
+            if (stage == 0 && step == STEPS / 8 - 1) {
+                constant = last;
+                memcpy(early, most, (size_t)n * sizeof *early);
+            } else if (stage == 0 && constant > 0 && last > GROWN * constant) { /* a run may be too short for this */
+                memcpy(most, early, (size_t)n * sizeof *early);
+                return;
+            }
+        }
+        first = stage == 0 ? last : first;
+        before = e;
+        multiply_add(1, 2, &before, &before, &before, &e);
+    }
+}

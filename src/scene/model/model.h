@@ -1,0 +1,79 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * What a model's file needs. A new model is a file model_NAME.c and its name below and in models.c.
+ *
+ * Its parameters are a macro PARAMS(P) with a line P(name, unit, quantity, default [SI], range, brief) each:
+ * PARAM_PLACES makes the places P_name of it, PARAM_ROWS the table.
+ */
+#ifndef HOOKE_SCENE_MODEL_MODEL_H
+#define HOOKE_SCENE_MODEL_MODEL_H
+
+#include <float.h>
+#include <math.h>
+
+#include <hooke/scene.h>
+
+extern const struct model pendulum_model, elastic_pendulum_model, kepler_model, henon_heiles_model,
+    prothero_robinson_model, robertson_model, orego_model;
+
+extern const struct catalog no_derived; /* of a model without derived quantities */
+
+/* ---- parameters ---- */
+
+#define ANY .least = -HUGE_VAL
+#define AT_LEAST(limit) .least = (limit)
+#define ABOVE(limit) .least = (limit), .least_excluded = true
+
+#define PARAM_PLACE(name, ...) P_##name,
+#define PARAM_PLACES(PARAMS) enum { PARAMS(PARAM_PLACE) P_COUNT }
+#define PARAM_ROW(name, unit, kind, value, range, brief)                                                               \
+    {.row = {#name, (unit), (brief), "", NULL}, .quantity = QUANTITY_##kind, .initial = (value), range},
+
+/* ---- derived quantities: rows as in derived.c, name(scene) gives the value ---- */
+
+#define TWO_PI 6.283185307179586476925
+
+struct measured scene_propagate(const struct scene *scene, double (*value)(const struct scene *));
+double scene_start_energy(const struct scene *scene); /* [J] */
+
+#define MEASURED(name, ...)                                                                                            \
+    static struct measured name##_measured(const struct scene *scene)                                                  \
+    {                                                                                                                  \
+        return scene_propagate(scene, name);                                                                           \
+    }
+#define DERIVED_ROW(name, unit, kind, brief, citation, back, param)                                                    \
+    {{#name, unit, brief, citation, NULL}, QUANTITY_##kind, name##_measured, back, param},
+
+/* Those of the oscillator for one whose equation was typed, but where the name is taken. False: no memory. */
+bool derived_for_typed(const struct model *model, struct arena *arena, struct catalog *derived);
+
+/* ---- terms: not each needs all that a row's function is given ---- */
+
+#define UNUSED __attribute__((__unused__))
+#define TERM_BIND(name)                                                                                                \
+    static bool name##_bind(UNUSED const double *param, UNUSED double *c, UNUSED struct oscillator *oscillator)
+#define TERM_ADD(name)                                                                                                 \
+    static void name##_add(UNUSED const double *c, UNUSED double t, UNUSED const double *y, double *a)
+#define TERM_JACOBIAN(name)                                                                                            \
+    static void name##_jacobian(UNUSED const double *c, UNUSED double t, UNUSED const double *y, double *jac)
+#define TERM_POTENTIAL(name) static double name##_potential(const double *c, const double *y)
+#define TERM_POWER(name) static double name##_power(const double *c, UNUSED double t, const double *y)
+
+/* What dry friction f [m/s^2] makes of the acceleration by all other forces: at rest as much as it takes, up to f. */
+static inline double dry_acceleration(double f, double v, double a)
+{
+    if (v != 0)
+        return a - copysign(f, v);
+    return fabs(a) <= f ? 0 : a - copysign(f, a);
+}
+
+/* Natural sizes of one oscillator, with cubic y^3 [1/(m^2 s^2)] and van der Pol's force beside it. */
+void oscillator_scale(struct system *system, double cubic, double mu, double width);
+
+/* A natural size that error norms can divide by. */
+static inline double scale_clamp(double scale)
+{
+    return scale > DBL_MAX ? DBL_MAX : scale > 0 ? scale : 1; /* nothing moves: any scale will do */
+}
+
+#endif

@@ -1,0 +1,11 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What there is to move. */
+#include "scene/model/model.h"
+
+const struct model *const scene_models[] = {
+    &oscillator_model, &pendulum_model,     &elastic_pendulum_model,
+    &kepler_model,     &henon_heiles_model, &prothero_robinson_model,
+    &robertson_model,  &orego_model,        NULL,
+};
+
+const struct catalog no_derived = {"derived quantity", NULL, 0, sizeof(struct derived_row), NULL, 0};

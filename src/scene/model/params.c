@@ -1,0 +1,118 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The parameter table and the scene that holds its values. */
+#include <assert.h>
+
+#include "scene/model/params.h"
+
+static const struct param_row rows[] = {
+#define PARAM PARAM_ROW
+#include "scene/model/terms.def"
+};
+
+const struct catalog param_catalog = CATALOG("parameter", rows);
+
+static int place_of(const struct catalog *catalog, const char *name)
+{
+    const struct row *found = catalog_find(catalog, text_of(name));
+    return found ? (int)((size_t)((const char *)found - (const char *)catalog->rows) / catalog->stride) : -1;
+}
+
+int param_index(const char *name)
+{
+    int place = place_of(&param_catalog, name);
+    assert(place >= 0);
+    return place;
+}
+
+const struct catalog *scene_params(const struct scene *scene)
+{
+    return scene->model->params;
+}
+
+const struct catalog *scene_derived(const struct scene *scene)
+{
+    return scene->model->derived;
+}
+
+int scene_param(const struct scene *scene, const char *name)
+{
+    return place_of(scene->model->params, name);
+}
+
+static const struct param_row *row_of(const struct scene *scene, int param)
+{
+    assert(param >= 0 && (size_t)param < scene->model->params->count);
+    return (const struct param_row *)(const void *)catalog_row(scene->model->params, (size_t)param);
+}
+
+static double preset_value(const struct scene *scene, int param)
+{
+    const struct preset *preset = scene->preset;
+    for (size_t i = 0; i < COUNT_OF(preset->value) && preset->value[i].param; i++)
+        if (scene_param(scene, preset->value[i].param) == param)
+            return preset->value[i].value;
+    return row_of(scene, param)->initial;
+}
+
+void scene_init(struct scene *scene, const struct preset *preset)
+{
+    *scene = (struct scene){.preset =
+                                preset ? preset : (const struct preset *)(const void *)catalog_row(&preset_catalog, 0)};
+    scene->model = scene->preset->model ? scene->preset->model : &oscillator_model;
+    for (size_t i = 0; i < scene->model->params->count; i++)
+        scene_unset(scene, (int)i);
+}
+
+void scene_set_atol(struct scene *scene, int variable, double atol)
+{
+    scene->atol[variable] = atol;
+}
+
+void scene_unset(struct scene *scene, int param)
+{
+    scene->value[param] = preset_value(scene, param);
+    scene->uncertainty[param] = 0;
+    scene->given[param] = false;
+}
+
+static bool in_range(const struct param_row *row, double value, struct error *error)
+{
+    if (isfinite(value) && (row->least_excluded ? value > row->least : value >= row->least))
+        return true;
+    char got[REAL_TEXT_SIZE], least[REAL_TEXT_SIZE];
+    const char *unit = row->row.unit;
+    real_format(value, got);
+    if (!isfinite(value))
+        return error_set(error, ERROR_COMMAND, "%s must be a finite number (got %s)", row->row.name, got);
+    real_format(row->least, least);
+    return error_set(error, ERROR_COMMAND, "%s must be %s %s (got %s%s%s)", row->row.name,
+                     row->least_excluded ? ">" : ">=", least, got, *unit ? " " : "", unit);
+}
+
+bool params_coherent(const double *param, struct error *error)
+{
+    if (isfinite(param[P_k] / param[P_m]) && param[P_m] >= DBL_MIN)
+        return true;
+    char k[REAL_TEXT_SIZE], m[REAL_TEXT_SIZE];
+    real_format(param[P_k], k);
+    real_format(param[P_m], m);
+    return error_set(error, ERROR_COMMAND, "k/m overflows: k = %s N/m, m = %s kg", k, m);
+}
+
+bool scene_set(struct scene *scene, int param, struct measured value, struct error *error)
+{
+    if (!in_range(row_of(scene, param), value.value, error))
+        return false;
+    if (value.uncertainty < 0 || isinf(value.uncertainty))
+        return error_set(error, ERROR_COMMAND, "the uncertainty of %s must be a finite number >= 0",
+                         row_of(scene, param)->row.name);
+    double before = scene->value[param];
+    scene->value[param] = value.value;
+    if (scene->model->coherent && !scene->model->coherent(scene->value, error)) {
+        scene->value[param] = before;
+        return false;
+    }
+    scene->uncertainty[param] = isnan(value.uncertainty) ? 0 : value.uncertainty;
+    scene->given[param] = true;
+    return true;
+}

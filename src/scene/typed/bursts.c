@@ -1,0 +1,216 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Bursts of typed equations: stretches so short that samples miss them. What bounds of the equations (interval
+ * arithmetic, Moore 1966) allow between samples is compared with what the samples show; where they allow more, a
+ * stretch is cut in two, until it is seen, or until nothing that matters can hide in it.
+ */
+#include "scene/typed/typed.h"
+
+#include <math.h>
+
+#include "scene/formula/jet.h"
+
+#define SAMPLES 7
+#define SEEN 8.0      /* times what samples show: bounds are wider than the truth */
+#define TINY 1e-13    /* of a variable's size: what a stretch may add to it unseen */
+#define DEPTH_LEAST 6 /* halvings: longer stretches are no bursts */
+#define DEPTH_MOST 50
+#define ROUNDING 1e-12
+#define LOOKS 3000 /* bounds of a row */
+#define STEEP 4    /* times the change: a derivative at an end that is no part of a smooth way */
+
+/* The way, as bounds of all names on a part of it. */
+struct way {
+    const struct typed *typed;
+    const double *c; /* of the bound term */
+    double t[2];
+    const double *from, *to;
+    double bend[2][LIMIT_VARIABLES]; /* from + s (rate + s (bend[0] + s bend[1])), 0 <= s <= 1 */
+    double rate[LIMIT_VARIABLES];
+    struct jet name[1 + LIMIT_VARIABLES + TERM_VALUES];
+};
+
+/* Hermite's cubic, which knows the derivatives at the ends; straight where they say little about what is between. */
+static void bend_way(const struct system *system, struct way *way)
+{
+    const double h = way->t[1] - way->t[0];
+    double first[LIMIT_VARIABLES], last[LIMIT_VARIABLES];
+    system_derivative(system, way->t[0], way->from, first);
+    system_derivative(system, way->t[1], way->to, last);
+    for (int i = 0; i < system->n; i++) {
+        const double by = way->to[i] - way->from[i], a = h * first[i], b = h * last[i];
+        const bool curved = fmax(fabs(a), fabs(b)) <= STEEP * fabs(by) + system->scale[i];
+        way->rate[i] = curved ? a : by;
+        way->bend[0][i] = curved ? 3 * by - 2 * a - b : 0;
+        way->bend[1][i] = curved ? a + b - 2 * by : 0;
+    }
+}
+
+static struct jet along(const struct way *way, int i, double a, double b)
+{
+    const double c = way->rate[i], d = way->bend[0][i], e = way->bend[1][i], length2 = (b - a) * (b - a) / 8;
+    const double bend[] = {2 * d + 6 * e * a, 2 * d + 6 * e * b};
+    const double slope[] = {c + a * (2 * d + 3 * e * a), c + b * (2 * d + 3 * e * b)};
+    const double value[] = {way->from[i] + a * (c + a * (d + a * e)), way->from[i] + b * (c + b * (d + b * e))};
+    const double off = fmax(fabs(bend[0]), fabs(bend[1])) * length2, turn = fabs(6 * e) * length2;
+    return (struct jet){interval_wide(fmin(value[0], value[1]) - off, fmax(value[0], value[1]) + off, 2),
+                        interval_wide(fmin(slope[0], slope[1]) - turn, fmax(slope[0], slope[1]) + turn, 2),
+                        interval_wide(fmin(bend[0], bend[1]), fmax(bend[0], bend[1]), 2)};
+}
+
+static struct jet between(double from, double to, double a, double b)
+{
+    const double at = from + (to - from) * a, end = from + (to - from) * b;
+    return (struct jet){interval_wide(fmin(at, end), fmax(at, end), 2), interval_point(to - from), interval_point(0)};
+}
+
+/* a < b in [0, 1]; a == b: a point. */
+static void go(struct way *way, double a, double b)
+{
+    const struct typed *typed = way->typed;
+    const int n = typed->model.n;
+    way->name[0] = between(way->t[0], way->t[1], a, b);
+    for (int i = 0; i < n; i++)
+        way->name[1 + i] = along(way, i, a, b);
+    for (int i = 0; i <= typed->reads; i++)
+        way->name[1 + n + i] = jet_number(way->c[1 + i]);
+    for (int i = 0; i < typed->observes; i++)
+        way->name[2 + n + typed->reads + i] = expr_jet(typed->observe[i], way->name);
+}
+
+static struct jet row_bounds(struct way *way, int row, double a, double b)
+{
+    struct jet sum = jet_number(0);
+    go(way, a, b);
+    for (enum typed_group g = 0; g < GROUPS; g++)
+        if (way->typed->group[g] && way->typed->group[g][row])
+            sum = jet_add(sum, expr_jet(way->typed->group[g][row], way->name));
+    return sum;
+}
+
+static double row_value(struct way *way, int row, double at)
+{
+    const struct interval value = row_bounds(way, row, at, at).value;
+    return value.lo + (value.hi - value.lo) / 2;
+}
+
+static double largest(struct interval a)
+{
+    return fmax(fabs(a.lo), fabs(a.hi));
+}
+
+/* What may hide between samples of a stretch, and what they show of it. */
+struct stretch_look {
+    double hidden, seen;
+};
+
+static struct stretch_look look(struct way *way, int row, double a, double b)
+{
+    const struct jet bounds = row_bounds(way, row, a, b);
+    const double width = bounds.value.hi - bounds.value.lo, length = b - a;
+    const double bent = largest(bounds.bend) * length * length / 8; /* from the straight line between the ends */
+    const double first = row_value(way, row, a), last = row_value(way, row, b);
+    double low = fmin(first, last), high = fmax(first, last), off = 0;
+    for (int i = 1; i < SAMPLES; i++) {
+        const double share = (double)i / SAMPLES, value = row_value(way, row, a + length * share);
+        low = fmin(low, value);
+        high = fmax(high, value);
+        off = fmax(off, fabs(value - first - (last - first) * share));
+    }
+    const double hidden = fmin(bent, width);
+    if (isnan(width) || hidden < ROUNDING * largest(bounds.value)) /* no number there, or rounding */
+        return (struct stretch_look){0, 0};
+    return bent < width ? (struct stretch_look){bent, off} : (struct stretch_look){width, high - low};
+}
+
+/*
+ * Do the samples differ from what lies around? Where a smooth force turns from one bend to the other its samples see
+ * little of what bounds allow, too (1/8 of it with the best of bounds): there the polynomial through points on
+ * either side (Lagrange) says what is between, and samples that agree with it are no burst.
+ */
+static bool stands_out(struct way *way, int row, double a, double b, double seen)
+{
+    enum { POINTS = 6 };
+    static const double around_it[3][POINTS] = {
+        {-1, -0.5, 0, 1, 1.5, 2}, {0, 1, 1.5, 2, 2.5, 3}, {-2, -1.5, -1, -0.5, 0, 1}};
+    const double *at = around_it[a < b - a ? 1 : b + (b - a) > 1 ? 2 : 0]; /* there may be a switch at an end */
+    double value[POINTS], off = 0;
+    for (int k = 0; k < POINTS; k++)
+        value[k] = row_value(way, row, a + at[k] * (b - a));
+    for (int i = 1; i < SAMPLES; i++) {
+        const double share = (double)i / SAMPLES;
+        double around = 0;
+        for (int k = 0; k < POINTS; k++) {
+            double weight = 1;
+            for (int j = 0; j < POINTS; j++)
+                weight *= j == k ? 1 : (share - at[j]) / (at[k] - at[j]);
+            around += weight * value[k];
+        }
+        const double difference = fabs(row_value(way, row, a + share * (b - a)) - around);
+        off = isnan(difference) ? INFINITY : fmax(off, difference);
+    }
+    return off * SEEN > seen;
+}
+
+/* Appends [a, b] as times, to the burst before where they meet. */
+static int keep(const struct way *way, double a, double b, struct burst *burst, int count, int most)
+{
+    const double from = way->t[0] + (way->t[1] - way->t[0]) * a, to = way->t[0] + (way->t[1] - way->t[0]) * b;
+    for (int i = 0; i < count; i++)
+        if (fmin(from, to) <= fmax(burst[i].from, burst[i].to) && fmax(from, to) >= fmin(burst[i].from, burst[i].to)) {
+            const bool forward = way->t[1] > way->t[0];
+            burst[i].from = forward ? fmin(burst[i].from, from) : fmax(burst[i].from, from);
+            burst[i].to = forward ? fmax(burst[i].to, to) : fmin(burst[i].to, to);
+            return count;
+        }
+    if (count < most)
+        burst[count++] = (struct burst){from, to};
+    return count;
+}
+
+static int search_row(struct way *way, int row, double size, bool sure, struct burst *burst, int count, int most)
+{
+    struct {
+        double a, b;
+        int depth;
+    } stack[DEPTH_MOST + 2];
+    int top = 0;
+    stack[top].a = 0;
+    stack[top].b = 1;
+    stack[top++].depth = 0;
+    for (int looks = 0; top > 0 && looks < LOOKS; looks++) {
+        const double a = stack[--top].a, b = stack[top].b, middle = a + (b - a) / 2;
+        const int depth = stack[top].depth;
+        const struct stretch_look at = look(way, row, a, b);
+        if (!(at.hidden * (b - a) * fabs(way->t[1] - way->t[0]) > TINY * size))
+            continue;
+        const bool seen = at.hidden <= SEEN * at.seen;
+        if (seen && depth >= DEPTH_LEAST && (!sure || stands_out(way, row, a, b, at.seen)))
+            count = keep(way, a, b, burst, count, most);
+        if (seen && (depth >= DEPTH_LEAST || !stands_out(way, row, a, b, at.seen)))
+            continue; /* of a long stretch one sample may have met a burst by chance */
+        if (depth == DEPTH_MOST)
+            continue; /* a jump, or no number */
+        stack[top].a = middle;
+        stack[top].b = b;
+        stack[top++].depth = depth + 1;
+        stack[top].a = a;
+        stack[top].b = middle;
+        stack[top++].depth = depth + 1;
+    }
+    return count;
+}
+
+int system_bursts(const struct system *system, const double t[2], const double *from, const double *to, bool sure,
+                  struct burst *burst, int count, int most)
+{
+    const struct typed *typed = system->model->typed;
+    if (!typed)
+        return count;
+    struct way way = {.typed = typed, .c = system->typed.c, .t = {t[0], t[1]}, .from = from, .to = to};
+    const int rows = typed_rows(typed);
+    bend_way(system, &way);
+    for (int i = 0; i < rows; i++)
+        count = search_row(&way, i, system->scale[system->n - rows + i], sure, burst, count, most);
+    return count;
+}

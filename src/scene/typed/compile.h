@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the makers of typed models share: names while expressions are read, before it is known what they stand for. */
+#ifndef HOOKE_SCENE_TYPED_COMPILE_H
+#define HOOKE_SCENE_TYPED_COMPILE_H
+
+#include "scene/typed/typed.h"
+
+enum symbol_kind { SYMBOL_TIME, SYMBOL_VARIABLE, SYMBOL_VELOCITY, SYMBOL_STATE, SYMBOL_PARAM, SYMBOL_OBSERVED };
+
+struct symbol {
+    char name[LIMIT_SYMBOL + 1];
+    enum symbol_kind kind;
+    int place;   /* among its kind */
+    int primed;  /* of a velocity: the symbol that it belongs to with a ' */
+    bool hidden; /* not to be used in expressions */
+    bool used;
+    int slot; /* as the equations count */
+};
+
+/* A variable that has an equation, or is going to have one. */
+struct unknown {
+    const struct typed_line *line, *speed, *equation; /* speed: var y' = …; NULL: not there */
+    int symbol, velocity;                             /* symbols, velocity -1: none */
+    const struct expr *expr;
+    int order;
+};
+
+struct compile {
+    struct typed *typed;
+    struct error *error;
+    struct symbol *symbol;
+    int symbols;
+    struct unknown *unknown;
+    int unknowns;
+    struct param_row *own; /* parameters that are not those of the base */
+    int owns, bases;
+    const struct expr **force; /* [lines] */
+    int state;                 /* state variables of the base, 0: none */
+};
+
+/* ---- typed_names.c ---- */
+
+static inline struct text symbol_text(const struct symbol *symbol)
+{
+    return text_of(symbol->name);
+}
+
+/* The line of that kind and name; NULL: none. */
+const struct typed_line *typed_line_of(const struct typed *typed, enum typed_kind kind, struct text name);
+/* All names but those of observed quantities. */
+bool typed_declare(struct compile *c);
+/* -1: the name is taken. */
+int typed_symbol(struct compile *c, struct text name, enum symbol_kind kind, int place, struct text where);
+/* The parameter that is a variable's value at the start (line NULL: 0), and t0; not for expressions. */
+bool typed_initial(struct compile *c, struct text variable, const struct typed_line *line, enum quantity quantity,
+                   struct text where);
+bool typed_start_time(struct compile *c);
+/* The scope of expressions. */
+bool typed_find(const void *context, struct text name, int *slot);
+void typed_offer(const void *context, struct suggestion *suggestion);
+/* False, always: why an unknown name of that line is not known here, where more can be said. */
+bool typed_explain(struct compile *c, const struct typed_line *line);
+
+#endif

@@ -1,0 +1,280 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * What typed equations are, read off their graph: linear in the state as they are written; one oscillator with these
+ * coefficients. A graph says more than derivatives: sign(v) has the derivative 0 and is not linear.
+ */
+#include <math.h>
+#include <stdlib.h>
+
+#include "scene/formula/program/program.h"
+#include "scene/typed/typed.h"
+
+/* ---- linearity ---- */
+
+/* Degree of an operation in the state from those of its operands: 0, 1, or 2 for anything that is not linear. */
+static int degree(enum node_kind kind, int a, int b, int c)
+{
+    switch (kind) {
+    case NODE_NEG:
+        return a;
+    case NODE_ADD:
+    case NODE_SUB:
+        return a > b ? a : b;
+    case NODE_MUL:
+        return a + b < 2 ? a + b : 2;
+    case NODE_DIV:
+        return b == 0 ? a : 2;
+    case NODE_IF:
+        return a > 0 ? 2 : b > c ? b : c;
+    default:
+        return a + b + c == 0 ? 0 : 2;
+    }
+}
+
+/* |x|, sign(x), x < 0 of the name x */
+static bool has_kink(const struct node *all, const struct node *node, int name)
+{
+    const struct node *a = &all[node->operand[0]], *b = &all[node->operand[1]];
+    if (b->kind == NODE_NAME)
+        b = a, a = &all[node->operand[1]];
+    const bool compares = node->kind == NODE_LESS || node->kind == NODE_LESS_EQUAL;
+    return a->kind == NODE_NAME && a->operand[0] == name &&
+           (node->kind == NODE_ABS || (compares && b->kind == NODE_NUMBER && b->number == 0));
+}
+
+bool typed_look(const struct typed *typed, const struct program *program, bool *affine, bool *kinks,
+                struct error *error)
+{
+    const size_t nodes = (size_t)program->nodes;
+    signed char *of = malloc(nodes);
+    bool *needed = calloc(nodes, sizeof *needed); /* others were made on the way */
+    const bool room = of && needed;
+    *affine = true;
+    *kinks = false;
+    for (int i = 0; room && i < program->outputs; i++)
+        needed[program->result[i]] = true;
+    if (room)
+        graph_reach(program->node, program->nodes, needed);
+    for (int i = 0; room && i < program->nodes; i++) {
+        const struct node *node = &program->node[i];
+        const int arity = node_arity(node->kind), *x = node->operand;
+        of[i] = (signed char)(node->kind == NODE_NAME ? x[0] >= 1 && x[0] <= typed->model.n
+                                                      : degree(node->kind, arity > 0 ? of[x[0]] : 0,
+                                                               arity > 1 ? of[x[1]] : 0, arity > 2 ? of[x[2]] : 0));
+        *kinks = *kinks || (needed[i] && arity > 0 && has_kink(program->node, node, 2));
+    }
+    for (int i = 0; room && i < program->outputs; i++)
+        *affine = *affine && of[program->result[i]] < 2;
+    free(of);
+    free(needed);
+    return room || error_memory(error);
+}
+
+/* ---- one oscillator ---- */
+
+enum part { CONSTANT, BY_T, BY_Q, BY_V, BY_SPEED, BY_SQUARE, DRIVE, PARTS };
+
+#define BIT(part) (1u << (part))
+
+/*
+ * The sum of part[CONSTANT], [BY_T] t, [BY_Q] q, [BY_V] v, [BY_SPEED] |v|, [BY_SQUARE] |v| v and
+ * [DRIVE] cos(omega t + phase), as numbers: t only on its way into a cosine, |v| on its way to |v| v.
+ */
+struct form {
+    double part[PARTS], omega, phase;
+    bool known; /* it is of this kind */
+};
+
+#define NODES_MOST 256 /* an oscillator with more operations is not one that anybody types */
+
+static const struct form unknown;
+
+/* Is there nothing but these? */
+static bool only(const struct form *f, unsigned parts)
+{
+    for (int i = 0; i < PARTS; i++)
+        if (!(parts & BIT(i)) && f->part[i] != 0)
+            return false;
+    return f->known;
+}
+
+/* A drive on top of another. */
+static bool add_drive(struct oscillator *o, double drive, double omega, double phase)
+{
+    if (drive == 0)
+        return true;
+    if (o->drive != 0 && o->omega != omega)
+        return false;
+    if (o->drive != 0 && o->phase == phase) {
+        drive += o->drive;
+    } else if (o->drive != 0) {
+        const double along = o->drive * cos(o->phase) + drive * cos(phase);
+        const double across = o->drive * sin(o->phase) + drive * sin(phase);
+        drive = hypot(along, across);
+        phase = atan2(across, along);
+    }
+    o->drive = drive;
+    o->omega = omega;
+    o->phase = phase;
+    return true;
+}
+
+/* a + sign b */
+static struct form sum(const struct form *a, double sign, const struct form *b)
+{
+    struct oscillator both = {.drive = a->part[DRIVE], .omega = a->omega, .phase = a->phase};
+    if (!add_drive(&both, sign * b->part[DRIVE], b->omega, b->phase))
+        return unknown;
+    struct form made = {.omega = both.omega, .phase = both.phase, .known = true};
+    for (int i = 0; i < DRIVE; i++)
+        made.part[i] = a->part[i] + sign * b->part[i];
+    made.part[DRIVE] = both.drive;
+    return made;
+}
+
+/* Coefficients are rounded as those of the built-in terms are: k/m is a quotient. */
+static struct form scaled(struct form f, double factor, double divisor)
+{
+    for (int i = 0; i < PARTS; i++)
+        f.part[i] = divisor == 1 ? f.part[i] * factor : f.part[i] / divisor;
+    return f;
+}
+
+/* A constant times anything, or (constant + |v|) v. */
+static struct form product(const struct form *a, const struct form *b)
+{
+    if (only(b, BIT(CONSTANT)))
+        return scaled(*a, b->part[CONSTANT], 1);
+    if (only(a, BIT(CONSTANT)))
+        return scaled(*b, a->part[CONSTANT], 1);
+    const struct form *rate = a->part[BY_SPEED] != 0 ? a : b, *v = rate == a ? b : a;
+    if (!only(rate, BIT(CONSTANT) | BIT(BY_SPEED)) || !only(v, BIT(BY_V)))
+        return unknown;
+    struct form made = {.known = true};
+    made.part[BY_V] = rate->part[CONSTANT] * v->part[BY_V];
+    made.part[BY_SQUARE] = rate->part[BY_SPEED] * v->part[BY_V];
+    return made;
+}
+
+/* cos(angle + ahead) */
+static struct form wave(const struct form *angle, double ahead)
+{
+    if (!only(angle, BIT(CONSTANT) | BIT(BY_T)))
+        return unknown;
+    const double omega = angle->part[BY_T], phase = angle->part[CONSTANT] + ahead;
+    struct form made = {.omega = fabs(omega), .phase = omega < 0 ? -phase : phase, .known = true};
+    made.part[DRIVE] = 1;
+    return made;
+}
+
+static struct form number(double value)
+{
+    return (struct form){.part = {[CONSTANT] = value}, .known = true};
+}
+
+static struct form apply(const struct node *node, const struct form *a, const struct form *b, const struct form *c)
+{
+    static const double quarter = 1.57079632679489661923;
+    const unsigned constant = BIT(CONSTANT);
+    if (node->kind == NODE_IF && only(a, constant) && !isnan(a->part[CONSTANT]))
+        return a->part[CONSTANT] > 0 ? *b : *c;
+    if (!a->known || !b->known || !c->known)
+        return unknown;
+    if (only(a, constant) && only(b, constant) && only(c, constant))
+        return number(node_value(node->kind, node, a->part[CONSTANT], b->part[CONSTANT], c->part[CONSTANT]));
+    switch (node->kind) {
+    case NODE_NEG:
+        return scaled(*a, -1, 1);
+    case NODE_ABS:
+        return only(a, BIT(BY_V)) ? (struct form){.part = {[BY_SPEED] = fabs(a->part[BY_V])}, .known = true} : unknown;
+    case NODE_ADD:
+        return sum(a, 1, b);
+    case NODE_SUB:
+        return sum(a, -1, b);
+    case NODE_MUL:
+        return product(a, b);
+    case NODE_DIV:
+        return only(b, constant) ? scaled(*a, 1, b->part[CONSTANT]) : unknown;
+    case NODE_ONE:
+        return node->one == cos ? wave(a, 0) : node->one == sin ? wave(a, -quarter) : unknown;
+    default:
+        return unknown;
+    }
+}
+
+static struct form form_of(const struct program *program, const double *c)
+{
+    struct form form[NODES_MOST], one = number(1);
+    if (program->nodes > NODES_MOST)
+        return unknown;
+    for (int i = 0; i < program->nodes; i++) {
+        const struct node *node = &program->node[i];
+        const int arity = node_arity(node->kind), *x = node->operand;
+        form[i] = one;
+        if (node->kind == NODE_NUMBER)
+            form[i].part[CONSTANT] = node->number;
+        else if (node->kind == NODE_NAME && x[0] < 3) /* t, q, v */
+            form[i].part[CONSTANT] = 0, form[i].part[BY_T + x[0]] = 1;
+        else if (node->kind == NODE_NAME) /* the mass and what is read */
+            form[i].part[CONSTANT] = c[x[0] - 2];
+        else
+            form[i] = apply(node, &form[x[0]], arity > 1 ? &form[x[1]] : &one, arity > 2 ? &form[x[2]] : &one);
+    }
+    return form[program->result[0]];
+}
+
+static void add_line(const struct typed_term *term, const double *c, struct oscillator *o)
+{
+    const bool drag = term->row.flags & TERM_VELOCITY;
+    const struct form f = form_of(term->add, c);
+    const unsigned velocity = BIT(BY_V) | BIT(BY_SQUARE), rest = BIT(CONSTANT) | BIT(BY_Q) | BIT(DRIVE);
+    struct oscillator with = *o;
+    with.stiffness -= f.part[BY_Q];
+    with.damping -= f.part[BY_V];
+    with.quadratic -= f.part[BY_SQUARE];
+    with.gravity -= f.part[CONSTANT];
+    const double coefficient[] = {with.stiffness, with.damping, with.quadratic, with.gravity, f.omega, f.phase};
+    bool fits = only(&f, drag ? velocity : rest) && !(f.part[BY_SQUARE] > 0) &&
+                add_drive(&with, f.part[DRIVE], f.omega, f.phase) && isfinite(with.drive);
+    for (size_t i = 0; i < COUNT_OF(coefficient); i++)
+        fits = fits && isfinite(coefficient[i]);
+    if (fits) {
+        *o = with;
+        return;
+    }
+    o->whole = false;
+    o->drag_whole = o->drag_whole && !drag;
+}
+
+/* Of several coordinates: is it v_i' = -gamma v_i, with one gamma? */
+static void add_drag(const struct typed_term *term, const double *c, struct oscillator *o)
+{
+    const int n = term->typed->model.n, rows = n / 2;
+    double jac[LIMIT_VARIABLES * LIMIT_VARIABLES], a[LIMIT_VARIABLES], rest[LIMIT_VARIABLES] = {0};
+    bool fits = term->row.flags & TERM_LINEAR && !(term->row.flags & TERM_TIME);
+    if (fits) {
+        typed_evaluate(term->jacobian, c, 0, rest, jac);
+        typed_evaluate(term->add, c, 0, rest, a);
+    }
+    for (int i = 0; fits && i < rows; i++) {
+        fits = a[i] == 0 && isfinite(jac[rows]);
+        for (int j = 0; fits && j < n; j++)
+            fits = jac[i * n + j] == (j == rows + i ? jac[rows] : 0);
+    }
+    if (fits)
+        o->damping -= jac[rows];
+    else
+        o->drag_whole = false;
+}
+
+void typed_recognise(const struct typed_term *term, const double *c, struct oscillator *o)
+{
+    const struct model *model = &term->typed->model;
+    if (model->order == 2 && model->n == 2) {
+        add_line(term, c, o);
+        return;
+    }
+    o->whole = false;
+    if (term->row.flags & TERM_VELOCITY)
+        add_drag(term, c, o);
+}

@@ -1,0 +1,312 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Typed terms as programs: making them of the expressions, and the functions of a term's row that run them. */
+#include "scene/typed/typed.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define FRAME_SMALL 128
+#define FRAME_MOST 16384 /* doubles on the stack */
+
+/* ---- evaluation ---- */
+
+const struct typed_term *typed_term_of(const double *c)
+{
+    const struct typed_term *term;
+    memcpy(&term, c, sizeof term);
+    return term;
+}
+
+static inline void run(const struct program *program, const double *c, double t, const double *y, double *out,
+                       double *frame)
+{
+    program_prepare(program, frame);
+    program_run(program, t, y, c + 1, out, frame);
+}
+
+static __attribute__((__noinline__)) void run_large(const struct program *program, const double *c, double t,
+                                                    const double *y, double *out)
+{
+    double frame[FRAME_MOST];
+    run(program, c, t, y, out, frame);
+}
+
+void typed_evaluate(const struct program *program, const double *c, double t, const double *y, double *out)
+{
+    double frame[FRAME_SMALL];
+    if (program_frame(program) <= FRAME_SMALL)
+        run(program, c, t, y, out, frame);
+    else
+        run_large(program, c, t, y, out);
+}
+
+static void add(const double *c, double t, const double *y, double *a)
+{
+    const struct typed_term *term = typed_term_of(c);
+    const int rows = typed_rows(term->typed);
+    double out[LIMIT_VARIABLES];
+    typed_evaluate(term->add, c, t, y, out);
+    for (int i = 0; i < rows; i++)
+        a[i] += out[i];
+}
+
+static void jacobian(const double *c, double t, const double *y, double *jac)
+{
+    const struct typed_term *term = typed_term_of(c);
+    const int count = typed_rows(term->typed) * term->typed->model.n;
+    double out[LIMIT_VARIABLES * LIMIT_VARIABLES];
+    typed_evaluate(term->jacobian, c, t, y, out);
+    for (int i = 0; i < count; i++)
+        jac[i] += out[i];
+}
+
+static double potential(const double *c, const double *y)
+{
+    const struct typed_term *term = typed_term_of(c);
+    double out[1];
+    typed_evaluate(term->potential, c, 0, y, out);
+    return out[0];
+}
+
+void typed_masses(const double *c, double *mass)
+{
+    const struct typed_term *term = typed_term_of(c);
+    const int rows = typed_rows(term->typed);
+    const bool differ = typed_ratios_fit(term);
+    for (int i = 0; i < rows; i++) {
+        const double ratio = differ ? c[TERM_VALUES - 1 - i] : 0;
+        mass[i] = ratio > 0 ? ratio * c[1] : c[1];
+    }
+}
+
+static double power(const double *c, double t, const double *y)
+{
+    const struct typed_term *term = typed_term_of(c);
+    const int rows = typed_rows(term->typed);
+    double out[LIMIT_VARIABLES], mass[LIMIT_VARIABLES], sum = 0;
+    typed_masses(c, mass);
+    typed_evaluate(term->add, c, t, y, out);
+    for (int i = 0; i < rows; i++)
+        sum += mass[i] * out[i] * y[rows + i];
+    return sum;
+}
+
+/* ---- making programs ---- */
+
+struct making {
+    const struct typed *typed;
+    struct typed_part *part;
+    struct equations *equations;
+    const bool *bound; /* [names] */
+    const double *value;
+    struct error *error;
+};
+
+/* STEPS: what depends on parameters only is computed by binding; RARELY: no machine code. */
+enum use { STEPS, LOOKS, RARELY };
+
+/* The last `count` outputs as a program. */
+static struct program *make(const struct making *m, int count, enum use use)
+{
+    const struct given given = {1 + m->typed->model.n, m->part->given,
+                                use == STEPS ? TERM_VALUES - 1 - m->part->given : 0};
+    struct program *program = program_create_given(m->equations, equations_count(m->equations) - count, count, m->bound,
+                                                   m->value, &given, use != RARELY, m->error);
+    if (program)
+        m->part->given += program->keeps;
+    if (!program || program_frame(program) <= FRAME_MOST)
+        return program;
+    error_set(m->error, ERROR_COMMAND, "the equations are too large: they need %zu numbers at once, %d are possible",
+              program_frame(program), FRAME_MOST);
+    program_destroy(program);
+    return NULL;
+}
+
+static bool all_zero(const struct program *program, int count)
+{
+    double value;
+    for (int i = 0; i < count; i++)
+        if (!program_constant(program, i, &value) || value != 0)
+            return false;
+    return true;
+}
+
+static unsigned flags_of(const struct typed_term *term, bool affine, bool kinks)
+{
+    const struct typed *typed = term->typed;
+    const int n = typed->model.n, rows = typed_rows(typed), entries = rows * n;
+    unsigned flags = 0;
+    if (affine && !program_depends_on(term->jacobian, 0, entries, 0, 1 + n))
+        flags |= TERM_LINEAR;
+    if (program_depends(term->add, 0, rows, 0))
+        flags |= TERM_TIME;
+    if (typed->model.order == 2 && program_depends_on(term->add, 0, rows, 1 + rows, rows))
+        flags |= TERM_VELOCITY;
+    if (kinks && typed->model.order == 2 && n == 2)
+        flags |= TERM_KINK;
+    return flags;
+}
+
+/* What is added, of the expressions [rows]; nothing if it is 0. *first: its place among the equations. */
+static bool make_add(const struct making *m, struct typed_term *term, const struct expr *const *expr, int *first)
+{
+    static const struct op zero = {.kind = OP_NUMBER, .number = 0};
+    const struct expr nothing = {.op = (struct op *)(uintptr_t)&zero, .count = 1};
+    const int rows = typed_rows(m->typed);
+    term->typed = m->typed;
+    term->part = m->part;
+    *first = equations_count(m->equations);
+    for (int i = 0; i < rows; i++)
+        if (!equations_add(m->equations, expr[i] ? expr[i] : &nothing, m->error))
+            return false;
+    term->add = make(m, rows, STEPS);
+    if (term->add && all_zero(term->add, rows)) {
+        program_destroy(term->add);
+        term->add = NULL;
+        return true;
+    }
+    return term->add;
+}
+
+/* Its Jacobian and the rest, where something is added. */
+static bool make_term(const struct making *m, struct typed_term *term, int first, enum use use)
+{
+    const int n = m->typed->model.n, rows = typed_rows(m->typed);
+    int state[LIMIT_VARIABLES];
+    if (!term->add)
+        return true;
+    for (int i = 0; i < n; i++)
+        state[i] = 1 + i;
+    if (!equations_derive(m->equations, first, rows, state, n, m->error))
+        return false;
+    term->jacobian = make(m, rows * n, use);
+    bool affine, kinks;
+    if (!term->jacobian || !typed_look(m->typed, term->add, &affine, &kinks, m->error))
+        return false;
+    term->row.flags = flags_of(term, affine, kinks);
+    term->row.add = add;
+    term->row.jacobian = all_zero(term->jacobian, rows * n) ? NULL : jacobian;
+    return true;
+}
+
+/* All groups that are there at once, in the order in which they would be added. */
+static bool make_whole(const struct making *m, struct typed_part *part)
+{
+    const struct typed *typed = m->typed;
+    struct arena arena = {0};
+    const struct expr **whole = arena_array(&arena, (size_t)typed_rows(typed), sizeof *whole);
+    bool fine = whole || error_memory(m->error);
+    int first;
+    for (int g = 0; fine && g < GROUPS; g++)
+        for (int i = 0; fine && part->term[g].add && i < typed_rows(typed); i++) {
+            const struct expr *more = typed->group[g][i];
+            if (more)
+                whole[i] = whole[i] ? typed_join(&arena, whole[i], more, OP_ADD, m->error) : more;
+            fine = !more || whole[i];
+        }
+    fine = fine && make_add(m, &part->all, whole, &first) && make_term(m, &part->all, first, STEPS);
+    arena_reset(&arena);
+    return fine;
+}
+
+static bool make_groups(const struct making *m, struct typed_part *part)
+{
+    const struct typed *typed = m->typed;
+    size_t row = typed->terms.count;
+    int there = 0, first[GROUPS];
+    for (int g = 0; g < GROUPS; g++)
+        row -= typed->group[g] != NULL;
+    for (int g = 0; g < GROUPS; g++) {
+        struct typed_term *term = &part->term[g];
+        if (!typed->group[g])
+            continue;
+        term->row = typed->row[row++];
+        if (!make_add(m, term, typed->group[g], &first[g]))
+            return false;
+        there += term->add != NULL;
+        if ((g != GROUP_FORCE || !typed->potential) && typed->model.order == 2)
+            term->row.power = power;
+    }
+    const bool whole = there >= 2 && !typed->base;
+    for (int g = 0; g < GROUPS; g++)
+        if (typed->group[g] && !make_term(m, &part->term[g], first[g], whole ? RARELY : STEPS))
+            return false;
+    typed_found_rows(part);
+    return !whole || make_whole(m, part);
+}
+
+static bool make_looks(const struct making *m, struct typed_part *part)
+{
+    const struct typed *typed = m->typed;
+    struct typed_term *force = &part->term[GROUP_FORCE];
+    int position[LIMIT_VARIABLES];
+    for (int i = 0; i < typed->observes; i++)
+        if (!equations_add(m->equations, typed->observe[i], m->error))
+            return false;
+    part->all.typed = typed;
+    part->all.part = part;
+    if (typed->observes > 0 && !(part->all.observe = make(m, typed->observes, LOOKS)))
+        return false;
+    if (!typed->potential)
+        return true;
+    const int rows = typed_rows(typed), first = equations_count(m->equations);
+    for (int i = 0; i < rows; i++)
+        position[i] = 1 + i;
+    if (!equations_add(m->equations, typed->potential, m->error) || !(force->potential = make(m, 1, LOOKS)) ||
+        !equations_derive(m->equations, first, 1, position, rows, m->error) ||
+        !(part->all.slope = make(m, rows, RARELY)))
+        return false;
+    force->typed = typed;
+    force->part = part;
+    force->row.potential = potential;
+    force->row.flags |= TERM_CONSERVATIVE;
+    return true;
+}
+
+static void term_free(struct typed_term *term)
+{
+    struct program *const program[] = {term->add, term->jacobian, term->potential, term->slope, term->observe};
+    for (size_t i = 0; i < COUNT_OF(program); i++)
+        program_destroy(program[i]);
+}
+
+void typed_part_destroy(struct typed_part *part)
+{
+    for (int g = 0; g < GROUPS; g++)
+        term_free(&part->term[g]);
+    term_free(&part->all);
+    term_free(&part->frozen);
+    program_destroy(part->argument);
+    free(part);
+}
+
+struct typed_part *typed_part_create(const struct typed *typed, uint64_t zeros, struct error *error)
+{
+    const int first = typed->model.n + 2, names = first + typed->reads + typed->observes;
+    struct typed_part *part = calloc(1, sizeof *part);
+    bool *bound = calloc((size_t)names, sizeof *bound);
+    double *value = calloc((size_t)names, sizeof *value);
+    struct making m = {typed, part, NULL, bound, value, error};
+    bool fine = part && bound && value;
+    if (fine)
+        part->given = 1 + typed->reads;
+    if (!fine)
+        error_memory(error);
+    else
+        fine = (m.equations = equations_create(names, error)) != NULL;
+    for (int i = 0; fine && i < typed->reads; i++)
+        bound[first + i] = zeros >> i & 1;
+    for (int i = 0; fine && i < typed->observes; i++)
+        fine = equations_let(m.equations, first + typed->reads + i, typed->observe[i], error);
+    fine = fine && make_groups(&m, part) && make_looks(&m, part) && typed_freeze(typed, zeros, part, error);
+    equations_destroy(m.equations);
+    free(bound);
+    free(value);
+    if (fine) {
+        part->zeros = zeros;
+        return part;
+    }
+    if (part)
+        typed_part_destroy(part);
+    return NULL;
+}

@@ -1,0 +1,250 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Typed scenes on frozen branches: the equations without their switches, and the arguments whose signs say when a branch ends. A
+ * frozen term's values from 1 on are the mass, the parameters that are read, room for what is observed, the branches,
+ * and what its programs keep.
+ */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "scene/typed/typed.h"
+
+static int first_branch(const struct typed *typed)
+{
+    return 1 + typed->reads + typed->observes;
+}
+
+static void add(const double *c, double t, const double *y, double *a)
+{
+    const struct typed_term *term = typed_term_of(c);
+    double out[LIMIT_VARIABLES];
+    typed_evaluate(term->add, c, t, y, out);
+    for (int i = 0; i < typed_rows(term->typed); i++)
+        a[i] += out[i];
+}
+
+static void jacobian(const double *c, double t, const double *y, double *jac)
+{
+    const struct typed_term *term = typed_term_of(c);
+    const int count = typed_rows(term->typed) * term->typed->model.n;
+    double out[LIMIT_VARIABLES * LIMIT_VARIABLES];
+    typed_evaluate(term->jacobian, c, t, y, out);
+    for (int i = 0; i < count; i++)
+        jac[i] += out[i];
+}
+
+/* ---- making them ---- */
+
+struct making {
+    const struct typed *typed;
+    struct equations *equations;
+    const bool *bound; /* [names] */
+    const double *value;
+    int values; /* of the term, so far */
+    struct error *error;
+};
+
+static struct program *make(struct making *m, int first, int count, bool steps)
+{
+    const struct given given = {1 + m->typed->model.n, m->values, steps ? TERM_VALUES - 1 - m->values : 0};
+    struct program *program =
+        program_create_given(m->equations, first, count, m->bound, m->value, &given, steps, m->error);
+    m->values += program ? program->keeps : 0;
+    return program;
+}
+
+/* The rows of all groups, added up, as outputs. */
+static bool add_rows(struct making *m)
+{
+    static const struct op zero = {.kind = OP_NUMBER, .number = 0};
+    const struct expr nothing = {.op = (struct op *)(uintptr_t)&zero, .count = 1};
+    const struct typed *typed = m->typed;
+    struct arena arena = {0};
+    bool fine = true;
+    for (int i = 0; fine && i < typed_rows(typed); i++) {
+        const struct expr *whole = NULL;
+        for (int g = 0; fine && g < GROUPS; g++) {
+            const struct expr *more = typed->group[g] ? typed->group[g][i] : NULL;
+            if (more)
+                whole = whole ? typed_join(&arena, whole, more, OP_ADD, m->error) : more;
+            fine = !more || whole;
+        }
+        fine = fine && equations_add(m->equations, whole ? whole : &nothing, m->error);
+    }
+    arena_reset(&arena);
+    return fine;
+}
+
+static bool make_programs(struct making *m, struct typed_part *part)
+{
+    const struct typed *typed = m->typed;
+    const int n = typed->model.n, rows = typed_rows(typed);
+    struct switches *found = &part->switches;
+    int state[LIMIT_VARIABLES];
+    for (int i = 0; i < n; i++)
+        state[i] = 1 + i;
+    found->name = 1 + n + first_branch(typed);
+    found->moving = 1 + n;
+    for (int i = 0; i < typed->observes; i++)
+        if (!equations_let(m->equations, n + 2 + typed->reads + i, typed->observe[i], m->error))
+            return false;
+    if (!add_rows(m) || !equations_freeze(m->equations, 0, rows, found, m->error))
+        return false;
+    if (found->count == 0)
+        return true;
+    const int first = rows + found->count;
+    part->argument = make(m, rows, found->count, false);
+    part->frozen.add = make(m, first, rows, true);
+    if (!part->argument || !part->frozen.add ||
+        !equations_derive(m->equations, first, rows, state, n, m->error))
+        return false;
+    part->frozen.jacobian = make(m, first + rows, rows * n, true);
+    return part->frozen.jacobian;
+}
+
+static bool any_switches(const struct typed *typed)
+{
+    bool any = false;
+    for (int g = 0; g < GROUPS; g++)
+        for (int i = 0; typed->group[g] && i < typed_rows(typed); i++)
+            any = any || expr_switches(typed->group[g][i]);
+    for (int i = 0; i < typed->observes; i++) /* which equations may read */
+        any = any || expr_switches(typed->observe[i]);
+    return any;
+}
+
+/* Branches of a frozen term have changed. */
+static void take_branches(const struct typed_part *part, const double *branch, int count, double *c)
+{
+    memcpy(c + 1 + first_branch(part->frozen.typed), branch, (size_t)count * sizeof *branch);
+    program_keep(part->frozen.add, c + 1);
+    program_keep(part->frozen.jacobian, c + 1);
+}
+
+#define TRIALS 3
+
+/* By numbers as good as any. */
+static bool turns_only(const struct typed_part *part)
+{
+    const struct typed *typed = part->frozen.typed;
+    double c[TERM_VALUES] = {0}, at[2], speed[1], force[2][2];
+    const struct typed_term *term = &part->frozen;
+    if (part->switches.count != 1 || part->switches.kind[0] != SWITCH_SIGN || typed->model.order != 2 ||
+        typed->model.n != 2)
+        return false;
+    memcpy(c, &term, sizeof term);
+    for (int k = 0; k < TRIALS; k++) {
+        const double t = 0.37 + k, q[2] = {0.83 - k, 0.61 + 0.29 * k}, still[2] = {q[0], 0};
+        for (int i = 0; i <= typed->reads; i++)
+            c[1 + i] = 0.71 + 0.13 * (i + k);
+        typed_evaluate(part->argument, c, t, q, speed);
+        typed_evaluate(part->argument, c, t, still, at);
+        if (fabs(speed[0]) != q[1] || at[0] != 0)
+            return false;
+        for (int side = 0; side < 2; side++) {
+            take_branches(part, (const double[]){side}, 1, c);
+            typed_evaluate(part->frozen.add, c, t, still, force[side]);
+        }
+        if (force[0][0] != force[1][0])
+            return false;
+    }
+    return true;
+}
+
+bool typed_freeze(const struct typed *typed, uint64_t zeros, struct typed_part *part, struct error *error)
+{
+    const int first = typed->model.n + 2, names = 1 + typed->model.n + first_branch(typed) + LIMIT_TYPED_SWITCHES;
+    if (!any_switches(typed))
+        return true;
+    bool *bound = calloc((size_t)names, sizeof *bound);
+    double *value = calloc((size_t)names, sizeof *value);
+    struct making m = {typed, NULL, bound, value, first_branch(typed) + LIMIT_TYPED_SWITCHES, error};
+    bool fine = bound && value;
+    if (!fine)
+        error_memory(error);
+    else if (m.values < TERM_VALUES) /* else there is no room for branches */
+        fine = (m.equations = equations_create(names, error)) != NULL;
+    for (int i = 0; fine && i < typed->reads; i++)
+        bound[first + i] = zeros >> i & 1;
+    part->frozen.typed = typed;
+    part->frozen.part = part;
+    part->frozen.row = (struct term_row){.row = {"equations", "", "on frozen branches", "", NULL}, .add = add,
+                                         .jacobian = jacobian};
+    fine = fine && (!m.equations || make_programs(&m, part));
+    part->turns_only = fine && turns_only(part);
+    equations_destroy(m.equations);
+    free(bound);
+    free(value);
+    return fine;
+}
+
+/* ---- using them ---- */
+
+static const struct typed_part *part_of(const struct system *system)
+{
+    return typed_term_of(system->typed.c)->part;
+}
+
+/* Mass and parameters of a bound term; branches are 0. */
+static void frozen_values(const struct typed_part *part, const double *bound, double *c)
+{
+    const struct typed_term *term = &part->frozen;
+    memset(c, 0, TERM_VALUES * sizeof *c);
+    memcpy(c, &term, sizeof term);
+    memcpy(c + 1, bound + 1, (size_t)(1 + term->typed->reads) * sizeof *c);
+}
+
+bool typed_turns_only(const struct system *system)
+{
+    return system->kinks && part_of(system)->turns_only;
+}
+
+int typed_switches(const struct system *system)
+{
+    const struct typed_part *part = part_of(system);
+    return system->oscillator.whole ? 0 : part->switches.count;
+}
+
+void typed_unfrozen_arguments(const struct system *system, double t, const double *y, double *argument)
+{
+    const struct typed_part *part = part_of(system);
+    const int count = part->switches.count;
+    double c[TERM_VALUES];
+    frozen_values(part, system->typed.c, c);
+    for (int i = 0; i < count; i++) {
+        typed_evaluate(part->argument, c, t, y, argument);
+        c[1 + first_branch(part->frozen.typed) + i] = switch_branch(part->switches.kind[i], argument[i]);
+    }
+}
+
+void typed_branches_take(const struct system *system, const double *branch, int count, struct system *frozen)
+{
+    const struct typed_part *part = part_of(system);
+    frozen->linear = frozen->oscillator.whole = frozen->oscillator.drag_whole = false;
+    frozen->typed.row = &part->frozen.row;
+    frozen_values(part, system->typed.c, frozen->typed.c);
+    take_branches(part, branch, count, frozen->typed.c);
+    frozen->terms = 0;
+    for (int i = 0; i < system->terms; i++) /* of the scene underneath */
+        if (system->term[i].row->bind)
+            frozen->term[frozen->terms++] = system->term[i];
+    frozen->term[frozen->terms++] = frozen->typed;
+    if (typed_base(system->model))
+        frozen->typed.row = NULL;
+}
+
+enum switch_kind typed_switch_kind(const struct system *system, int i)
+{
+    return part_of(system)->switches.kind[i];
+}
+
+void typed_arguments(const struct system *system, double t, const double *y, double *argument)
+{
+    typed_evaluate(part_of(system)->argument, system->typed.c, t, y, argument);
+}
+
+double typed_branch(const struct system *frozen, int i)
+{
+    return frozen->typed.c[1 + first_branch(part_of(frozen)->frozen.typed) + i];
+}

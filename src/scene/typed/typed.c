@@ -1,0 +1,386 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Typed models and their lines: each line makes a new model, which nothing changes any more. */
+#include "scene/typed/typed.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct typed_models {
+    struct typed *last;
+};
+
+struct typed_models *typed_create(struct error *error)
+{
+    struct typed_models *models = calloc(1, sizeof *models);
+    if (!models)
+        error_memory(error);
+    return models;
+}
+
+static void destroy(struct typed *typed)
+{
+    typed_parts_destroy(typed->parts);
+    arena_reset(&typed->arena);
+    free(typed);
+}
+
+void typed_destroy(struct typed_models *models)
+{
+    while (models && models->last) {
+        struct typed *typed = models->last;
+        models->last = typed->next;
+        destroy(typed);
+    }
+    free(models);
+}
+
+/* ---- lines ---- */
+
+int typed_lines(const struct model *model)
+{
+    return model->typed ? model->typed->lines : 0;
+}
+
+const struct typed_line *typed_line(const struct model *model, int i)
+{
+    return &model->typed->line[i];
+}
+
+const struct model *typed_base(const struct model *model)
+{
+    return model->typed ? model->typed->base : model;
+}
+
+const struct preset *typed_preset(const struct model *model)
+{
+    return model->typed && !model->typed->base ? &model->typed->preset : NULL;
+}
+
+void typed_describe(const struct typed_line *line, struct buffer *text)
+{
+    static const char *const word[] = {[TYPED_VAR] = "var ",     [TYPED_PARAM] = "param ",
+                                       [TYPED_EQUATION] = "",    [TYPED_FORCE] = "force",
+                                       [TYPED_POTENTIAL] = "potential", [TYPED_OBSERVE] = "observe "};
+    buffer_put(text, text_of(word[line->kind]));
+    if (line->kind == TYPED_FORCE && line->name.len > 0)
+        buffer_char(text, ' ');
+    buffer_put(text, line->name);
+    if (line->kind == TYPED_EQUATION)
+        buffer_put(text, line->order == 2 ? TEXT("''") : TEXT("'"));
+    const bool bare = line->kind == TYPED_POTENTIAL || (line->kind == TYPED_FORCE && line->name.len == 0);
+    buffer_put(text, bare ? TEXT(" ") : TEXT(" = "));
+    if (line->kind != TYPED_VAR && line->kind != TYPED_PARAM) {
+        buffer_put(text, line->expr);
+        return;
+    }
+    const char *unit = quantity_unit(line->quantity);
+    buffer_real(text, line->value);
+    if (*unit)
+        buffer_format(text, " %s", unit);
+}
+
+static bool copy_text(struct arena *arena, struct text *text)
+{
+    const char *copy = arena_text(arena, *text);
+    text->at = copy;
+    return copy;
+}
+
+/* A model with room for one more line than those of `from`. */
+static struct typed *begin(const struct model *from, bool empty, struct error *error)
+{
+    struct typed *typed = calloc(1, sizeof *typed);
+    const int lines = empty ? 0 : typed_lines(from);
+    if (typed) {
+        typed->base = empty ? NULL : typed_base(from);
+        snprintf(typed->name, sizeof typed->name, "%s", empty || !from->typed ? "typed" : from->typed->name);
+        typed->parts = typed_parts_create();
+        typed->line = arena_array(&typed->arena, (size_t)lines + 1, sizeof *typed->line);
+    }
+    bool fine = typed && typed->parts && typed->line;
+    for (int i = 0; fine && i < lines; i++) {
+        struct typed_line *line = &typed->line[typed->lines++];
+        *line = *typed_line(from, i);
+        fine = copy_text(&typed->arena, &line->name) && copy_text(&typed->arena, &line->expr);
+    }
+    if (fine)
+        return typed;
+    error_memory(error);
+    if (typed)
+        destroy(typed);
+    return NULL;
+}
+
+static const struct model *keep(struct typed_models *models, struct typed *typed)
+{
+    typed->next = models->last;
+    models->last = typed;
+    return &typed->model;
+}
+
+/* Compiles it; what an error points to in the copy of `given` it then points to in the original. */
+static const struct model *finish(struct typed_models *models, struct typed *typed, const struct typed_line *copy,
+                                  const struct typed_line *given, struct error *error)
+{
+    if (typed_compile(typed, error))
+        return keep(models, typed);
+    bool found = false;
+    for (int i = 0; copy && error->where.at && !found && i < 2; i++) {
+        const struct text text = i == 0 ? copy->expr : copy->name, original = i == 0 ? given->expr : given->name;
+        found = error->where.at >= text.at && error->where.at <= text.at + text.len;
+        if (found)
+            error->where.at = original.at + (error->where.at - text.at);
+    }
+    /* Else it lies in another line, or nowhere: then it is this one that does not go with the others. */
+    if (!found)
+        error->where = !given ? (struct text){NULL, 0} : given->name.len > 0 ? given->name : given->expr;
+    destroy(typed);
+    return NULL;
+}
+
+const struct model *typed_new(struct typed_models *models, struct text name, struct error *error)
+{
+    if (name.len > LIMIT_SYMBOL) {
+        error_at(error, name, "a name of more than %d letters", LIMIT_SYMBOL);
+        return NULL;
+    }
+    struct typed *typed = begin(NULL, true, error);
+    if (typed && name.len > 0)
+        snprintf(typed->name, sizeof typed->name, "%.*s", (int)name.len, name.at);
+    return typed ? finish(models, typed, NULL, NULL, error) : NULL;
+}
+
+static void drop(struct typed *typed, int i)
+{
+    memmove(&typed->line[i], &typed->line[i + 1], (size_t)(typed->lines - i - 1) * sizeof *typed->line);
+    typed->lines--;
+}
+
+static int find_line(const struct typed *typed, enum typed_kind kind, struct text name)
+{
+    for (int i = 0; i < typed->lines; i++)
+        if (typed->line[i].kind == kind && text_equal(typed->line[i].name, name))
+            return i;
+    return -1;
+}
+
+/* Is the variable declared, which a line of equations or of a velocity is about? */
+static bool has_variable(const struct typed *typed, struct text name, struct error *error)
+{
+    if (find_line(typed, TYPED_VAR, name) >= 0)
+        return true;
+    struct suggestion suggestion = {.wanted = name};
+    for (int i = 0; i < typed->lines; i++)
+        if (typed->line[i].kind == TYPED_VAR)
+            suggestion_offer(&suggestion, typed->line[i].name.at);
+    error_at(error, name, "there is no variable '%.*s'", (int)name.len, name.at);
+    suggestion_hint(&suggestion, error);
+    return error_hint(error, "var %.*s = VALUE makes one", (int)name.len, name.at);
+}
+
+static bool is_coordinate(const struct typed *typed, struct text name, struct error *error)
+{
+    const struct model *base = typed->base;
+    if (name.len == 0 || (!base && find_line(typed, TYPED_VAR, name) >= 0))
+        return true;
+    for (int i = 0; base && i < base->n / 2; i++)
+        if (text_is(name, base->variable[i].name))
+            return true;
+    return error_at(error, name, "there is no coordinate '%.*s'", (int)name.len, name.at);
+}
+
+/* Does the line make sense beside the others? */
+static bool fits(const struct typed *typed, const struct typed_line *line, struct error *error)
+{
+    struct text name = line->name;
+    const bool primed = line->kind == TYPED_VAR && name.len > 1 && name.at[name.len - 1] == '\'';
+    name.len -= primed;
+    if ((line->kind == TYPED_EQUATION || primed) && !has_variable(typed, name, error))
+        return false;
+    if (line->kind == TYPED_FORCE || line->kind == TYPED_POTENTIAL) {
+        if (typed->base && typed->base->order != 2)
+            return error_at(error, line->expr, "%s has no positions and velocities for a %s to act on",
+                            typed->base->row.name, line->kind == TYPED_FORCE ? "force" : "potential");
+        return is_coordinate(typed, line->kind == TYPED_FORCE ? name : TEXT(""), error);
+    }
+    return line->kind == TYPED_EQUATION || primed || typed_name_fits(name, error);
+}
+
+const struct model *typed_add(struct typed_models *models, const struct model *from, const struct typed_line *line,
+                              struct error *error)
+{
+    const bool moves = line->kind == TYPED_VAR || line->kind == TYPED_EQUATION;
+    struct typed *typed = begin(from, moves && typed_base(from), error);
+    if (!typed)
+        return NULL;
+    if (!fits(typed, line, error)) {
+        if (error->where.at && !(error->where.at >= line->name.at && error->where.at <= line->name.at + line->name.len))
+            error->where = line->expr;
+        destroy(typed);
+        return NULL;
+    }
+    const int old = find_line(typed, line->kind, line->name), potential = find_line(typed, TYPED_POTENTIAL, TEXT(""));
+    int place = old >= 0 ? old : typed->lines++;
+    typed->line[place] = *line;
+    if (line->kind == TYPED_POTENTIAL)
+        typed->line[place].name = TEXT("");
+    if (line->kind == TYPED_FORCE && potential >= 0) { /* it was that of the forces before */
+        drop(typed, potential);
+        place -= potential < place;
+    }
+    struct typed_line *copy = &typed->line[place];
+    if (!copy_text(&typed->arena, &copy->name) || !copy_text(&typed->arena, &copy->expr)) {
+        error_memory(error);
+        destroy(typed);
+        return NULL;
+    }
+    return finish(models, typed, copy, line, error);
+}
+
+/* A line that is left and uses what is gone; NULL: another reason. */
+static const struct typed_line *user_of(const struct typed *typed, const struct error *error)
+{
+    for (int i = 0; i < typed->lines && error->where.at; i++) {
+        const struct text expr = typed->line[i].expr;
+        if (expr.at && error->where.at >= expr.at && error->where.at <= expr.at + expr.len)
+            return &typed->line[i];
+    }
+    return NULL;
+}
+
+static void drop_line(struct typed *typed, enum typed_kind kind, struct text name)
+{
+    const int place = find_line(typed, kind, name);
+    if (place >= 0)
+        drop(typed, place);
+}
+
+/* What is left of the lines without it; a variable takes its equation and its initial velocity along. */
+static void drop_with(struct typed *typed, enum typed_kind kind, struct text name)
+{
+    char primed[LIMIT_SYMBOL + 2];
+    drop_line(typed, kind, name);
+    if (kind == TYPED_FORCE) /* it was that of the forces */
+        drop_line(typed, TYPED_POTENTIAL, TEXT(""));
+    if (kind != TYPED_VAR)
+        return;
+    snprintf(primed, sizeof primed, "%.*s'", (int)name.len, name.at);
+    drop_line(typed, TYPED_VAR, text_of(primed));
+    drop_line(typed, TYPED_EQUATION, name);
+}
+
+static void refuse_used(const struct typed_line *line, struct text name, struct error *error)
+{
+    struct buffer text = {0};
+    typed_describe(line, &text);
+    const struct text used = buffer_text(&text);
+    error_at(error, name, "%.*s is used by: %.*s", (int)name.len, name.at, (int)used.len, used.at);
+    buffer_free(&text);
+}
+
+static const struct model *finish_without(struct typed_models *models, struct typed *typed, enum typed_kind kind,
+                                          struct text name, struct error *error)
+{
+    const int force = kind == TYPED_VAR ? find_line(typed, TYPED_FORCE, name) : -1;
+    const struct typed_line *user = force >= 0 ? &typed->line[force] : NULL;
+    if (!user && typed_compile(typed, error))
+        return keep(models, typed);
+    user = user ? user : user_of(typed, error);
+    error->where = name.len > 0 ? name : (struct text){NULL, 0};
+    if (user)
+        refuse_used(user, name, error);
+    destroy(typed);
+    return NULL;
+}
+
+const struct model *typed_remove(struct typed_models *models, const struct model *from, enum typed_kind kind,
+                                 struct text name, struct error *error)
+{
+    static const char *const word[] = {"variable", "parameter", "equation", "force", "potential", "observed quantity"};
+    if (!from->typed || find_line(from->typed, kind, name) < 0) {
+        error_set(error, ERROR_COMMAND, "there is no typed %s%s%.*s", word[kind], name.len > 0 ? " " : "",
+                  (int)name.len, name.at);
+        if (name.len > 0)
+            error->where = name;
+        return NULL;
+    }
+    if (from->typed->lines == 1 && from->typed->base)
+        return from->typed->base;
+    struct typed *typed = begin(from, false, error);
+    if (!typed)
+        return NULL;
+    drop_with(typed, kind, name);
+    if (typed->lines == 0 && typed->base) {
+        const struct model *base = typed->base;
+        destroy(typed);
+        return base;
+    }
+    return finish_without(models, typed, kind, name, error);
+}
+
+/* ---- scenes ---- */
+
+static const struct param_row *param_row(const struct model *model, size_t i)
+{
+    return (const struct param_row *)(const void *)catalog_row(model->params, i);
+}
+
+void scene_remodel(struct scene *scene, const struct model *model)
+{
+    const struct scene was = *scene;
+    scene->model = model;
+    if (typed_preset(model))
+        scene->preset = typed_preset(model);
+    for (size_t i = 0; i < model->params->count; i++) {
+        const struct param_row *row = param_row(model, i);
+        const int place = scene_param(&was, row->row.name);
+        scene->value[i] = row->initial;
+        scene->uncertainty[i] = 0;
+        scene->given[i] = false;
+        if (place < 0 || param_row(was.model, (size_t)place)->initial != row->initial)
+            continue;
+        scene->value[i] = was.value[place];
+        scene->uncertainty[i] = was.uncertainty[place];
+        scene->given[i] = was.given[place];
+    }
+    for (int i = 0; i < LIMIT_VARIABLES; i++) {
+        const int place = i < model->n ? model_state(was.model, text_of(model->variable[i].name)) : -1;
+        scene->atol[i] = place < 0 ? 0 : was.atol[place];
+    }
+}
+
+/* ---- what there is to look at ---- */
+
+int model_state(const struct model *model, struct text name)
+{
+    const bool primed = name.len > 1 && name.at[name.len - 1] == '\'';
+    const struct text stem = {name.at, name.len - primed};
+    int found = -1;
+    for (int i = 0; i < model->n && found < 0; i++)
+        if (text_equal(stem, text_of(model->variable[i].name)))
+            found = i;
+    if (!primed || found < 0)
+        return found;
+    if (model->order == 2)
+        return found < model->n / 2 ? found + model->n / 2 : -1;
+    return model->typed && !model->typed->base ? model->typed->velocity[found] : -1;
+}
+
+int model_observed(const struct model *model)
+{
+    return model->typed ? model->typed->observes : 0;
+}
+
+struct variable model_observed_variable(const struct model *model, int i)
+{
+    return model->typed->observed[i];
+}
+
+double system_observe(const struct system *system, int i, double t, const double *y)
+{
+    const struct typed_term *term = typed_term_of(system->typed.c);
+    double out[LIMIT_OBSERVED];
+    typed_evaluate(term->observe, system->typed.c, t, y, out);
+    return out[i];
+}

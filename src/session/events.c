@@ -1,0 +1,180 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include <hooke/session/events.h>
+#include <hooke/session/subject.h>
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- lists ---- */
+
+/* A new list, that of `from` but for the line of this name; *line is the next free one. */
+static struct events *copy_without(const struct events *from, struct text name, struct error *error)
+{
+    struct events *events = calloc(1, sizeof *events);
+    if (!events) {
+        error_memory(error);
+        return NULL;
+    }
+    for (int i = 0; from && i < from->count; i++)
+        if (!text_is(name, from->line[i].name))
+            events->line[events->count++] = from->line[i]; /* its texts live as long */
+    return events;
+}
+
+static void keep(struct session *session, struct events *events)
+{
+    events->older = session->events;
+    session->events = events;
+}
+
+const struct events *events_with(struct session *session, const struct event_line *line, struct text when,
+                                 struct text commands, struct error *error)
+{
+    struct events *events = copy_without(session->setup.events, text_of(line->name), error);
+    if (!events)
+        return NULL;
+    struct event_line *own = &events->line[events->count < LIMIT_EVENTS ? events->count : 0];
+    const struct event_line added = {.action = line->action,
+                                     .when = arena_text(&events->arena, when),
+                                     .commands = arena_text(&events->arena, commands)};
+    if (events->count == LIMIT_EVENTS)
+        error_set(error, ERROR_COMMAND, "%d events exist already", LIMIT_EVENTS);
+    else if (!added.when || !added.commands)
+        error_memory(error);
+    else {
+        *own = added;
+        memcpy(own->name, line->name, sizeof own->name);
+        events->count++;
+        keep(session, events);
+        return events;
+    }
+    events->older = NULL;
+    events_destroy(events);
+    return NULL;
+}
+
+bool events_without(struct session *session, struct text name, const struct events **left, struct error *error)
+{
+    const struct events *now = session->setup.events;
+    struct suggestion near = {.wanted = name};
+    struct events *events = copy_without(now, name, error);
+    if (!events)
+        return false;
+    for (int i = 0; now && i < now->count; i++)
+        suggestion_offer(&near, now->line[i].name);
+    if (!now || events->count == now->count) {
+        events_destroy(events);
+        error_at(error, name, "there is no event '%.*s'", (int)(name.len < 64 ? name.len : 64), name.at);
+        suggestion_hint(&near, error);
+        return now ? error_hint(error, "('event' lists them)") : false;
+    }
+    keep(session, events);
+    *left = events->count ? events : NULL;
+    return true;
+}
+
+void events_destroy(struct events *events)
+{
+    while (events) {
+        struct events *older = events->older;
+        arena_reset(&events->arena);
+        free(events);
+        events = older;
+    }
+}
+
+/* ---- as commands ---- */
+
+void event_describe(const struct event_line *line, bool as_stop, struct buffer *text)
+{
+    static const char *const words[] = {"stop", "record"};
+    buffer_format(text, "event %s when %s do ", line->name, line->when);
+    if (line->action != EVENT_COMMANDS || as_stop) {
+        buffer_put(text, text_of(words[line->action == EVENT_RECORD]));
+        return;
+    }
+    const bool raw = !strchr(line->commands, '\'');
+    buffer_char(text, raw ? '\'' : '"');
+    for (const char *at = line->commands; *at; at++)
+        buffer_format(text, !raw && strchr("\"\\", *at) ? "\\%c" : "%c", *at);
+    buffer_char(text, raw ? '\'' : '"');
+}
+
+void events_save(const struct events *events, bool as_stop, struct buffer *text)
+{
+    for (int i = 0; events && i < events->count; i++) {
+        event_describe(&events->line[i], as_stop, text);
+        buffer_char(text, '\n');
+    }
+}
+
+void events_plan(const struct events *events, struct buffer *text)
+{
+    if (!events)
+        return;
+    buffer_put(text, TEXT("events    "));
+    for (int i = 0; i < events->count; i++)
+        buffer_format(text, "%s%s", i > 0 ? ", " : "", events->line[i].name);
+    buffer_put(text, TEXT(": looked for in every step; bounds of the expression there prove that none is missed\n"));
+}
+
+/* ---- for runs ---- */
+
+bool events_compile(const struct events *events, const struct expr_scope *scope, struct arena *arena,
+                    const struct event **event, int *count, struct error *error)
+{
+    *event = NULL;
+    *count = 0;
+    if (!events)
+        return true;
+    struct event *list = arena_array(arena, (size_t)events->count, sizeof *list);
+    if (!list)
+        return error_memory(error);
+    for (int i = 0; i < events->count; i++) {
+        const struct event_line *line = &events->line[i];
+        size_t used;
+        list[i] = (struct event){.stop = line->action != EVENT_RECORD, .scope = scope};
+        memcpy(list[i].name, line->name, sizeof list[i].name);
+        if (!event_compile(text_of(line->when), scope, arena, &list[i], &used, error)) {
+            error->where = (struct text){NULL, 0};
+            return error_hint(error, "in the event %s; 'event %s off' drops it", line->name, line->name);
+        }
+    }
+    *event = list;
+    *count = events->count;
+    return true;
+}
+
+int events_stopped_at(const struct held_run *held, const struct event_line *stopped[LIMIT_EVENTS])
+{
+    const struct run *run = held->run;
+    size_t i = run_happenings(run);
+    int count = 0;
+    if (run->stop != STOP_CONDITION || !held->events)
+        return 0;
+    while (i > 0 && run_happening(run, i - 1)->step == run->steps)
+        i--;
+    for (; i < run_happenings(run); i++) {
+        const struct event_line *line = &held->events->line[run_happening(run, i)->event];
+        if (line->action != EVENT_RECORD && run_happening(run, i)->t == run->t && count < LIMIT_EVENTS)
+            stopped[count++] = line;
+    }
+    return count;
+}
+
+struct text event_commands(struct text commands, bool *passes)
+{
+    struct text rest = commands, statement;
+    struct error ignored;
+    *passes = false;
+    while (rest.len > 0 && next_statement(&rest, &statement, &ignored)) {
+        *passes = text_is(text_trim(statement), "continue");
+        if (*passes && text_trim(rest).len == 0)
+            return (struct text){commands.at, (size_t)(statement.at - commands.at)};
+    }
+    *passes = false;
+    return commands;
+}
+
+/* ---- what has happened ---- */

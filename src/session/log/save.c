@@ -1,0 +1,263 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The set-up as commands: only what differs from a new session, numbers that read back to the same doubles. */
+#include <hooke/session/events.h>
+#include <hooke/session/log.h>
+#include <hooke/session/subject.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define SECONDS_MOST 2.0 /* [s] of computing: what takes longer is not done again when a session is resumed */
+
+static void save_scene(const struct scene *scene, bool always, struct buffer *text)
+{
+    const struct row *first = catalog_row(&preset_catalog, 0);
+    if (!typed_base(scene->model))
+        buffer_format(text, "scene new %s\n", scene->preset->row.name);
+    else if (always || &scene->preset->row != first)
+        buffer_format(text, "scene %s\n", scene->preset->row.name);
+    scene_script(scene, "\n", text);
+    for (size_t i = 0; i < scene_params(scene)->count; i++) {
+        const struct param_row *param = param_at(scene, (int)i);
+        if (!scene->given[i])
+            continue;
+        buffer_format(text, "%s = ", param->row.name);
+        buffer_exact(text, (struct measured){scene->value[i], scene->uncertainty[i]}, param->quantity);
+        buffer_char(text, '\n');
+    }
+    atol_script(scene, "\n", text);
+}
+
+static void save_method(const struct setup *setup, bool always, struct buffer *text)
+{
+    if (!always && strcmp(setup->method->row.name, "euler") == 0 && !setup->fixed && setup->drag == DRAG_DEFAULT)
+        return;
+    buffer_format(text, "method %s", setup->method->row.name);
+    if (setup->fixed) {
+        buffer_put(text, TEXT(" dt="));
+        buffer_exact(text, (struct measured){setup->settings.dt, 0}, QUANTITY_TIME);
+    }
+    if (setup->drag != DRAG_DEFAULT)
+        buffer_format(text, " drag=%s", catalog_row(&drag_catalog, (size_t)setup->drag - 1)->name);
+    buffer_char(text, '\n');
+}
+
+static void save_settings(const struct settings *settings, bool always, struct buffer *text)
+{
+    struct settings defaults;
+    session_default_settings(&defaults);
+    for (size_t i = 0; i < setting_catalog.count; i++) {
+        const struct setting *setting = (const struct setting *)(const void *)catalog_row(&setting_catalog, i);
+        struct buffer now = {0}, before = {0};
+        setting_exact(setting, settings, &now);
+        setting_exact(setting, &defaults, &before);
+        const bool given = setting_is_given(setting, settings);
+        if (!given && always)
+            buffer_format(text, "unset %s\n", setting->row.name);
+        else if (!setting->display && given && (always || setting->given || !text_equal(buffer_text(&now), buffer_text(&before))))
+            buffer_format(text, "set %s %s\n", setting->row.name, buffer_view(&now));
+        text->failed |= now.failed || before.failed;
+        buffer_free(&now);
+        buffer_free(&before);
+    }
+}
+
+static void save_let(const struct setup *setup, struct buffer *text)
+{
+    for (int i = 0; i < setup->lets; i++) {
+        const struct named_value *let = &setup->let[i];
+        buffer_format(text, "let %s = ", let->name);
+        buffer_exact(text, (struct measured){let->value, let->uncertainty}, let->quantity);
+        buffer_char(text, '\n');
+    }
+}
+
+static void save_recording(const struct held_recording *held, bool absolute, struct buffer *text)
+{
+    const struct recording *recording = held->recording;
+    char *path = absolute ? realpath(recording->path, NULL) : NULL;
+    buffer_put(text, TEXT("load "));
+    buffer_word(text, text_of(path ? path : recording->path));
+    free(path);
+    buffer_put(text, text_of(held->options));
+    buffer_char(text, '\n');
+    if (recording->cleaned)
+        buffer_put(text, TEXT("data clean apply\n"));
+    if (recording->cleaned || recording->window[0] != recording->t[0] ||
+        recording->window[1] != recording->t[recording->rows - 1]) {
+        buffer_put(text, TEXT("data window "));
+        buffer_real(text, recording->window[0]);
+        buffer_char(text, ':');
+        buffer_real(text, recording->window[1]);
+        buffer_char(text, '\n');
+    }
+    if (recording->zero != 0) {
+        buffer_put(text, TEXT("data zero "));
+        buffer_real(text, recording->zero);
+        buffer_char(text, '\n');
+    }
+    if (recording->mass.value > 0) {
+        buffer_put(text, TEXT("data mass "));
+        buffer_exact(text, recording->mass, QUANTITY_MASS);
+        buffer_char(text, '\n');
+    }
+}
+
+/* How the screen looks, where it differs from a new session. Cursors are not kept: they belong to runs. */
+static void save_view(const struct view *view, struct buffer *text)
+{
+    const struct {
+        const char *axis;
+        const double *range;
+    } ranges[] = {{"x", view->x}, {"y", view->y}};
+    if (view->layout != LAYOUT_TRIO)
+        buffer_format(text, "layout %s\n", catalog_row(&layout_catalog, (size_t)view->layout)->name);
+    if (view->window > 0) {
+        buffer_put(text, TEXT("window "));
+        buffer_exact(text, (struct measured){view->window, 0}, QUANTITY_TIME);
+        buffer_char(text, '\n');
+    }
+    if (view->trail != 2) {
+        buffer_put(text, TEXT("trail "));
+        buffer_put(text, isinf(view->trail) ? TEXT("all") : TEXT(""));
+        if (isfinite(view->trail))
+            buffer_real(text, view->trail);
+        buffer_char(text, '\n');
+    }
+    if (view->focus != PANE_POSITION || view->full)
+        buffer_format(text, "focus %s%s\n", catalog_row(&pane_catalog, (size_t)view->focus)->name,
+                      view->full ? " full" : "");
+    for (size_t i = 0; i < COUNT_OF(ranges); i++) {
+        if (isnan(ranges[i].range[0]))
+            continue;
+        buffer_format(text, "range %s ", ranges[i].axis);
+        buffer_real(text, ranges[i].range[0]);
+        buffer_char(text, ':');
+        buffer_real(text, ranges[i].range[1]);
+        buffer_char(text, '\n');
+    }
+}
+
+static void save_recordings(const struct session *session, bool absolute, struct buffer *text)
+{
+    for (int i = 0; i < session->recordings; i++)
+        save_recording(session->recording[i], absolute, text);
+    for (int i = 0; i < session->recordings; i++) {
+        const struct recording *recording = session->recording[i]->recording;
+        if (session_find_recording(session, text_of(recording->velocity)) >= 0)
+            buffer_format(text, "data use %s\ndata join %s\n", recording->name, recording->velocity);
+    }
+}
+
+static bool joins(const struct session *session)
+{
+    for (int i = 0; i < session->recordings; i++)
+        if (session->recording[i]->recording->velocity[0])
+            return true;
+    return false;
+}
+
+static void save_current_recording(const struct session *session, bool always, struct buffer *text)
+{
+    if (session->current_recording >= 0 &&
+        (always || joins(session) || session->current_recording != session->recordings - 1))
+        buffer_format(text, "data use %s\n", session_recording(session)->name);
+}
+
+void session_save(const struct session *session, struct buffer *text)
+{
+    buffer_put(text, TEXT("# set-up saved by hooke " HOOKE_VERSION "\n"));
+    save_let(&session->setup, text); /* the scene may have a parameter of that name */
+    save_scene(&session->setup.scene, false, text);
+    events_save(session->setup.events, false, text);
+    save_method(&session->setup, false, text);
+    save_settings(&session->setup.settings, false, text);
+    save_recordings(session, false, text);
+    save_current_recording(session, false, text);
+    if (session->view.focus == PANE_POSITION) /* other panes show runs, which are not saved */
+        save_view(&session->view, text);
+}
+
+/* ---- with the runs ---- */
+
+/* The run as commands; a comment where it is left out. True if it is there. */
+static bool save_run(const struct session *session, const struct held_run *held, struct buffer *text)
+{
+    const struct run *run = held->run;
+    const struct setup setup = {.method = run->method, .drag = run->settings.drag};
+    const size_t before = text->len;
+    save_scene(&run->scene, true, text);
+    buffer_put(text, TEXT("event off\n"));
+    events_save(held->events, true, text); /* what they execute is in the journal */
+    buffer_format(text, "method %s dt=", setup.method->row.name);
+    buffer_exact(text, (struct measured){run->settings.dt, 0}, QUANTITY_TIME);
+    if (run->plan.adaptive) {
+        buffer_put(text, TEXT(" tol="));
+        buffer_real(text, run->settings.tol);
+    }
+    if (setup.drag != DRAG_DEFAULT)
+        buffer_format(text, " drag=%s", catalog_row(&drag_catalog, (size_t)setup.drag - 1)->name);
+    struct settings settings;
+    session_default_settings(&settings);
+    settings.record = run->settings.record;
+    settings.kernel = (int)run->settings.kernel;
+    settings.sums = run->settings.compensated ? SUMS_COMPENSATED : SUMS_PLAIN;
+    settings.turning = run->scene.across ? TURNING_OFF : TURNING_ON;
+    static const char *const kept[] = {"record", "kernel", "sums", "turning"};
+    for (size_t i = 0; i < COUNT_OF(kept); i++) {
+        const struct row *row = catalog_find(&setting_catalog, text_of(kept[i]));
+        buffer_format(text, "\nset %s ", kept[i]);
+        setting_exact((const struct setting *)(const void *)row, &settings, text);
+    }
+    buffer_char(text, '\n');
+    const char *why = NULL;
+    if (run->seconds >= SECONDS_MOST)
+        why = "it took too long to compute";
+    else if (!journal_write(session, held, 0, -1, run->number, true, text))
+        why = "it stopped at a condition on a variable or a result";
+    if (why) {
+        text->len = before;
+        buffer_format(text, "# run %d (%s, to t = %.6g s) is left out: %s\n", run->number, run->method->row.name,
+                      run->t, why);
+        return false;
+    }
+    if (run->name[0])
+        buffer_format(text, "rename %d %s\n", run->number, run->name);
+    if (held->note)
+        buffer_format(text, "note %s\n", held->note);
+    return true;
+}
+
+void session_autosave(const struct session *session, struct buffer *text)
+{
+    bool kept = false, current = false;
+    buffer_put(text, TEXT("# session saved by hooke " HOOKE_VERSION "\n"));
+    save_recordings(session, true, text);
+    save_let(&session->setup, text);
+    for (int i = 0; i < session->runs; i++) {
+        const bool there = save_run(session, session->run[i], text);
+        kept |= there;
+        current |= there && i == session->current_run;
+    }
+    for (int i = 0; i < session->setup.owns; i++) {
+        buffer_format(text, "scene new %s\n", session->setup.own[i]->row.name);
+        struct scene scene;
+        scene_init(&scene, session->setup.own[i]);
+        scene_script(&scene, "\n", text);
+    }
+    kept |= session->setup.owns > 0;
+    save_scene(&session->setup.scene, kept, text);
+    buffer_put(text, kept ? TEXT("event off\n") : TEXT(""));
+    events_save(session->setup.events, false, text);
+    save_method(&session->setup, kept, text);
+    save_settings(&session->setup.settings, kept, text);
+    if (!session->data_is_latest)
+        save_current_recording(session, true, text);
+    if (current)
+        buffer_format(text, "use %d\n", session->run[session->current_run]->run->number);
+    if (session->data_is_latest)
+        save_current_recording(session, true, text);
+    if (current || session->view.focus == PANE_POSITION)
+        save_view(&session->view, text);
+}

@@ -1,0 +1,349 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Undo, redo and checkpoints: copies of the set-up, and the lists of runs and recordings as they were. A run that has
+ * gone on since is taken back to its step by dropping rows; one that was taken back is advanced again, which gives the
+ * same bits.
+ */
+#include <hooke/session/log.h>
+#include <hooke/session/subject.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A run as it was: all entries between which it did not change share one. */
+struct run_mark {
+    int references;
+    int64_t steps;
+    double t; /* [s] */
+    enum stop stop;
+    struct controller controller; /* of an adaptive method: what the next step would be */
+    char name[LIMIT_NAME + 1];
+    struct leg *last; /* of its journal then */
+};
+
+struct marked_run {
+    struct held_run *held;
+    struct run_mark *mark;
+};
+
+/* Likewise. */
+struct shared_setup {
+    int references;
+    struct setup setup;
+};
+
+struct recording_mark {
+    struct held_recording *held;
+    double window[2], zero;
+    struct measured mass;
+    char velocity[LIMIT_NAME + 1];
+    bool cleaned;
+};
+
+struct snapshot {
+    char label[LIMIT_NAME + 1]; /* of a checkpoint; for undo: the command */
+    struct shared_setup *setup;
+    int current_run, current_recording, next_run;
+    bool data_is_latest;
+    int runs, recordings;
+    struct marked_run *run;
+    struct recording_mark *recording;
+};
+
+static bool same_run(const struct run *run, const struct leg *last, const struct run_mark *mark)
+{
+    return run->steps == mark->steps && run->t == mark->t && run->stop == mark->stop && last == mark->last &&
+           strcmp(run->name, mark->name) == 0;
+}
+
+static void release_mark(struct run_mark *mark)
+{
+    if (!mark || --mark->references > 0)
+        return;
+    journal_release(mark->last);
+    free(mark);
+}
+
+void run_unmark(struct held_run *held)
+{
+    release_mark(held->mark);
+    held->mark = NULL;
+}
+
+/* Sizes and switches change in adaptive steps and at switches alone: other runs, of which there may be many, have none. */
+static bool same_controller(const struct run *run, const struct controller *then)
+{
+    const size_t from = offsetof(struct controller, elapsed), to = offsetof(struct controller, switches);
+    const struct controller *now = &run->controller;
+    if (run->plan.adaptive || run->system.switches > 0)
+        return memcmp(now, then, sizeof *now) == 0;
+    return now->tol == then->tol && memcmp((const char *)now + from, (const char *)then + from, to - from) == 0;
+}
+
+/* NULL: no memory. */
+static struct run_mark *mark_run(struct held_run *held)
+{
+    const struct run *run = held->run;
+    if (!held->mark || !same_run(run, held->last, held->mark) ||
+        !same_controller(run, &held->mark->controller)) {
+        run_unmark(held);
+        if (!(held->mark = malloc(sizeof *held->mark)))
+            return NULL;
+        *held->mark = (struct run_mark){.references = 1, .steps = run->steps, .t = run->t, .stop = run->stop};
+        held->mark->controller = run->controller;
+        memcpy(held->mark->name, run->name, sizeof held->mark->name);
+        held->mark->last = journal_share(held->last);
+    }
+    held->mark->references++;
+    return held->mark;
+}
+
+static void release_setup(struct shared_setup *setup)
+{
+    if (setup && --setup->references == 0)
+        free(setup);
+}
+
+/* That of the latest entry, where nothing was set since. NULL: no memory. */
+static struct shared_setup *share_setup(const struct session *session)
+{
+    struct shared_setup *setup = session->undos > 0 ? session->undo[session->undos - 1]->setup : NULL;
+    if (setup && memcmp(&setup->setup, &session->setup, sizeof setup->setup) == 0) {
+        setup->references++;
+        return setup;
+    }
+    if ((setup = malloc(sizeof *setup))) {
+        setup->references = 1;
+        memcpy(&setup->setup, &session->setup, sizeof setup->setup);
+    }
+    return setup;
+}
+
+struct snapshot *snapshot_take(const struct session *session, const char *label)
+{
+    struct snapshot *snapshot = calloc(1, sizeof *snapshot);
+    if (!snapshot)
+        return NULL;
+    snapshot->run = calloc((size_t)session->runs + 1, sizeof *snapshot->run);
+    snapshot->recording = calloc((size_t)session->recordings + 1, sizeof *snapshot->recording);
+    if (!snapshot->run || !snapshot->recording || !(snapshot->setup = share_setup(session))) {
+        snapshot_free(snapshot);
+        return NULL;
+    }
+    snprintf(snapshot->label, sizeof snapshot->label, "%s", label);
+    snapshot->current_run = session->current_run;
+    snapshot->current_recording = session->current_recording;
+    snapshot->next_run = session->next_run;
+    snapshot->data_is_latest = session->data_is_latest;
+    for (int i = 0; i < session->runs; i++) {
+        struct run_mark *mark = mark_run(session->run[i]);
+        if (!mark) {
+            snapshot_free(snapshot);
+            return NULL;
+        }
+        session->run[i]->references++;
+        snapshot->run[snapshot->runs++] = (struct marked_run){session->run[i], mark};
+    }
+    for (int i = 0; i < session->recordings; i++) {
+        const struct recording *recording = session->recording[i]->recording;
+        struct recording_mark *mark = &snapshot->recording[snapshot->recordings++];
+        *mark = (struct recording_mark){.held = session->recording[i],
+                                        .window = {recording->window[0], recording->window[1]},
+                                        .zero = recording->zero,
+                                        .mass = recording->mass,
+                                        .cleaned = recording->cleaned};
+        memcpy(mark->velocity, recording->velocity, sizeof mark->velocity);
+        session->recording[i]->references++;
+    }
+    return snapshot;
+}
+
+void snapshot_free(struct snapshot *snapshot)
+{
+    if (!snapshot)
+        return;
+    for (int i = 0; i < snapshot->runs; i++) {
+        release_mark(snapshot->run[i].mark);
+        held_run_release(snapshot->run[i].held);
+    }
+    for (int i = 0; i < snapshot->recordings; i++)
+        held_recording_release(snapshot->recording[i].held);
+    release_setup(snapshot->setup);
+    free(snapshot->run);
+    free(snapshot->recording);
+    free(snapshot);
+}
+
+const char *snapshot_label(const struct snapshot *snapshot)
+{
+    return snapshot->label;
+}
+
+/* Without memory for its journal a run stays where it is. */
+static void return_run(struct session *session, struct held_run *held, const struct run_mark *mark)
+{
+    struct run *run = held->run;
+    if (journal_restore(session, held, mark->last, mark->steps, mark->t)) {
+        run->stop = mark->stop;
+        run->controller = mark->controller;
+    }
+    memcpy(run->name, mark->name, sizeof run->name);
+}
+
+static bool same_recording(const struct held_recording *held, const struct recording_mark *mark)
+{
+    const struct recording *now = held->recording;
+    return held == mark->held && memcmp(now->window, mark->window, sizeof mark->window) == 0 &&
+           now->zero == mark->zero && now->cleaned == mark->cleaned && now->mass.value == mark->mass.value &&
+           now->mass.uncertainty == mark->mass.uncertainty && strcmp(now->velocity, mark->velocity) == 0;
+}
+
+bool undo_matters(const struct session *session, const struct snapshot *before)
+{
+    if (session->runs != before->runs || session->recordings != before->recordings ||
+        session->current_run != before->current_run || session->current_recording != before->current_recording ||
+        session->data_is_latest != before->data_is_latest)
+        return true;
+    for (int i = 0; i < session->runs; i++)
+        if (session->run[i] != before->run[i].held ||
+            !same_run(session->run[i]->run, session->run[i]->last, before->run[i].mark))
+            return true;
+    for (int i = 0; i < session->recordings; i++)
+        if (!same_recording(session->recording[i], &before->recording[i]))
+            return true;
+    if (memcmp(&before->setup->setup, &session->setup, sizeof session->setup) == 0)
+        return false;
+    struct setup setup = before->setup->setup;
+    settings_display(&setup.settings, &session->setup.settings);
+    return memcmp(&setup, &session->setup, sizeof setup) != 0; /* padding was copied with the rest */
+}
+
+/* Puts the session into the state of the snapshot, which stays valid. */
+static void go_to(struct session *session, const struct snapshot *snapshot)
+{
+    for (int i = 0; i < snapshot->runs; i++)
+        snapshot->run[i].held->references++;
+    for (int i = 0; i < snapshot->recordings; i++)
+        snapshot->recording[i].held->references++;
+    while (session->runs > 0)
+        session_drop_run(session, session->runs - 1);
+    while (session->recordings > 0)
+        session_drop_recording(session, session->recordings - 1);
+    for (int i = 0; i < snapshot->runs; i++) {
+        session->run[i] = snapshot->run[i].held;
+    }
+    for (int i = 0; i < snapshot->recordings; i++) {
+        const struct recording_mark *mark = &snapshot->recording[i];
+        session->recording[i] = mark->held;
+        struct recording *recording = mark->held->recording;
+        memcpy(recording->window, mark->window, sizeof mark->window);
+        memcpy(recording->velocity, mark->velocity, sizeof mark->velocity);
+        recording->zero = mark->zero;
+        recording->mass = mark->mass;
+        recording->cleaned = mark->cleaned;
+    }
+    session->runs = snapshot->runs;
+    session->recordings = snapshot->recordings;
+    session->current_run = snapshot->current_run;
+    session->current_recording = snapshot->current_recording;
+    session->next_run = snapshot->next_run;
+    session->data_is_latest = snapshot->data_is_latest;
+    /* What the front end was told (form of results, characters) is not part of the experiment. */
+    const struct settings now = session->setup.settings;
+    memcpy(&session->setup, &snapshot->setup->setup, sizeof session->setup);
+    settings_display(&session->setup.settings, &now);
+    for (int i = 0; i < snapshot->runs; i++)
+        return_run(session, snapshot->run[i].held, snapshot->run[i].mark);
+    session_changed(session);
+}
+
+static void push(struct snapshot **stack, int *count, struct snapshot *snapshot)
+{
+    if (*count == LIMIT_UNDO) {
+        snapshot_free(stack[0]);
+        memmove(stack, stack + 1, (LIMIT_UNDO - 1) * sizeof(stack[0]));
+        --*count;
+    }
+    stack[(*count)++] = snapshot;
+}
+
+static void clear(struct snapshot **stack, int *count)
+{
+    while (*count > 0)
+        snapshot_free(stack[--*count]);
+}
+
+void undo_push(struct session *session, struct snapshot *before)
+{
+    push(session->undo, &session->undos, before);
+    clear(session->redo, &session->redos);
+}
+
+void undo_clear(struct session *session)
+{
+    clear(session->undo, &session->undos);
+    clear(session->redo, &session->redos);
+}
+
+bool undo_move(struct session *session, bool back, char label[LIMIT_NAME + 1], struct error *error)
+{
+    struct snapshot **from = back ? session->undo : session->redo, **to = back ? session->redo : session->undo;
+    int *count = back ? &session->undos : &session->redos, *other = back ? &session->redos : &session->undos;
+    if (*count == 0) {
+        error_set(error, ERROR_COMMAND, "nothing to %s", back ? "undo" : "redo");
+        return error_hint(error, "settings that only show are not undone: 'unset NAME' gives one its default");
+    }
+    struct snapshot *target = from[*count - 1];
+    struct snapshot *now = snapshot_take(session, target->label);
+    if (!now)
+        return error_memory(error);
+    memcpy(label, target->label, sizeof target->label);
+    --*count;
+    go_to(session, target);
+    snapshot_free(target);
+    push(to, other, now);
+    return true;
+}
+
+bool checkpoint_make(struct session *session, const char *name, struct error *error)
+{
+    int place = 0;
+    while (place < session->checkpoints && strcmp(session->checkpoint[place]->label, name) != 0)
+        place++;
+    if (place == LIMIT_CHECKPOINTS)
+        return error_set(error, ERROR_COMMAND, "%d checkpoints are kept already", LIMIT_CHECKPOINTS);
+    struct snapshot *snapshot = snapshot_take(session, name);
+    if (!snapshot)
+        return error_memory(error);
+    if (place < session->checkpoints) {
+        snapshot_free(session->checkpoint[place]);
+        memmove(&session->checkpoint[place], &session->checkpoint[place + 1],
+                (size_t)(session->checkpoints - place - 1) * sizeof(session->checkpoint[0]));
+        session->checkpoints--;
+    }
+    session->checkpoint[session->checkpoints++] = snapshot; /* the latest is the last */
+    return true;
+}
+
+bool checkpoint_restore(struct session *session, struct text name, const char **label, struct error *error)
+{
+    if (session->checkpoints == 0) {
+        error_set(error, ERROR_COMMAND, "there is no checkpoint");
+        return error_hint(error, "type: checkpoint [NAME]");
+    }
+    struct suggestion near = {.wanted = name};
+    for (int i = session->checkpoints - 1; i >= 0; i--) {
+        const struct snapshot *snapshot = session->checkpoint[i];
+        if (name.len == 0 || text_is(name, snapshot->label)) {
+            go_to(session, snapshot);
+            *label = snapshot->label;
+            return true;
+        }
+        suggestion_offer(&near, snapshot->label);
+    }
+    error_at(error, name, "there is no checkpoint '%.*s'", (int)(name.len < 64 ? name.len : 64), name.at);
+    suggestion_hint(&near, error);
+    return false;
+}

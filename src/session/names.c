@@ -1,0 +1,327 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * What names mean in expressions: state and observables of the current run first, then parameters and derived
+ * quantities of the scene, settings, variables, results. Parameters that a user has typed come before observables.
+ */
+#include <hooke/session/log.h>
+#include <hooke/session/subject.h>
+
+#include <math.h>
+#include <string.h>
+
+enum name_kind {
+    NAME_STATE,
+    NAME_OBSERVED,
+    NAME_OBSERVABLE,
+    NAME_PARAM,
+    NAME_DERIVED,
+    NAME_SETTING,
+    NAME_LET,
+    NAME_RESULT
+};
+
+#define SLOT_KIND 16 /* slot = kind << SLOT_KIND | place */
+
+static bool in_values(const struct named_value *values, int count, struct text name, int *place)
+{
+    for (int i = 0; i < count; i++)
+        if (text_is(name, values[i].name)) {
+            *place = i;
+            return true;
+        }
+    return false;
+}
+
+/* Settings that are a number, not a choice. */
+static bool setting_is_number(const struct row *row)
+{
+    const struct setting *setting = (const struct setting *)(const void *)row;
+    return setting && setting->most > 0;
+}
+
+static bool in_catalog(const struct catalog *catalog, struct text name, int *place)
+{
+    const struct row *row = catalog_find(catalog, name);
+    if (row)
+        *place = catalog_place(catalog, row);
+    return row != NULL;
+}
+
+/* Whose state and observables have names; NULL: there is no run. */
+static const struct model *state_model(const struct names *names)
+{
+    const struct run *run = names->run || names->expects_run ? names->run : session_run(names->session);
+    return run ? run->system.model : names->expects_run ? names->session->setup.scene.model : NULL;
+}
+
+static bool in_state(const struct model *model, struct text name, int *place)
+{
+    *place = model_variable(model, name);
+    return *place >= 0;
+}
+
+/* Whose parameters have names. */
+static const struct scene *scene_of(const struct names *names)
+{
+    struct in_force *force = names->in_force;
+    if (!force)
+        return &names->session->setup.scene;
+    if (!force->known || force->last != force->held->last) {
+        journal_scene(force->held, true, &force->scene);
+        force->last = force->held->last;
+        force->known = true;
+    }
+    return &force->scene;
+}
+
+/* Typed forces without a potential have no energy. */
+static bool lacks_energy(const struct run *run, const struct observable *observable)
+{
+    return run && observable && observable->needs & NEED_ENERGY && run->system.order == 2 && !run->system.energy;
+}
+
+static bool find_name(const struct names *names, struct text name, int *slot)
+{
+    const struct session *session = names->session;
+    const struct scene *scene = scene_of(names);
+    const struct model *moving = state_model(names);
+    const struct run *run = names->run ? names->run : session_run(session);
+    enum name_kind kind;
+    int place = 0;
+    if (moving && in_state(moving, name, &place))
+        kind = NAME_STATE;
+    else if (moving && (place = model_observation(moving, name)) >= 0)
+        kind = NAME_OBSERVED;
+    else if (scene->model->typed && in_catalog(scene_params(scene), name, &place))
+        kind = NAME_PARAM;
+    else if (moving && model_observable(moving, name) && !lacks_energy(run, model_observable(moving, name)) &&
+             in_catalog(&observable_catalog, name, &place))
+        kind = NAME_OBSERVABLE;
+    else if (in_catalog(scene_params(scene), name, &place))
+        kind = NAME_PARAM;
+    else if (in_catalog(scene_derived(scene), name, &place))
+        kind = NAME_DERIVED;
+    else if (setting_is_number(catalog_find(&setting_catalog, name)) && in_catalog(&setting_catalog, name, &place))
+        kind = NAME_SETTING;
+    else if (!names->saved_only && in_values(session->setup.let, session->setup.lets, name, &place))
+        kind = NAME_LET;
+    else if (!names->saved_only && in_values(session->result, session->results, name, &place))
+        kind = NAME_RESULT;
+    else
+        return false;
+    *slot = (int)kind << SLOT_KIND | place;
+    return true;
+}
+
+static bool scope_find(const void *context, struct text name, int *slot)
+{
+    return find_name(context, name, slot);
+}
+
+static double setting_number(const struct settings *settings, const struct setting *setting)
+{
+    double value;
+    memcpy(&value, (const char *)settings + setting->offset, sizeof value);
+    return value;
+}
+
+static struct named_value slot_value(const struct names *names, int slot)
+{
+    const struct session *session = names->session;
+    const struct run *run = names->run ? names->run : session_run(session);
+    const size_t place = (size_t)(slot & ((1 << SLOT_KIND) - 1));
+    const struct setup *setup = &session->setup;
+    const struct scene *scene = scene_of(names);
+    struct named_value value = {.value = NAN, .quantity = QUANTITY_OTHER};
+    const struct model *moving = state_model(names);
+    switch ((enum name_kind)(slot >> SLOT_KIND)) {
+    case NAME_STATE:
+        value.quantity = moving->variable[place].quantity;
+        if (run && run->system.model == moving)
+            value.value = run->y[place];
+        break;
+    case NAME_OBSERVED:
+        value.quantity = model_observed_variable(moving, (int)place).quantity;
+        if (run && run->system.model == moving)
+            value.value = run_observed(run, (int)place);
+        break;
+    case NAME_OBSERVABLE: {
+        const struct observable *observable =
+            (const struct observable *)(const void *)catalog_row(&observable_catalog, place);
+        value.quantity = model_quantity(moving, observable);
+        if (run)
+            value.value = run_observable(run, observable);
+        break;
+    }
+    case NAME_PARAM:
+        value.value = scene->value[place];
+        value.uncertainty = scene->uncertainty[place];
+        value.quantity = param_at(scene, (int)place)->quantity;
+        break;
+    case NAME_DERIVED: {
+        const struct derived_row *derived =
+            (const struct derived_row *)(const void *)catalog_row(scene_derived(scene), place);
+        const struct measured measured = derived->value(scene);
+        value.value = measured.value;
+        value.uncertainty = measured.uncertainty;
+        value.quantity = derived->quantity;
+        break;
+    }
+    case NAME_SETTING: {
+        const struct setting *setting = (const struct setting *)(const void *)catalog_row(&setting_catalog, place);
+        value.value = setting_number(&setup->settings, setting);
+        value.quantity = setting->quantity;
+        break;
+    }
+    case NAME_LET:
+        return setup->let[place];
+    case NAME_RESULT:
+        return session->result[place];
+    }
+    return value;
+}
+
+static double scope_load(const void *context, int slot)
+{
+    return slot_value(context, slot).value;
+}
+
+static void each_name(const struct session *session, const struct model *moving,
+                      void (*offer)(void *context, const char *name, const char *brief), void *context)
+{
+    const struct scene *scene = &session->setup.scene;
+    const struct catalog *const catalogs[] = {&observable_catalog, scene_params(scene), scene_derived(scene),
+                                              &setting_catalog};
+    for (int i = 0; i < moving->n; i++)
+        if (!catalog_find(&observable_catalog, text_of(moving->variable[i].name)))
+            offer(context, moving->variable[i].name, quantity_name(moving->variable[i].quantity));
+    for (int i = 0; i < model_observed(moving); i++)
+        offer(context, model_observed_variable(moving, i).name, "observed");
+    for (size_t c = 0; c < COUNT_OF(catalogs); c++)
+        for (size_t i = 0; i < catalogs[c]->count; i++) {
+            const struct row *row = catalog_row(catalogs[c], i);
+            const bool fits = c > 0 || model_offers(moving, (const struct observable *)(const void *)row);
+            if (fits && (catalogs[c] != &setting_catalog || setting_is_number(row)))
+                offer(context, row->name, row->brief);
+        }
+    for (int i = 0; i < session->setup.lets; i++)
+        offer(context, session->setup.let[i].name, "variable");
+    for (int i = 0; i < session->results; i++)
+        offer(context, session->result[i].name, "result");
+}
+
+void names_each(const struct session *session, void (*offer)(void *context, const char *name, const char *brief),
+                void *context)
+{
+    const struct run *run = session_run(session);
+    each_name(session, run ? run->system.model : session->setup.scene.model, offer, context);
+}
+
+static void suggest(void *context, const char *name, const char *brief)
+{
+    (void)brief;
+    suggestion_offer(context, name);
+}
+
+static void scope_offer(const void *context, struct suggestion *suggestion)
+{
+    const struct names *names = context;
+    const struct model *moving = state_model(names);
+    each_name(names->session, moving ? moving : names->session->setup.scene.model, suggest, suggestion);
+    suggestion_offer(suggestion, "pi");
+}
+
+/* In the scope of the run (run_scope). */
+static int scope_moving(const void *context, int slot)
+{
+    const struct model *moving = state_model(context);
+    const int place = slot & ((1 << SLOT_KIND) - 1);
+    switch ((enum name_kind)(slot >> SLOT_KIND)) {
+    case NAME_STATE:
+        return place;
+    case NAME_OBSERVED:
+        return moving->n + place;
+    case NAME_OBSERVABLE:
+        return moving->n + model_observed(moving) + place;
+    default:
+        return -1;
+    }
+}
+
+struct expr_scope names_scope(const struct names *names)
+{
+    return (struct expr_scope){names, scope_find, scope_load, scope_offer, scope_moving};
+}
+
+bool names_value(const struct session *session, struct text name, struct named_value *value)
+{
+    const struct names names = {.session = session};
+    int slot;
+    if (!find_name(&names, name, &slot))
+        return false;
+    *value = slot_value(&names, slot);
+    const struct run *run = session_run(session);
+    if (run && slot >> SLOT_KIND == NAME_STATE && run->system.model == state_model(&names)) {
+        double below[LIMIT_VARIABLES];
+        run_below_tolerance(run, below);
+        value->below = below[slot & ((1 << SLOT_KIND) - 1)];
+    }
+    return true;
+}
+
+bool names_explain(const struct session *session, struct error *error)
+{
+    static const struct {
+        const char *start, *command;
+    } later[] = {{"measured_", "measure period"}, {"fit_", "fit"}};
+    const struct text name = error->where;
+    const struct names names = {.session = session};
+    int slot;
+    if (find_name(&names, name, &slot))
+        return false;
+    const struct model *model = session->setup.scene.model;
+    if (lacks_energy(session_run(session), model_observable(model, name))) {
+        error_at(error, name, "'%.*s' has no value: the typed forces have no potential", (int)name.len, name.at);
+        return error_hint(error, "the kinetic energy is called kinetic");
+    }
+    if (model_observable(model, name) || model_variable(model, name) >= 0 ||
+        model_observation(model, name) >= 0) {
+        error_at(error, name, "'%.*s' has no value: there is no run yet", (int)name.len, name.at);
+        return error_hint(error, "type: run");
+    }
+    for (size_t i = 0; i < COUNT_OF(later); i++)
+        if (text_starts(name, text_of(later[i].start)) && !error->hint[0])
+            return error_hint(error, "it has a value after, for example: %s", later[i].command);
+    if (!error->hint[0])
+        hint_other_model(session, name, error);
+    return false;
+}
+
+enum quantity name_quantity(const struct expr_scope *scope, struct text name)
+{
+    int slot;
+    return scope && find_name(scope->context, name, &slot) ? slot_value(scope->context, slot).quantity : QUANTITY_OTHER;
+}
+
+bool name_is_taken(const struct session *session, struct text name, const char **kind)
+{
+    const struct scene *scene = &session->setup.scene;
+    const struct catalog *const catalogs[] = {scene_params(scene), scene_derived(scene), &setting_catalog,
+                                              &observable_catalog, &function_catalog};
+    for (size_t i = 0; i < COUNT_OF(catalogs); i++)
+        if (catalog_find(catalogs[i], name)) {
+            *kind = catalogs[i]->kind;
+            return true;
+        }
+    int place;
+    if (in_state(scene->model, name, &place)) {
+        *kind = "state variable";
+        return true;
+    }
+    if (model_observation(scene->model, name) >= 0) {
+        *kind = "observed quantity";
+        return true;
+    }
+    *kind = in_values(session->result, session->results, name, &place) ? "result" : "constant";
+    return text_is(name, "pi") || in_values(session->result, session->results, name, &place);
+}

@@ -1,0 +1,184 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What a scene has: parameters, derived quantities and variables by name. Which there are depends on its model. */
+#include <hooke/session/subject.h>
+
+#include <string.h>
+
+const struct param_row *param_at(const struct scene *scene, int place)
+{
+    return (const struct param_row *)(const void *)catalog_row(scene_params(scene), (size_t)place);
+}
+
+int scene_param_at(const struct scene *scene, struct text name)
+{
+    const struct row *row = catalog_find(scene_params(scene), name);
+    return row ? catalog_place(scene_params(scene), row) : -1;
+}
+
+double param_value(const struct scene *scene, const char *name)
+{
+    const int place = scene_param(scene, name);
+    return place >= 0 ? scene->value[place] : NAN;
+}
+
+bool param_given(const struct scene *scene, const char *name)
+{
+    const int place = scene_param(scene, name);
+    return place >= 0 && scene->given[place];
+}
+
+bool is_oscillator(const struct scene *scene)
+{
+    return typed_base(scene->model) == &oscillator_model;
+}
+
+bool is_pendulum(const struct scene *scene)
+{
+    return strcmp(typed_base(scene->model)->row.name, "pendulum") == 0;
+}
+
+void scene_lines(const struct scene *scene, const char *before, struct buffer *text)
+{
+    for (int i = 0; i < typed_lines(scene->model); i++) {
+        buffer_put(text, text_of(before));
+        typed_describe(typed_line(scene->model, i), text);
+        buffer_char(text, '\n');
+    }
+}
+
+void scene_script(const struct scene *scene, const char *end, struct buffer *text)
+{
+    static const enum typed_kind order[] = {TYPED_VAR,      TYPED_PARAM, TYPED_OBSERVE,
+                                            TYPED_EQUATION, TYPED_FORCE, TYPED_POTENTIAL};
+    for (size_t kind = 0; kind < COUNT_OF(order); kind++)
+        for (int i = 0; i < typed_lines(scene->model); i++) {
+            if (typed_line(scene->model, i)->kind != order[kind])
+                continue;
+            typed_describe(typed_line(scene->model, i), text);
+            buffer_put(text, text_of(end));
+        }
+}
+
+enum effect { EFFECT_NONE, EFFECT_START, EFFECT_FORCE };
+
+/* What the parameter does in the scene as it is: the frequency of a drive that is not there does nothing. */
+static enum effect effect_of(const struct scene *scene, int place)
+{
+    struct scene other = *scene;
+    struct system a, b;
+    struct error ignored;
+    const double value = scene->value[place];
+    other.value[place] = value == 0 ? 0.125 : 0.875 * value; /* towards 0: within bounds */
+    if (!scene_bind(scene, &a, &ignored) || !scene_bind(&other, &b, &ignored) || a.terms != b.terms || a.mass != b.mass)
+        return EFFECT_FORCE;
+    for (int i = 0; i < a.terms; i++)
+        if (!bound_term_equal(&a.term[i], &b.term[i]))
+            return EFFECT_FORCE;
+    const bool moved = a.t0 != b.t0 || memcmp(a.start, b.start, (size_t)a.n * sizeof *a.start) != 0;
+    return moved ? EFFECT_START : EFFECT_NONE;
+}
+
+bool param_is_start(const struct scene *scene, int place)
+{
+    return effect_of(scene, place) == EFFECT_START;
+}
+
+bool param_matters(const struct scene *scene, int place)
+{
+    const struct param_row *row = param_at(scene, place);
+    const struct text name = text_of(row->row.name);
+    const bool set = scene->given[place] || scene->value[place] != row->initial;
+    if (is_oscillator(scene))
+        return text_is(name, "m") || text_is(name, "k") || (set && scene->value[place] != 0);
+    return scene->value[place] != 0 && !text_is(name, "t0") && effect_of(scene, place) != EFFECT_NONE;
+}
+
+int model_variable(const struct model *model, struct text name)
+{
+    return model_state(model, name);
+}
+
+int model_observation(const struct model *model, struct text name)
+{
+    for (int i = 0; i < model_observed(model); i++)
+        if (text_is(name, model_observed_variable(model, i).name))
+            return i;
+    return -1;
+}
+
+static bool model_has(const struct model *model, struct text name)
+{
+    return catalog_find(model->params, name) || catalog_find(model->derived, name) || model_variable(model, name) >= 0;
+}
+
+const struct model *model_with(struct text name)
+{
+    for (const struct model *const *model = scene_models; *model; model++)
+        if (model_has(*model, name))
+            return *model;
+    return NULL;
+}
+
+const char *model_scene(const struct model *model)
+{
+    for (size_t i = 0; i < preset_catalog.count; i++) {
+        const struct preset *preset = (const struct preset *)(const void *)catalog_row(&preset_catalog, i);
+        if ((preset->model ? preset->model : &oscillator_model) == model)
+            return preset->row.name;
+    }
+    return model->row.name;
+}
+
+enum quantity model_quantity(const struct model *model, const struct observable *observable)
+{
+    const struct system system = {.model = model, .n = model->n, .order = model->order};
+    return observable_quantity(observable, &system);
+}
+
+const struct observable *model_observable(const struct model *model, struct text name)
+{
+    const struct row *row = model->typed && text_is(name, "y") ? NULL : catalog_find(&observable_catalog, name);
+    return (const struct observable *)(const void *)row;
+}
+
+bool model_offers(const struct model *model, const struct observable *observable)
+{
+    const unsigned never = model->order == 2 ? 0u : NEED_MECHANICS | (model->typed ? NEED_EXACT : 0u);
+    return !(observable->needs & never) && model_observable(model, text_of(observable->row.name));
+}
+
+bool hint_other_model(const struct session *session, struct text name, struct error *error)
+{
+    const struct scene *scene = &session->setup.scene;
+    const struct model *other = model_has(scene->model, name) ? NULL : model_with(name);
+    if (other)
+        error_hint(error, "'%.*s' belongs to another scene: scene %s", (int)name.len, name.at, model_scene(other));
+    return other != NULL;
+}
+
+const struct preset *own_scene(const struct setup *setup, struct text name)
+{
+    for (int i = 0; i < setup->owns; i++)
+        if (text_is(name, setup->own[i]->row.name))
+            return setup->own[i];
+    return NULL;
+}
+
+void atol_describe(const struct scene *scene, int i, struct buffer *text)
+{
+    const struct variable *variable = &scene->model->variable[i];
+    buffer_format(text, "atol %s = ", variable->name);
+    if (scene->atol[i] > 0)
+        buffer_exact(text, (struct measured){scene->atol[i], 0}, variable->quantity);
+    else
+        buffer_put(text, TEXT("off"));
+}
+
+void atol_script(const struct scene *scene, const char *end, struct buffer *text)
+{
+    for (int i = 0; i < scene->model->n; i++)
+        if (scene->atol[i] > 0) {
+            atol_describe(scene, i, text);
+            buffer_put(text, text_of(end));
+        }
+}

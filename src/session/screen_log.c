@@ -1,0 +1,89 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The last lines that commands said: a ring. How a line is broken into the rows of a pane. */
+#include <hooke/session/subject.h>
+
+#include <stdlib.h>
+
+#define INDENT 2       /* [cell] of the further rows of a line */
+#define INDENT_LEAST 8 /* [cell] of width: below, every cell is for the words */
+
+static void add_line(struct log *log, struct text line)
+{
+    struct buffer safe = {0};
+    safe_text(&safe, line, false);
+    buffer_put(&safe, TEXT("")); /* a string also where the line is empty */
+    if (safe.failed) {
+        buffer_free(&safe);
+        return;
+    }
+    const int place = (log->first + log->count) % LIMIT_LOG;
+    if (log->count == LIMIT_LOG) {
+        free(log->line[place]);
+        log->first = (log->first + 1) % LIMIT_LOG;
+    } else {
+        log->count++;
+    }
+    log->line[place] = safe.data;
+}
+
+void log_add(struct log *log, struct text text)
+{
+    struct text line;
+    if (!log->line && !(log->line = calloc(LIMIT_LOG, sizeof *log->line)))
+        return;
+    if (text.len > 0 && text.at[text.len - 1] == '\n')
+        text.len--;
+    do {
+        if (!text_split(&text, '\n', &line))
+            line = TEXT("");
+        add_line(log, line);
+    } while (text.at);
+}
+
+const char *log_line(const struct log *log, int i)
+{
+    return i >= 0 && i < log->count ? log->line[(log->first + log->count - 1 - i) % LIMIT_LOG] : NULL;
+}
+
+struct text log_row(struct text line, size_t *from, int width, int *indent)
+{
+    const struct text rest = {line.at + *from, line.len - *from};
+    *indent = *from > 0 && width >= INDENT_LEAST ? INDENT : 0;
+    int left = width - *indent;
+    size_t at = 0, end = 0; /* what has been looked at; the end of the last word that fits */
+    while (at < rest.len) {
+        size_t used;
+        left -= codepoint_width(text_codepoint((struct text){rest.at + at, rest.len - at}, &used));
+        if (rest.at[at] == ' ' && at > 0 && rest.at[at - 1] != ' ')
+            end = at;
+        if (left < 0 && (end > 0 || at > 0))
+            break;
+        at += used; /* something at least, however narrow the pane */
+    }
+    if (at == rest.len || end == 0)
+        end = at;
+    size_t next = end;
+    while (next < rest.len && rest.at[next] == ' ')
+        next++;
+    *from += next;
+    return (struct text){rest.at, end};
+}
+
+int log_rows(struct text line, int width)
+{
+    int rows = 0, indent;
+    size_t from = 0;
+    do {
+        log_row(line, &from, width, &indent);
+        rows++;
+    } while (from < line.len);
+    return rows;
+}
+
+void log_clear(struct log *log)
+{
+    for (int i = 0; i < log->count; i++)
+        free(log->line[(log->first + i) % LIMIT_LOG]);
+    free(log->line);
+    *log = (struct log){0};
+}

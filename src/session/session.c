@@ -1,0 +1,345 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The session: its runs, recordings and results. */
+#include <hooke/session/events.h>
+#include <hooke/session/log.h>
+#include <hooke/session/subject.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+struct session *session_create(const struct front *front)
+{
+    struct session *session = calloc(1, sizeof *session);
+    struct error ignored;
+    if (!session)
+        return NULL;
+    session->front = *front;
+    if (!(session->models = typed_create(&ignored))) {
+        free(session);
+        return NULL;
+    }
+    scene_init(&session->setup.scene, NULL);
+    session->setup.method = (const struct method *)(const void *)catalog_find(&method_catalog, TEXT("euler"));
+    session_default_settings(&session->setup.settings);
+    session->current_run = session->current_recording = -1;
+    session->next_run = 1;
+    session->record_fd = -1;
+    session->live.speed = 1;
+    session->view =
+        (struct view){.x = {NAN, NAN}, .y = {NAN, NAN}, .trail = 2, .paging = true, .cursors = {.periods = NAN}};
+    return session;
+}
+
+void session_destroy(struct session *session)
+{
+    if (!session)
+        return;
+    undo_clear(session);
+    for (int i = 0; i < session->checkpoints; i++)
+        snapshot_free(session->checkpoint[i]);
+    while (session->runs > 0)
+        session_drop_run(session, session->runs - 1);
+    while (session->recordings > 0)
+        session_drop_recording(session, session->recordings - 1);
+    for (int i = 0; i < session->histories; i++)
+        free(session->history[i]);
+    free(session->history);
+    free(session->measurement);
+    free(session->kept_fit);
+    free(session->fit_curve[0]);
+    free(session->fit_curve[1]);
+    session_drop_band(session);
+    buffer_free(&session->story);
+    if (session->precision)
+        precision_free(session->precision);
+    free(session->precision);
+    references_free(&session->references);
+    if (session->sweep)
+        sweep_free(session->sweep);
+    free(session->sweep);
+    log_clear(&session->log);
+    buffer_free(&session->live.record);
+    buffer_free(&session->live.typed);
+    free(session->record_path);
+    if (session->record_fd >= 0)
+        close(session->record_fd);
+    typed_destroy(session->models);
+    events_destroy(session->events);
+    free(session);
+}
+
+void session_changed(struct session *session)
+{
+    session->changes++;
+    session->view.paging = session->setup.settings.view == VIEW_PAGE;
+}
+
+/* ---- runs and recordings ---- */
+
+void held_run_release(struct held_run *held)
+{
+    if (--held->references > 0)
+        return;
+    run_unmark(held);
+    run_destroy(held->run);
+    journal_release(held->last);
+    free(held->note);
+    free(held);
+}
+
+void held_recording_release(struct held_recording *held)
+{
+    if (--held->references > 0)
+        return;
+    recording_destroy(held->recording);
+    free(held->options);
+    free(held);
+}
+
+bool session_add_run(struct session *session, struct run *run, struct error *error)
+{
+    struct held_run *held = NULL;
+    if (session->runs == LIMIT_RUNS) {
+        error_set(error, ERROR_COMMAND, "%d runs are kept already", LIMIT_RUNS);
+        error_hint(error, "drop some: drop N.. or drop all");
+    } else if (!(held = calloc(1, sizeof *held))) {
+        error_memory(error);
+    } else {
+        *held = (struct held_run){.run = run, .references = 1};
+        /* A run that comes from a study has been somewhere already. */
+        const double t0 = run->system.t0, t = run->stop == STOP_END ? run->t : copysign(FAR, run->t - t0);
+        if (run->steps > 0 &&
+            !journal_add(held, (struct leg){.kind = LEG_GO, .from_t = t0, .t = t, .end = INT64_MAX}, TEXT(""), error)) {
+            free(held);
+            held = NULL;
+        }
+    }
+    if (!held) {
+        run_destroy(run);
+        return false;
+    }
+    run->number = session->next_run++;
+    session->view.overlays = 0; /* a new run stands alone */
+    session->run[session->runs] = held;
+    session->current_run = session->runs++;
+    session->data_is_latest = false;
+    session_changed(session);
+    return true;
+}
+
+bool session_add_recording(struct session *session, struct recording *recording, const char *options,
+                           struct error *error)
+{
+    struct held_recording *held = NULL;
+    char *copy = NULL;
+    if (session->recordings == LIMIT_RECORDINGS) {
+        error_set(error, ERROR_COMMAND, "%d recordings are kept already", LIMIT_RECORDINGS);
+        error_hint(error, "drop one: data drop NAME");
+    } else if (!(held = calloc(1, sizeof *held)) || !(copy = strdup(options))) {
+        error_memory(error);
+    }
+    if (!copy) {
+        free(held);
+        recording_destroy(recording);
+        return false;
+    }
+    *held = (struct held_recording){recording, 1, copy};
+    session->recording[session->recordings] = held;
+    session->current_recording = session->recordings++;
+    session->data_is_latest = true;
+    session_changed(session);
+    return true;
+}
+
+/* Where the current one is after place `dropped` has gone from a list of `count`. */
+static int after_drop(int current, int dropped, int count)
+{
+    if (current > dropped)
+        return current - 1;
+    return current == dropped ? count - 1 : current;
+}
+
+void session_drop_run(struct session *session, int place)
+{
+    held_run_release(session->run[place]);
+    session->runs--;
+    memmove(&session->run[place], &session->run[place + 1], (size_t)(session->runs - place) * sizeof(session->run[0]));
+    session->current_run = after_drop(session->current_run, place, session->runs);
+    session_changed(session);
+}
+
+void session_drop_recording(struct session *session, int place)
+{
+    held_recording_release(session->recording[place]);
+    session->recordings--;
+    memmove(&session->recording[place], &session->recording[place + 1],
+            (size_t)(session->recordings - place) * sizeof(session->recording[0]));
+    session->current_recording = after_drop(session->current_recording, place, session->recordings);
+    session_changed(session);
+}
+
+int session_find_run(const struct session *session, struct text name)
+{
+    double number;
+    const bool numeric = real_parse(name, &number) == REAL_OK;
+    for (int i = 0; i < session->runs; i++) {
+        const struct run *run = session->run[i]->run;
+        if ((numeric && number == run->number) || (name.len > 0 && text_is(name, run->name)))
+            return i;
+    }
+    return -1;
+}
+
+int session_find_recording(const struct session *session, struct text name)
+{
+    for (int i = 0; i < session->recordings; i++)
+        if (text_is(name, session->recording[i]->recording->name))
+            return i;
+    return -1;
+}
+
+/* ---- results ---- */
+
+void session_set_result(struct session *session, const char *name, struct measured value, enum quantity quantity)
+{
+    struct named_value *result = NULL;
+    for (int i = 0; i < session->results; i++)
+        if (strcmp(session->result[i].name, name) == 0)
+            result = &session->result[i];
+    if (!result && session->results == LIMIT_RESULTS)
+        return;
+    if (!result)
+        result = &session->result[session->results++];
+    *result = (struct named_value){.value = value.value, .uncertainty = value.uncertainty, .quantity = quantity};
+    snprintf(result->name, sizeof result->name, "%s", name);
+}
+
+void session_keep_fit(struct session *session, const struct kept_fit *fit)
+{
+    struct kept_fit *kept = NULL;
+    for (int i = 0; i < session->kept_fits; i++)
+        if (strcmp(session->kept_fit[i].of, fit->of) == 0 &&
+            strcmp(session->kept_fit[i].fit.model, fit->fit.model) == 0 &&
+            memcmp(session->kept_fit[i].fit.window, fit->fit.window, sizeof fit->fit.window) == 0)
+            kept = &session->kept_fit[i];
+    if (!kept) {
+        struct kept_fit *larger =
+            realloc(session->kept_fit, ((size_t)session->kept_fits + 1) * sizeof *session->kept_fit);
+        if (!larger)
+            return;
+        session->kept_fit = larger;
+        kept = &larger[session->kept_fits++];
+    }
+    *kept = *fit;
+}
+
+/* ---- what follows from the settings and the front end ---- */
+
+struct write_policy session_policy(const struct session *session, bool force)
+{
+    return (struct write_policy){.force = force, .confine = session->safe};
+}
+
+double session_first_step(const struct session *session)
+{
+    const struct settings *settings = &session->setup.settings;
+    const double first = session->setup.scene.preset->first;
+    return settings->dt_given || !(first > 0) ? settings->dt : first;
+}
+
+struct run_settings session_run_settings(const struct session *session)
+{
+    const struct settings *settings = &session->setup.settings;
+    const bool adaptive = (session->setup.method->flags & METHOD_ADAPTIVE) && !session->setup.fixed;
+    return (struct run_settings){.dt = adaptive && settings->tol > 0 ? session_first_step(session) : settings->dt,
+                                 .tol = adaptive ? settings->tol : 0,
+                                 .drag = session->setup.drag,
+                                 .kernel = (enum kernel)settings->kernel,
+                                 .compensated = settings->sums == SUMS_COMPENSATED,
+                                 .record = settings->record,
+                                 .balanced = true};
+}
+
+enum charset session_charset(const struct session *session)
+{
+    switch ((enum charset_choice)session->setup.settings.charset) {
+    case CHOOSE_ASCII:
+        return CHARSET_ASCII;
+    case CHOOSE_BLOCK:
+        return CHARSET_BLOCK;
+    case CHOOSE_BRAILLE:
+        return CHARSET_BRAILLE;
+    case CHOOSE_AUTO:
+        break;
+    }
+    return session->front.utf8 ? CHARSET_BRAILLE : CHARSET_ASCII;
+}
+
+void session_size(const struct session *session, int *width, int *height)
+{
+    const struct settings *settings = &session->setup.settings;
+    *width = settings->width ? settings->width : session->front.width ? session->front.width : 80;
+    *height = settings->height ? settings->height : session->front.height ? session->front.height : 24;
+}
+
+/* ---- text for people ---- */
+
+void session_state_line(const struct session *session, struct buffer *text)
+{
+    const struct setup *setup = &session->setup;
+    buffer_put(text, text_of(setup->scene.preset->row.name));
+    for (int i = 0; i < (int)scene_params(&setup->scene)->count; i++) {
+        const struct param_row *param = param_at(&setup->scene, i);
+        if (!param_matters(&setup->scene, i))
+            continue;
+        buffer_format(text, " %s=", param->row.name);
+        buffer_measured(text, (struct measured){setup->scene.value[i], 0}, param->quantity, 4);
+    }
+    const struct run_settings settings = session_run_settings(session);
+    buffer_format(text, " | %s %s=", setup->method->row.name, settings.tol > 0 ? "tol" : "dt");
+    if (settings.tol > 0)
+        buffer_short(text, settings.tol, 4);
+    else
+        buffer_measured(text, (struct measured){settings.dt, 0}, QUANTITY_TIME, 4);
+    const struct run *run = session_run(session);
+    if (run) {
+        buffer_format(text, " | run %d t=", run->number);
+        buffer_measured(text, (struct measured){run->t, 0}, QUANTITY_TIME, 4);
+    }
+}
+
+void session_drop_band(struct session *session)
+{
+    free(session->band.half);
+    session->band = (struct fit_band){.half = NULL};
+}
+
+static double curve_value(const struct session *session, double t)
+{
+    const double *time = session->fit_curve[0], *value = session->fit_curve[1];
+    size_t low = 0, high = session->fit_samples;
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+        if (time[middle] < t)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    if (low < session->fit_samples && time[low] == t)
+        return value[low];
+    if (low == 0 || low == session->fit_samples)
+        return NAN;
+    const double share = (t - time[low - 1]) / (time[low] - time[low - 1]);
+    return value[low - 1] + share * (value[low] - value[low - 1]);
+}
+
+void session_fit_values(const struct session *session, const double *t, size_t n, double *value)
+{
+    if (session->fit_samples == 0)
+        fit_values(&session->fit, t, n, value);
+    for (size_t i = 0; i < n && session->fit_samples > 0; i++)
+        value[i] = curve_value(session, t[i]);
+}

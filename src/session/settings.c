@@ -1,0 +1,372 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The settings that are not part of the scene: one row each. */
+#include <hooke/session/subject.h>
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+static const struct row format_rows[] = {
+    [FORMAT_TEXT] = {"text", "", "lines for people", "", NULL},
+    [FORMAT_CSV] = {"csv", "", "comma-separated rows with a header", "", NULL},
+    [FORMAT_JSON] = {"json", "", "one JSON object a line", "", NULL},
+};
+const struct catalog format_choice_catalog = CATALOG("format", format_rows);
+
+static const struct row charset_rows[] = {
+    [CHOOSE_AUTO] = {"auto", "", "braille where the terminal can show it", "", NULL},
+    [CHOOSE_ASCII] = {"ascii", "", "plain ASCII", "", NULL},
+    [CHOOSE_BLOCK] = {"block", "", "block characters", "", NULL},
+    [CHOOSE_BRAILLE] = {"braille", "", "braille dots, 2x4 a cell", "", NULL},
+};
+const struct catalog charset_choice_catalog = CATALOG("charset", charset_rows);
+
+static const struct row color_rows[] = {
+    [COLOR_AUTO] = {"auto", "", "on terminals, unless NO_COLOR is set", "", NULL},
+    [COLOR_ALWAYS] = {"always", "", "always", "", NULL},
+    [COLOR_NEVER] = {"never", "", "never", "", NULL},
+};
+const struct catalog color_choice_catalog = CATALOG("color", color_rows);
+
+static const struct row sync_rows[] = {
+    [SYNC_AUTO] = {"auto", "", "on where the terminal answers", "", NULL},
+    [SYNC_ON] = {"on", "", "the next frame waits until the terminal has shown the last one", "", NULL},
+    [SYNC_OFF] = {"off", "", "frames do not wait", "", NULL},
+};
+const struct catalog sync_choice_catalog = CATALOG("way to keep in step", sync_rows);
+
+static const struct row view_rows[] = {
+    [VIEW_PAGE] = {"page", "", "the live view sweeps, then pages: few bytes", "", NULL},
+    [VIEW_SCROLL] = {"scroll", "", "it scrolls by whole cells", "", NULL},
+};
+static const struct row sums_rows[] = {
+    [SUMS_PLAIN] = {"plain", "", "sums as they come: the textbook's", "", NULL},
+    [SUMS_COMPENSATED] = {"compensated", "", "rounding grows as slowly as chance allows (Brouwer's law)", "Kahan 1965",
+                          NULL},
+};
+static const struct row turning_rows[] = {
+    [TURNING_ON] = {"on", "", "steps end at turning points and switches, in extra steps: methods keep their order", "",
+                    NULL},
+    [TURNING_OFF] = {"off", "", "steps go across: methods run as they are printed", "", NULL},
+};
+const struct catalog turning_catalog = CATALOG("way with turning points", turning_rows);
+
+static const struct row band_rows[] = {
+    [BAND_OFF] = {"off", "", "panes show runs alone", "", NULL},
+    [BAND_ON] = {"on", "", "about the run of an adopted fit, 95 % of its uncertainty, found once after each run", "",
+                 NULL},
+};
+static const struct catalog band_catalog = CATALOG("way to show bands", band_rows);
+
+static const struct row opinion_rows[] = {
+    [OPINIONS_AUTO] = {"auto", "", "a second solution, as far as some milliseconds and a tenth of the run's work go",
+                       "", NULL},
+    [OPINIONS_FULL] = {"full", "", "to the end, whatever it takes", "", NULL},
+    [OPINIONS_WARN] = {"warn", "", "as auto; a run without a right digit is a warning, not an error (chaos)", "", NULL},
+    [OPINIONS_OFF] = {"off", "", "none", "", NULL},
+};
+const struct catalog opinion_catalog = CATALOG("kind of second opinion", opinion_rows);
+
+static const struct row record_rows[] = {
+    [RECORD_AUTO] = {"auto", "", "every step; very long runs are decimated, no peak is lost", "", NULL},
+    [RECORD_ALL] = {"all", "", "every step, if the memory is there", "", NULL},
+    [RECORD_EVERY] = {"every", "", "every N: each so many steps; every TIME: at even times, from inside of steps",
+                      "", NULL},
+};
+static const struct catalog record_catalog = CATALOG("rule", record_rows);
+
+static const struct catalog sums_catalog = CATALOG("kind of sum", sums_rows);
+
+const struct catalog view_choice_catalog = CATALOG("kind of view", view_rows);
+
+static const struct row phase_rows[] = {
+    [PHASE_SCALED] = {"scaled", "", "v/omega0 in the unit of y: what conserves draws a circle", "", NULL},
+    [PHASE_RAW] = {"raw", "", "v", "", NULL},
+};
+const struct catalog phase_axes_catalog = CATALOG("kind of axes", phase_rows);
+
+static bool parse_tol(struct settings *settings, struct text value, struct error *error)
+{
+    double tol;
+    if (text_is(value, "off")) {
+        settings->tol = 0;
+        return true;
+    }
+    if (real_parse(value, &tol) != REAL_OK || !(tol > 0 && tol < 1)) {
+        error_at(error, value, "tol is a number between 0 and 1, or off");
+        return error_hint(error, "for example tol = 1e-8");
+    }
+    settings->tol = tol;
+    return true;
+}
+
+void put_tol_floor(struct buffer *text, double tol)
+{
+    const double floor = 10 * DBL_EPSILON;
+    if (tol > 0 && tol < floor)
+        buffer_format(text, " (below rounding: %.2g is used)", floor);
+}
+
+static void show_tol(const struct settings *settings, struct buffer *text)
+{
+    if (settings->tol > 0)
+        buffer_real(text, settings->tol);
+    else
+        buffer_put(text, TEXT("off"));
+}
+
+static bool parse_record(struct settings *settings, struct text value, struct error *error)
+{
+    struct text word = peek_word(value, "");
+    struct text rest = text_trim((struct text){value.at + word.len, value.len - word.len});
+    double every;
+    if (rest.len == 0 && (text_is(word, "auto") || text_is(word, "all"))) {
+        settings->record = (struct recording_rule){text_is(word, "all") ? RECORD_ALL : RECORD_AUTO, 1, 0};
+        return true;
+    }
+    if (text_is(word, "every") && real_parse(rest, &every) == REAL_OK && every >= 1 && every <= 1e15 &&
+        every == floor(every)) {
+        settings->record = (struct recording_rule){RECORD_EVERY, (int64_t)every, 0};
+        return true;
+    }
+    const struct text number = peek_word(rest, ""), after = {rest.at + number.len, rest.len - number.len};
+    const struct unit *unit = unit_find(text_trim(after));
+    double time;
+    if (text_is(word, "every") && real_parse(number, &every) == REAL_OK && unit && unit->quantity == QUANTITY_TIME &&
+        unit_convert(unit, QUANTITY_TIME, every, &time) && time > 0 && time <= 1e300) {
+        settings->record = (struct recording_rule){RECORD_TIMES, 1, time};
+        return true;
+    }
+    error_at(error, value, "record is auto, all, every N (steps), or every TIME");
+    return error_hint(error, "for example: set record every 10; set record every 0.1 s");
+}
+
+static void show_record(const struct settings *settings, struct buffer *text)
+{
+    if (settings->record.rule == RECORD_EVERY)
+        buffer_format(text, "every %lld", (long long)settings->record.every);
+    else if (settings->record.rule == RECORD_TIMES) {
+        buffer_put(text, TEXT("every "));
+        buffer_real(text, settings->record.interval);
+        buffer_put(text, TEXT(" s"));
+    } else
+        buffer_put(text, settings->record.rule == RECORD_ALL ? TEXT("all") : TEXT("auto"));
+}
+
+static bool parse_size(struct settings *settings, struct text value, struct error *error)
+{
+    struct text rest = value, width;
+    double w, h;
+    if (text_is(value, "auto")) {
+        settings->width = settings->height = 0;
+        return true;
+    }
+    if (!text_split(&rest, 'x', &width) || real_parse(width, &w) != REAL_OK || real_parse(rest, &h) != REAL_OK ||
+        w < 1 || h < 1 || w > 1000 || h > 1000 || w != floor(w) || h != floor(h))
+        return error_at(error, value, "size is WIDTHxHEIGHT in characters from 1x1 to 1000x1000, or auto");
+    settings->width = (int)w;
+    settings->height = (int)h;
+    return true;
+}
+
+static void show_size(const struct settings *settings, struct buffer *text)
+{
+    if (settings->width > 0)
+        buffer_format(text, "%dx%d", settings->width, settings->height);
+    else
+        buffer_put(text, TEXT("auto"));
+}
+
+static bool parse_digits(struct settings *settings, struct text value, struct error *error)
+{
+    double digits;
+    if (real_parse(value, &digits) != REAL_OK || digits < 1 || digits > 17 || digits != floor(digits))
+        return error_at(error, value, "digits is a whole number from 1 to 17");
+    settings->digits = (int)digits;
+    return true;
+}
+
+static void show_digits(const struct settings *settings, struct buffer *text)
+{
+    buffer_format(text, "%d", settings->digits);
+}
+
+static bool parse_fps(struct settings *settings, struct text value, struct error *error)
+{
+    double fps;
+    if (real_parse(value, &fps) != REAL_OK || !(fps >= 0.1 && fps <= 60))
+        return error_at(error, value, "fps is a number from 0.1 to 60 frames a second");
+    settings->fps = fps;
+    return true;
+}
+
+static void show_fps(const struct settings *settings, struct buffer *text)
+{
+    buffer_real(text, settings->fps);
+}
+
+#define FIELD(name) offsetof(struct settings, name), .bytes = sizeof((struct settings *)0)->name
+#define FIELDS(first, count)                                                                                           \
+    offsetof(struct settings, first), .bytes = (count) * sizeof((struct settings *)0)->first
+#define BRIEF(name, unit, brief)                                                                                       \
+    {                                                                                                                  \
+        name, unit, brief, "", NULL                                                                                    \
+    }
+
+static const struct setting settings_rows[] = {
+    {.row = BRIEF("duration", "s", "how long run goes"),
+     .quantity = QUANTITY_TIME,
+     .offset = FIELD(duration),
+     .given = offsetof(struct settings, duration_given),
+     .natural = preset_duration,
+     .most = 1e300},
+    {.row = BRIEF("dt", "s", "time step; the first one where the method adapts"),
+     .quantity = QUANTITY_TIME,
+     .offset = FIELD(dt),
+     .given = offsetof(struct settings, dt_given),
+     .most = 1e300},
+    {.row = BRIEF("tol", "", "tolerance of adaptive methods, relative to the size of the scene, or off"),
+     .offset = FIELD(tol),
+     .given = offsetof(struct settings, tol_given),
+     .natural = preset_tol,
+     .most = 1,
+     .parse = parse_tol,
+     .show = show_tol},
+    {.row = BRIEF("record", "", "what is kept of a run: auto, all, every N (steps), every TIME (even times)"),
+     .choices = &record_catalog,
+     .offset = FIELD(record),
+     .parse = parse_record,
+     .show = show_record},
+    {.row = BRIEF("digits", "", "significant digits in text"),
+     .offset = FIELD(digits),
+     .parse = parse_digits, .show = show_digits},
+    {.row = BRIEF("format", "", "form of results: text, csv, json"),
+     .offset = FIELD(format),
+     .display = true,
+     .choices = &format_choice_catalog},
+    {.row = BRIEF("size", "", "size of plots, WIDTHxHEIGHT, or auto"),
+     .offset = FIELDS(width, 2), /* and height */
+     .display = true,
+     .parse = parse_size,
+     .show = show_size},
+    {.row = BRIEF("charset", "", "characters of plots"),
+     .offset = FIELD(charset),
+     .display = true,
+     .choices = &charset_choice_catalog},
+    {.row = BRIEF("color", "", "colour in plots"),
+     .offset = FIELD(color),
+     .display = true,
+     .choices = &color_choice_catalog},
+    {.row = BRIEF("fps", "", "frames a second of the live view"),
+     .offset = FIELD(fps),
+     .display = true,
+     .parse = parse_fps,
+     .show = show_fps},
+    {.row = BRIEF("sync", "", "whether frames wait for the terminal"),
+     .offset = FIELD(sync),
+     .display = true,
+     .choices = &sync_choice_catalog},
+    {.row = BRIEF("view", "", "how the live view moves"),
+     .offset = FIELD(view),
+     .display = true,
+     .choices = &view_choice_catalog},
+    {.row = BRIEF("phase-axes", "", "vertical axis of the phase plot"),
+     .offset = FIELD(phase_axes),
+     .choices = &phase_axes_catalog},
+    {.row = BRIEF("band", "", "whether panes show the uncertainty of an adopted fit ('plot position --band')"),
+     .offset = FIELD(band),
+     .display = true,
+     .choices = &band_catalog},
+    {.row = BRIEF("timing", "", "how carefully compare times its runs"),
+     .offset = FIELD(timing),
+     .choices = &timing_catalog},
+    {.row = BRIEF("kernel", "", "how fixed steps are computed: 'plan' shows what that means here"),
+     .offset = FIELD(kernel),
+     .choices = &kernel_catalog},
+    {.row = BRIEF("sums", "", "whether fixed steps carry along what rounding takes from the state"),
+     .offset = FIELD(sums),
+     .choices = &sums_catalog},
+    {.row = BRIEF("turning", "", "whether steps end where forces have a kink or a jump: where the velocity turns, and at if, abs, sign, ..."),
+     .offset = FIELD(turning),
+     .choices = &turning_catalog},
+    {.row = BRIEF("opinion", "", "whether an adaptive run is solved again in another way, which says how large its error is"),
+     .offset = FIELD(opinion),
+     .choices = &opinion_catalog},
+};
+const struct catalog setting_catalog = CATALOG("setting", settings_rows);
+
+void settings_display(struct settings *settings, const struct settings *from)
+{
+    for (size_t i = 0; i < setting_catalog.count; i++) {
+        const struct setting *setting = &settings_rows[i];
+        if (setting->display)
+            memcpy((char *)settings + setting->offset, (const char *)from + setting->offset, setting->bytes);
+    }
+}
+
+void session_default_settings(struct settings *settings)
+{
+    *settings = (struct settings){.dt = 0.01,
+                                  .tol = LAB_TOL,
+                                  .duration = LAB_DURATION,
+                                  .record = {RECORD_AUTO, 1, 0},
+                                  .digits = 6,
+                                  .timing = TIMING_QUICK,
+                                  .fps = 10};
+}
+
+static bool *given_flag(const struct setting *setting, struct settings *settings)
+{
+    return setting->given ? (bool *)(void *)((char *)settings + setting->given) : NULL;
+}
+
+bool setting_is_given(const struct setting *setting, const struct settings *settings)
+{
+    return !setting->given || *(const bool *)(const void *)((const char *)settings + setting->given);
+}
+
+void setting_give(const struct setting *setting, bool given, struct settings *settings)
+{
+    bool *flag = given_flag(setting, settings);
+    if (flag)
+        *flag = given;
+}
+
+void settings_of_scene(struct settings *settings, const struct preset *preset)
+{
+    for (size_t i = 0; i < setting_catalog.count; i++) {
+        const struct setting *setting = &settings_rows[i];
+        if (!setting->natural || setting_is_given(setting, settings))
+            continue;
+        const double value = setting->natural(preset);
+        memcpy((char *)settings + setting->offset, &value, sizeof value);
+    }
+}
+
+static void put_setting(const struct setting *setting, const struct settings *settings, bool exact, struct buffer *text)
+{
+    if (setting->show) {
+        setting->show(settings, text);
+    } else if (setting->choices) {
+        int place;
+        memcpy(&place, (const char *)settings + setting->offset, sizeof place);
+        buffer_put(text, text_of(catalog_row(setting->choices, (size_t)place)->name));
+    } else {
+        double value;
+        memcpy(&value, (const char *)settings + setting->offset, sizeof value);
+        if (exact)
+            buffer_exact(text, (struct measured){value, 0}, setting->quantity);
+        else
+            buffer_measured(text, (struct measured){value, 0}, setting->quantity, settings->digits);
+    }
+}
+
+void setting_show(const struct setting *setting, const struct settings *settings, struct buffer *text)
+{
+    put_setting(setting, settings, false, text);
+}
+
+void setting_exact(const struct setting *setting, const struct settings *settings, struct buffer *text)
+{
+    put_setting(setting, settings, true, text);
+}

@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What a series is measured against, and what is left of it. */
+
+#include <hooke/session/subject.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+const struct scene *subject_scene(const struct session *session, const struct run *run)
+{
+    const struct scene *scene = &session->setup.scene;
+    if (run)
+        return &run->scene;
+    return is_oscillator(scene) && (param_given(scene, "k") || param_given(scene, "m")) ? scene : NULL;
+}
+
+double derived_value(const struct scene *scene, const char *name)
+{
+    const struct row *row = scene ? catalog_find(scene_derived(scene), text_of(name)) : NULL;
+    return row ? ((const struct derived_row *)(const void *)row)->value(scene).value : NAN;
+}
+
+double scene_period(const struct scene *scene)
+{
+    static const char *const names[] = {"T_d", "period", "T0"};
+    double period = NAN;
+    for (size_t i = 0; i < COUNT_OF(names) && !isfinite(period); i++)
+        period = derived_value(scene, names[i]);
+    return period;
+}
+
+double scene_period_at(const struct scene *scene, double amplitude)
+{
+    const int angle = scene ? scene_param(scene, "theta0") : -1, rate = scene ? scene_param(scene, "rate0") : -1;
+    if (angle < 0 || rate < 0)
+        return NAN;
+    struct scene turned = *scene;
+    turned.value[angle] = amplitude;
+    turned.value[rate] = 0;
+    return derived_value(&turned, "period");
+}
+
+bool session_keep_measurement(struct session *session, const char *name, const char *of, struct measured value,
+                              enum quantity unit, double periods, struct error *error)
+{
+    if ((session->measurements & (session->measurements - 1)) == 0) { /* full at every power of two */
+        const size_t room = session->measurements ? 2 * (size_t)session->measurements : 1;
+        struct measurement *larger = realloc(session->measurement, room * sizeof *larger);
+        if (!larger)
+            return error_memory(error);
+        session->measurement = larger;
+    }
+    struct measurement *row = &session->measurement[session->measurements++];
+    *row = (struct measurement){.value = value, .unit = unit, .periods = periods, .at = NAN};
+    snprintf(row->quantity, sizeof row->quantity, "%s", name);
+    snprintf(row->of, sizeof row->of, "%s", of);
+    char result[LIMIT_NAME + 1];
+    snprintf(result, sizeof result, "measured_%s", name);
+    session_set_result(session, result, value, unit);
+    return true;
+}

@@ -1,0 +1,483 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * The solution that errors are measured against: the closed form, or two integrations by methods of different kinds
+ * that agree. What they agree to is all that can be claimed.
+ */
+#include "study/compare/solve.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Methods of one kind err alike: agreement counts between kinds only. */
+enum kind { KIND_EXPLICIT, KIND_SPLITTING, KIND_IMPLICIT, KIND_ROSENBROCK, KIND_COUNT };
+
+/*
+ * In the order tried, looked up by name: a method that is not there or does not apply is passed over. tol: of an
+ * adaptive method, the next try takes ten times as much; 0: fixed steps, halved until the result does not move.
+ */
+static const struct candidate {
+    const char *name;
+    enum kind kind;
+    double tol;
+} candidates[] = {
+    {"dop853", KIND_EXPLICIT, 1e-14},    {"odex", KIND_EXPLICIT, 1e-14},          {"kahan-li8", KIND_SPLITTING, 0},
+    {"radau5", KIND_IMPLICIT, 1e-13},    {"rodas5p", KIND_ROSENBROCK, 1e-13},     {"gauss6", KIND_IMPLICIT, 0},
+    {"blanes-moan6", KIND_SPLITTING, 0}, {"tsit5", KIND_EXPLICIT, 1e-14},         {"dopri5", KIND_EXPLICIT, 1e-14},
+    {"gauss4", KIND_IMPLICIT, 0},        {"implicit-midpoint", KIND_IMPLICIT, 0},
+};
+
+#define ENOUGH 1e-12   /* agreement with which the search ends */
+#define STILL 1e-13    /* change on halving that is taken for rounding */
+#define MEANING 1e-3   /* where two references differ by more, neither means anything */
+#define COST_MOST 40e6 /* evaluations, Jacobians and solves of one solution, over n */
+#define TRIES 3
+#define TRIES_BURST 8
+#define SAME 1e-9 /* by which solutions may part that step otherwise */
+#define SHRINKS 1e4
+#define PARTS 4          /* of all but the first: no step is longer than a thousandth of the span, */
+#define PARTS_IN_TIME 32 /* where the law changes with time than an 8000th: there may be pulses */
+
+#define BURSTS 4096
+#define PARTS_OF_BURST 16 /* bounds are wider than the truth */
+#define NODES 66          /* states between which an interval of the grid is looked at */
+#define ROUNDS 12         /* times an interval is solved again with what was found in it */
+
+struct search {
+    const struct system *system;
+    struct reference *reference;
+    const struct cancel *cancel;
+    double *grid;                        /* [KIND_COUNT] solutions, and one to work with */
+    const struct method *by[KIND_COUNT]; /* NULL: none of this kind yet */
+    size_t size;                         /* [double] of one solution */
+    bool failed;                         /* no memory */
+    bool stiff;                          /* an explicit method became too dear: the others will, too */
+    int parts;                           /* adaptive steps end at so many parts of each grid interval, */
+    struct burst *burst;                 /* [BURSTS] and at so many parts of each of these, in the order of the way */
+    int bursts;
+    bool looked; /* for them */
+    struct node {
+        double t, y[LIMIT_VARIABLES];
+    } *node; /* [NODES] where bursts begin and end in an interval, and its ends */
+    int nodes;
+};
+
+static double *solution(const struct search *search, enum kind kind)
+{
+    return search->grid + (size_t)kind * search->size;
+}
+
+/* max |y_i| over the grid; next to nothing counts as a thousandth of a natural size's rounding. */
+static void set_amplitudes(struct reference *reference, const struct system *system, const double *grid)
+{
+    for (int i = 0; i < system->n; i++) {
+        double most = 0;
+        for (int k = 0; k < STUDY_TIMES; k++)
+            most = fmax(most, fabs(grid[k * system->n + i]));
+        reference->amplitude[i] = most > 1e-18 * system->scale[i] ? most : system->scale[i];
+    }
+}
+
+static double largest_distance(const struct search *search, const double *a, const double *b)
+{
+    const int n = search->system->n;
+    double most = 0;
+    for (int k = 0; k < STUDY_TIMES; k++) {
+        const double distance = grid_distance(search->reference, a + k * n, b + k * n);
+        if (!(distance <= most))
+            most = distance;
+    }
+    return most;
+}
+
+/* Where the next adaptive step ends at the latest, on the way from t to `to`; shift: of the clock; *at: the burst that
+ * is ahead. */
+static double next_stop(const struct search *search, int *at, double t, double to, double shift)
+{
+    const double way = to > t ? 1 : -1;
+    while (*at < search->bursts && way * (search->burst[*at].to - shift - t) <= 0)
+        ++*at;
+    if (*at == search->bursts)
+        return to;
+    const struct burst *burst = &search->burst[*at];
+    for (int k = 0; k <= PARTS_OF_BURST; k++) {
+        const double stop = burst->from + (burst->to - burst->from) * k / PARTS_OF_BURST - shift;
+        if (way * (stop - t) > 0 && way * (to - stop) > 0)
+            return stop;
+    }
+    return to;
+}
+
+static void add_node(struct search *search, double t, const double *y)
+{
+    if (search->nodes == NODES - 1) /* the last one is that of the end */
+        return;
+    search->node[search->nodes].t = t;
+    memcpy(search->node[search->nodes++].y, y, (size_t)search->system->n * sizeof *y);
+}
+
+/* An interval of the grid, and its clock. */
+struct interval_of_grid {
+    double from, to, shift;
+};
+
+static enum stop cross_fixed(const struct search *search, struct solver *s, const struct interval_of_grid *interval,
+                             int64_t steps)
+{
+    for (int64_t i = 0; i < steps; i++) {
+        const double h = (interval->to - interval->from) / (double)steps;
+        s->step.t = interval->from + h * (double)i;
+        s->step.h = h;
+        const enum step_status status = method_turning_step(s->method, &s->step);
+        if (status != STEP_OK)
+            return solver_stop(status);
+        if (solver_cost(s) > s->most)
+            return STOP_FULL;
+        if ((i & 63) == 63 && cancelled(search->cancel))
+            return STOP_CANCELLED;
+    }
+    return STOP_END;
+}
+
+/* No step across the ends of `parts` equal parts of it, nor across a burst. */
+static enum stop cross_adaptive(struct search *search, struct solver *s, struct controller *controller,
+                                const struct interval_of_grid *interval)
+{
+    const int parts = search->parts;
+    const double from = interval->from, to = interval->to;
+    int part = 1, at = 0;
+    search->nodes = 0;
+    add_node(search, from + interval->shift, s->y);
+    for (int64_t i = 0; s->step.t != to; i++) {
+        const double next = part < parts ? from + (to - from) * part / parts : to;
+        const double stop = next_stop(search, &at, s->step.t, next, interval->shift);
+        const enum step_status status = method_adapt(s->method, &s->step, controller, stop);
+        part += s->step.t == next;
+        if (status != STEP_OK)
+            return solver_stop(status);
+        if (s->step.t == stop && stop != next)
+            add_node(search, stop + interval->shift, s->y);
+        if (solver_cost(s) > s->most)
+            return STOP_FULL;
+        if ((i & 63) == 63 && cancelled(search->cancel))
+            return STOP_CANCELLED;
+    }
+    search->node[search->nodes].t = to + interval->shift;
+    memcpy(search->node[search->nodes++].y, s->y, (size_t)search->system->n * sizeof *s->y);
+    return STOP_END;
+}
+
+static int by_time(const void *a, const void *b)
+{
+    const double x = ((const struct burst *)a)->from, y = ((const struct burst *)b)->from;
+    return (x > y) - (x < y);
+}
+
+static int by_time_back(const void *a, const void *b)
+{
+    return by_time(b, a);
+}
+
+/* Bursts of the interval that was just crossed, from those before it on; false: none that are new. */
+static bool look_for_bursts(struct search *search, int before)
+{
+    const bool forward = search->reference->span > 0;
+    const int count = search->bursts;
+    for (int i = 0; i + 1 < search->nodes; i++) {
+        const struct node *node = &search->node[i];
+        const double t[2] = {node[0].t, node[1].t};
+        if (t[0] != t[1])
+            search->bursts = before + system_bursts(search->system, t, node[0].y, node[1].y, false,
+                                                    search->burst + before, search->bursts - before, BURSTS - before);
+    }
+    qsort(search->burst + before, (size_t)(search->bursts - before), sizeof *search->burst,
+          forward ? by_time : by_time_back);
+    return search->bursts > count || search->bursts > before;
+}
+
+static double moved_by(const struct system *system, const double *a, const double *b)
+{
+    double most = 0;
+    for (int i = 0; i < system->n; i++)
+        most = fmax(most, fabs(a[i] - b[i]) / fmax(system->scale[i], fmax(fabs(a[i]), fabs(b[i]))));
+    return most;
+}
+
+/*
+ * The interval again, with steps that end at what was found along the way through it, until that changes nothing: what
+ * happens there may lead elsewhere. Where the first round changes nothing it had been seen, and is forgotten.
+ */
+static enum stop cross_bursts(struct search *search, struct solver *s, struct controller *controller,
+                              const struct interval_of_grid *interval)
+{
+    const size_t size = (size_t)search->system->n * sizeof(double);
+    const struct controller at_first = *controller;
+    const int before = search->bursts;
+    double y[LIMIT_VARIABLES], low[LIMIT_VARIABLES], last[LIMIT_VARIABLES];
+    memcpy(y, s->y, size);
+    memcpy(low, s->low, size);
+    enum stop stop = cross_adaptive(search, s, controller, interval);
+    for (int round = 0; round < ROUNDS && stop == STOP_END && look_for_bursts(search, before); round++) {
+        memcpy(last, s->y, size);
+        memcpy(s->y, y, size);
+        memcpy(s->low, low, size);
+        *controller = at_first;
+        s->step.t = interval->from;
+        s->step.warm = s->step.again = false;
+        stop = cross_adaptive(search, s, controller, interval);
+        if (stop != STOP_END || moved_by(search->system, s->y, last) >= SAME)
+            continue;
+        search->bursts = round == 0 ? before : search->bursts;
+        break;
+    }
+    return stop;
+}
+
+/*
+ * Every grid time is hit. Where the laws do not depend on time the clock starts anew at each of them, so that rounding
+ * of the time does not add up. steps: in an interval, 0: adaptive.
+ */
+static enum stop walk(struct search *search, struct solver *s, int64_t steps, double *grid)
+{
+    const int n = s->system->n;
+    const bool anew = s->system->autonomous, looking = steps == 0 && !search->looked;
+    struct controller controller = {.tol = s->tol};
+    solver_start(s);
+    s->step.y = s->y;
+    s->step.low = s->low;
+    search->bursts = looking ? 0 : search->bursts;
+    memcpy(grid, s->y, (size_t)n * sizeof *grid);
+    for (int k = 1; k < STUDY_TIMES; k++) {
+        const double begin = s->system->t0 + s->span * (k - 1) / (STUDY_TIMES - 1);
+        const double end = s->system->t0 + s->span * k / (STUDY_TIMES - 1);
+        const struct interval_of_grid interval = {anew ? 0 : begin, anew ? s->span / (STUDY_TIMES - 1) : end,
+                                                  anew ? begin : 0};
+        s->step.t = interval.from;
+        s->step.warm = s->step.again = false;
+        const enum stop stop = steps > 0 ? cross_fixed(search, s, &interval, steps)
+                               : looking ? cross_bursts(search, s, &controller, &interval)
+                                         : cross_adaptive(search, s, &controller, &interval);
+        if (stop != STOP_END)
+            return stop;
+        if (cancelled(search->cancel))
+            return STOP_CANCELLED;
+        memcpy(grid + k * n, s->y, (size_t)n * sizeof *grid);
+    }
+    search->looked |= looking;
+    return STOP_END;
+}
+
+/* Inside of a burst that is short the clock has few digits left: what is found there is as good as it can be. */
+static bool solve_adaptive(struct search *search, struct solver *s, bool explicit, double *grid)
+{
+    const int64_t most = s->most;
+    for (int try = 0; try < (search->bursts > 0 ? TRIES_BURST : TRIES); try++, s->tol *= 10) {
+        s->most = search->bursts > 0 ? most / TRIES_BURST : most;
+        const enum stop stop = walk(search, s, 0, grid);
+        const bool bursts = search->bursts > 0;
+        search->stiff |= stop == STOP_FULL && explicit && !bursts;
+        if (stop == STOP_END || stop == STOP_CANCELLED || (stop == STOP_FULL && !bursts))
+            return stop == STOP_END;
+    }
+    return false;
+}
+
+/* Halves the step until the result stands still, moves more than before (rounding), or becomes too dear. */
+static bool solve_fixed(struct search *search, struct solver *s, double *grid)
+{
+    double *finer = solution(search, KIND_COUNT), moved = HUGE_VAL;
+    bool have = false;
+    for (int64_t steps = search->parts; steps <= 1 << 20; steps *= 2) {
+        if (walk(search, s, steps, finer) != STOP_END) {
+            if (have || solver_cost(s) > s->most || cancelled(search->cancel))
+                break;
+            continue;
+        }
+        set_amplitudes(search->reference, search->system, finer);
+        const double change = have ? largest_distance(search, finer, grid) : HUGE_VAL;
+        if (change < 1e-8 && change > moved)
+            break;
+        memcpy(grid, finer, search->size * sizeof *grid);
+        have = true;
+        moved = change;
+        if (change < STILL || solver_cost(s) > s->most / 2)
+            break;
+    }
+    return have && moved < MEANING;
+}
+
+static bool try_candidate(struct search *search, const struct candidate *candidate)
+{
+    const struct method *method =
+        (const struct method *)(const void *)catalog_find(&method_catalog, text_of(candidate->name));
+    struct error ignored;
+    struct run_settings settings = {.dt = fabs(search->reference->span), .tol = candidate->tol};
+    if (search->by[candidate->kind] || (search->stiff && candidate->kind == KIND_EXPLICIT) || !method ||
+        !method_applies(method, search->system, &settings.drag, &ignored))
+        return false;
+    struct solver s;
+    if (!solver_init(&s, search->system, method, &settings, search->reference->span)) {
+        search->failed = true;
+        return false;
+    }
+    s.most = (int64_t)(COST_MOST / search->system->n);
+    double *grid = solution(search, candidate->kind);
+    const bool ok =
+        s.tol > 0 ? solve_adaptive(search, &s, candidate->kind == KIND_EXPLICIT, grid) : solve_fixed(search, &s, grid);
+    solver_free(&s);
+    if (ok)
+        search->by[candidate->kind] = method;
+    return ok;
+}
+
+/* The new solution against those there are: the best agreement so far stays. */
+static void confront(struct search *search, enum kind kind)
+{
+    struct reference *reference = search->reference;
+    const double *grid = solution(search, kind);
+    for (enum kind other = 0; other < KIND_COUNT; other++) {
+        if (other == kind || !search->by[other])
+            continue;
+        const double *with = solution(search, other);
+        set_amplitudes(reference, search->system, with);
+        const double agreement = largest_distance(search, grid, with);
+        if (reference->by[1] && !(agreement < reference->accuracy))
+            continue;
+        reference->accuracy = agreement;
+        reference->by[0] = search->by[other];
+        reference->by[1] = search->by[kind];
+        memcpy(reference->y, with, search->size * sizeof *with);
+        reference->meaning = reference->span;
+        for (int k = STUDY_TIMES - 1; k > 0; k--)
+            if (!(grid_distance(reference, grid + k * search->system->n, with + k * search->system->n) < MEANING))
+                reference->meaning = reference->span * (k - 1) / (STUDY_TIMES - 1);
+    }
+}
+
+static void take_closed_form(const struct system *system, struct reference *reference)
+{
+    const int n = system->n;
+    double floor[LIMIT_VARIABLES], most[LIMIT_VARIABLES] = {0};
+    reference->exact = true;
+    for (int k = 0; k < STUDY_TIMES; k++) {
+        const double t = system->t0 + reference->span * k / (STUDY_TIMES - 1);
+        system_exact(system, system->t0, system->start, t, reference->y + k * n, floor);
+        for (int i = 0; i < reference->scored; i++)
+            most[i] = fmax(most[i], floor[i]);
+    }
+    set_amplitudes(reference, system, reference->y);
+    for (int i = 0; i < reference->scored; i++)
+        reference->accuracy = fmax(reference->accuracy, most[i] / reference->amplitude[i]);
+}
+
+/*
+ * Damped much faster than the motion lasts: the rate at which volumes of the state space shrink at the start, times the
+ * span. There explicit methods take their steps for stability alone.
+ */
+static bool shrinks_fast(const struct system *system, double span)
+{
+    double jacobian[LIMIT_VARIABLES * LIMIT_VARIABLES], trace = 0;
+    system_jacobian(system, system->t0, system->start, jacobian);
+    for (int i = 0; i < system->n; i++)
+        trace += jacobian[i * system->n + i];
+    return -trace * span > SHRINKS;
+}
+
+/* All but the first take steps of a bounded size: a pulse that long ones step over does not escape both. */
+static void search_kinds(struct search *search, bool explicit_ones, bool others)
+{
+    struct reference *reference = search->reference;
+    for (size_t i = 0; i < COUNT_OF(candidates) && !cancelled(search->cancel) && !search->failed; i++) {
+        const bool explicit = candidates[i].kind == KIND_EXPLICIT;
+        if ((explicit ? !explicit_ones : !others) || (search->bursts > 0 && candidates[i].tol == 0))
+            continue; /* steps of one size, short enough for a burst, would be too many */
+        if (try_candidate(search, &candidates[i])) {
+            confront(search, candidates[i].kind);
+            search->parts = search->system->autonomous ? PARTS : PARTS_IN_TIME;
+        }
+        if (reference->by[1] && reference->accuracy <= ENOUGH)
+            break;
+    }
+}
+
+/* Looked for first: two methods that do not get there would take long to find out. */
+static bool refuse_singular(const struct system *system, struct reference *reference, struct error *error)
+{
+    const double t0 = system->t0;
+    reference->singular = system_singularity(system, t0, system->start, t0 + reference->span);
+    if (isnan(reference->singular.t))
+        return true;
+    reference_free(reference);
+    error_set(error, ERROR_NUMERICAL,
+              "the solution %s at t = %.6g s: beyond there is nothing to measure errors against",
+              singularity_text(&reference->singular), reference->singular.t);
+    return error_hint(error, "a shorter one can be studied: duration = %.3g s", 0.9 * fabs(reference->singular.t - t0));
+}
+
+bool study_reference(const struct system *system, double span, const struct cancel *cancel, struct reference *reference,
+                     struct error *error)
+{
+    const size_t size = (size_t)STUDY_TIMES * (size_t)system->n;
+    *reference = (struct reference){.span = span, .meaning = span, .singular = {.t = NAN}, .n = system->n};
+    reference->scored = system->order == 2 ? system->n / 2 : system->n;
+    reference->y = calloc(size, sizeof *reference->y);
+    if (!reference->y)
+        return error_memory(error);
+    if (system_has_exact(system)) {
+        take_closed_form(system, reference);
+        return true;
+    }
+    if (!refuse_singular(system, reference, error))
+        return false;
+    struct system smooth = *system; /* the reference keeps its order, whatever is compared with it */
+    system_turn_at_kinks(&smooth);
+    struct search search = {.system = &smooth, .reference = reference, .cancel = cancel, .size = size, .parts = 1};
+    search.grid = calloc((KIND_COUNT + 1) * size, sizeof *search.grid);
+    search.burst = calloc(BURSTS, sizeof *search.burst);
+    search.node = calloc(NODES, sizeof *search.node);
+    if (!search.grid || !search.burst || !search.node) {
+        free(search.grid);
+        free(search.burst);
+        free(search.node);
+        reference_free(reference);
+        return error_memory(error);
+    }
+    const bool late = shrinks_fast(&smooth, span);
+    search_kinds(&search, !late, true);
+    if (late && !(reference->by[1] && reference->accuracy <= ENOUGH))
+        search_kinds(&search, true, false);
+    free(search.grid);
+    free(search.burst);
+    free(search.node);
+    if (cancelled(cancel) || search.failed || !reference->by[1]) {
+        reference_free(reference);
+        return search.failed ? error_memory(error)
+               : cancelled(cancel)
+                   ? error_set(error, ERROR_CANCELLED, "stopped while the reference solution was computed")
+                   : error_set(error, ERROR_NUMERICAL,
+                               "no two methods of different kinds reach the end of this scene: there is nothing to "
+                               "measure errors against");
+    }
+    return true;
+}
+
+void reference_free(struct reference *reference)
+{
+    free(reference->y);
+    reference->y = NULL;
+}
+
+void reference_describe(const struct reference *reference, struct buffer *text)
+{
+    if (reference->exact) {
+        buffer_put(text, TEXT("the closed form, good to "));
+        buffer_short(text, reference->accuracy, 2);
+        return;
+    }
+    buffer_format(text, "%s and %s, which agree to ", reference->by[0]->row.name, reference->by[1]->row.name);
+    buffer_short(text, reference->accuracy, 2);
+    if (reference->meaning != reference->span) {
+        buffer_put(text, TEXT(" only: they part at "));
+        buffer_quantity(text, fabs(reference->meaning), QUANTITY_TIME, 3);
+        buffer_put(text, TEXT(", beyond it no number means anything (rounding grows: chaos)"));
+    }
+}

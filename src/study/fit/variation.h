@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* How the motion of a scene changes with its parameters: the variational equations S' = (df/dy) S + df/dp. */
+#ifndef HOOKE_STUDY_FIT_VARIATION_H
+#define HOOKE_STUDY_FIT_VARIATION_H
+
+#include <hooke/study.h>
+
+/* A term that a parameter changes: its coefficients at p + delta and p - delta. */
+struct term_change {
+    const struct term_row *row;
+    bool in[2];
+    double c[2][TERM_VALUES];
+};
+
+struct direction { /* one parameter */
+    double apart;  /* 2 delta */
+    struct term_change change[TERM_MAX];
+    int changes;
+    double start[LIMIT_VARIABLES], t0; /* derivatives of the start */
+    bool starts;                       /* some of these are not 0 */
+};
+
+/* False: the scene has no motion on both sides of the value. */
+bool direction_find(const struct scene *scene, int place, struct direction *direction);
+
+struct variation {
+    struct system base;  /* the scene */
+    struct system whole; /* base and its derivatives by each direction: n (1 + directions) variables of first order */
+    int directions;
+    struct direction direction[CURVE_PARAMETERS];
+    double dry; /* 1, -1: the base is frozen on the branch of dry friction on which the velocity has this sign; 0: not */
+};
+
+/* n (1 + count) <= LIMIT_VARIABLES. The variation must stay where it is: its system points to it. */
+bool variation_bind(struct variation *variation, const struct scene *scene, const int *place, int count);
+
+#endif

@@ -1,0 +1,246 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Points of a sweep in lanes: gathered until they are as many as there are lanes, stepped and watched side by side. */
+#include "study/sweep/sweep.h"
+
+#include <string.h>
+
+#define SUSPICIOUS 1e100 /* diverging: that goes alone, where it is stopped at the right step */
+
+/* The last, shorter step, as a run takes it. */
+static bool finish_lane(const struct sweep_worker *worker, int lane, double *y, int64_t *evals)
+{
+    const struct sweep_job *job = worker->job;
+    const struct system *system = &worker->system[lane];
+    const struct method *method = job->request->method;
+    const double h = job->request->settings.dt;
+    struct step step = {.system = system,
+                        .drag = worker->drag,
+                        .t = system->t0 + (double)job->whole * h,
+                        .h = job->rest,
+                        .y = y,
+                        .work = worker->work};
+    const bool ok = method_turning_step(method, &step) == STEP_OK;
+    *evals += step.cost.evals;
+    return ok;
+}
+
+static double lane_measure(const struct sweep_worker *worker, int lane, const struct sweep_measure *measure,
+                           const double *y, int64_t evals)
+{
+    const struct sweep_job *job = worker->job;
+    const struct system *system = &worker->system[lane];
+    const double end = system->t0 + job->request->duration;
+    if (sweep_watches(measure))
+        return watch_value(&worker->watch[lane], measure->kind);
+    switch (measure->kind) {
+    case SWEEP_STEPS:
+        return (double)(job->whole + (job->rest != 0));
+    case SWEEP_EVALS:
+        return (double)evals;
+    case SWEEP_OBSERVABLE:
+        return observable_defined(measure->observable, system, false)
+                   ? measure->observable->value(&(struct sample){.t = end, .y = y, .system = system})
+                   : NAN;
+    default:
+        return sweep_measured(measure, system, end, y);
+    }
+}
+
+static bool suspicious(const double *y, int n)
+{
+    for (int i = 0; i < n; i++)
+        if (!(fabs(y[i]) <= SUSPICIOUS))
+            return true;
+    return false;
+}
+
+static bool all_suspicious(const struct sweep_worker *worker)
+{
+    double y[LIMIT_VARIABLES];
+    for (int lane = 0; lane < LANES; lane++) {
+        lanes_state(worker->lanes, lane, y);
+        if (!suspicious(y, worker->system[0].n))
+            return false;
+    }
+    return true;
+}
+
+/* The speeds at the end of the last step, whose time is the end's own. */
+static void speeds_at_end(const struct sweep_worker *worker, double end, double *speeds)
+{
+    double y[LIMIT_VARIABLES];
+    for (int lane = 0; lane < worker->used; lane++) {
+        lanes_state(worker->lanes, lane, y);
+        speeds[lane] = watch_speed(&worker->system[lane], 0, end, y);
+    }
+}
+
+/* One row after another: whose velocity has changed its sign? before: the row before these. */
+static void watch_lanes(struct sweep_worker *worker, const double *before, int64_t first, int64_t count)
+{
+    const double t0 = worker->system[0].t0, h = worker->job->request->settings.dt;
+    const bool ends = first + count == worker->job->whole && worker->job->rest == 0;
+    if (ends && worker->system[0].order == 1)
+        speeds_at_end(worker, t0 + worker->job->request->duration, worker->row + (2 * count - 1) * LANES);
+    for (int64_t i = 0; i < count; i++) {
+        const double *row = worker->row + i * 2 * LANES;
+        uint64_t turned = 0;
+        for (int lane = 0; lane < LANES; lane++) {
+            uint64_t a, b;
+            memcpy(&a, before + LANES + lane, sizeof a);
+            memcpy(&b, row + LANES + lane, sizeof b);
+            turned |= a ^ b;
+        }
+        const double from = t0 + (double)(first + i) * h;
+        const double to =
+            ends && i == count - 1 ? t0 + worker->job->request->duration : t0 + (double)(first + i + 1) * h;
+        for (int lane = 0; lane < worker->used && turned >> 63; lane++)
+            if (watch_turns(before[LANES + lane], row[LANES + lane]))
+                watch_turn(&worker->watch[lane], from, before[lane], before[LANES + lane], to, row[lane],
+                           row[LANES + lane]);
+        before = row;
+    }
+}
+
+/* The first step at whose end the window is open. */
+static int64_t opening_step(const struct sweep_worker *worker)
+{
+    const double t0 = worker->system[0].t0, h = worker->job->request->settings.dt, opens = t0 + worker->job->opens;
+    int64_t i = (int64_t)floor(worker->job->opens / h);
+    while (i > 0 && t0 + (double)i * h >= opens)
+        i--;
+    while (t0 + (double)i * h < opens)
+        i++;
+    return i < worker->job->whole ? i : worker->job->whole;
+}
+
+static int64_t least(int64_t a, int64_t b)
+{
+    return a < b ? a : b;
+}
+
+/* False: cancelled. */
+static bool march(struct sweep_worker *worker)
+{
+    const struct sweep_job *job = worker->job;
+    const int64_t opening = job->watches ? opening_step(worker) : job->whole;
+    double before[2 * LANES];
+    for (int lane = 0; lane < worker->used; lane++)
+        watch_begin(&worker->watch[lane], worker->system[lane].start[0]);
+    for (int64_t i = 0; i < job->whole;) {
+        const bool watching = job->tops || (job->watches && i >= opening);
+        const int64_t count =
+            least(i < opening ? opening - i : job->whole - i, watching ? SWEEP_ROWS : 16 * SWEEP_ROWS);
+        if (watching)
+            lanes_row(worker->lanes, before);
+        for (int lane = 0; lane < worker->used && watching && i == opening; lane++)
+            watch_open(&worker->watch[lane], before[lane]);
+        lanes_march(worker->lanes, count, watching ? worker->row : NULL);
+        if (watching)
+            watch_lanes(worker, before, i, count);
+        i += count;
+        if (cancelled(job->request->cancel))
+            return false;
+        if (all_suspicious(worker))
+            break;
+    }
+    return true;
+}
+
+static void finish_lanes(struct sweep_worker *worker)
+{
+    struct sweep_job *job = worker->job;
+    const struct sweep_request *request = job->request;
+    for (int lane = 0; lane < worker->used; lane++) {
+        const int64_t i = worker->point[lane];
+        struct watch *watch = &worker->watch[lane];
+        const struct system *system = &worker->system[lane];
+        int64_t evals = lanes_evals(worker->lanes, lane);
+        double y[LIMIT_VARIABLES], was[LIMIT_VARIABLES];
+        lanes_state(worker->lanes, lane, y);
+        memcpy(was, y, sizeof y);
+        if (suspicious(y, system->n) || (job->rest != 0 && !finish_lane(worker, lane, y, &evals))) {
+            sweep_alone(worker, i);
+            continue;
+        }
+        if (job->watches) {
+            const double from = system->t0 + (double)job->whole * request->settings.dt,
+                         end = system->t0 + request->duration;
+            if (!watch->open && (job->rest == 0 ? end : from) >= system->t0 + job->opens)
+                watch_open(watch, was[0]);
+            const double speed0 = watch_speed(system, 0, from, was), speed1 = watch_speed(system, 0, end, y);
+            if (job->rest != 0 && watch_turns(speed0, speed1))
+                watch_turn(watch, from, was[0], speed0, end, y[0], speed1);
+            if (!watch->open)
+                watch_open(watch, y[0]);
+            watch_end(watch, y[0]);
+        }
+        for (int m = 0; m < request->measures; m++)
+            sweep_values(worker, i)[m] = lane_measure(worker, lane, &request->measure[m], y, evals);
+        job->sweep->status[i] = STOP_END;
+        worker->side_by_side++;
+        worker->steps += (double)(job->whole + (job->rest != 0));
+    }
+}
+
+/* So many points take less time alone, as measured: forces of oscillators fill a vector, sines go one by one. */
+static int few(const struct system *system)
+{
+    return system->model->typed ? 5 : system->model == &oscillator_model ? SWEEP_FEW : 20;
+}
+
+void sweep_flush(struct sweep_worker *worker)
+{
+    const struct sweep_request *request = worker->job->request;
+    const struct system *first = &worker->system[0];
+    if (worker->used == 0)
+        return;
+    const bool begun = worker->used > few(first) &&
+                       lanes_begin(worker->lanes, request->method, worker->drag, first, request->settings.dt);
+    for (int lane = 0; begun && lane < LANES; lane++)
+        lanes_set(worker->lanes, lane, &worker->system[lane < worker->used ? lane : worker->used - 1]);
+    for (int lane = 0; !begun && lane < worker->used; lane++) /* few, or no memory */
+        sweep_alone(worker, worker->point[lane]);
+    if (begun && march(worker))
+        finish_lanes(worker);
+    worker->used = 0;
+}
+
+/* The potential of typed forces is looked for only where somebody asks for an energy. */
+static bool bind_point(const struct sweep_request *request, const struct scene *scene, struct system *system,
+                       struct error *error)
+{
+    bool energy = request->method->flags & METHOD_POTENTIAL;
+    for (int m = 0; m < request->measures; m++)
+        energy |= request->measure[m].kind == SWEEP_OBSERVABLE && request->measure[m].observable->needs & NEED_ENERGY;
+    return energy ? scene_bind(scene, system, error) : scene_bind_motion(scene, system, error);
+}
+
+void sweep_gather(struct sweep_worker *worker, int64_t i)
+{
+    struct sweep_job *job = worker->job;
+    const struct sweep_request *request = job->request;
+    const double h = request->settings.dt;
+    struct error error = {0};
+    struct system *system = &worker->system[worker->used];
+    enum drag drag = request->settings.drag;
+    if (!sweep_point(request, job->sweep, i, &worker->scene, &worker->settings, &error) ||
+        !bind_point(request, &worker->scene, system, &error) || !method_applies(request->method, system, &drag, &error) ||
+        !method_fits(request->method, system, drag, h, &error)) {
+        sweep_refuse(worker, i, &error);
+        return;
+    }
+    if (!lanes_fit(request->method, system, drag, h)) {
+        sweep_alone(worker, i);
+        return;
+    }
+    if (worker->used > 0 && (drag != worker->drag || !lanes_alike(&worker->system[0], system))) {
+        const struct system next = *system;
+        sweep_flush(worker);
+        worker->system[0] = next;
+    }
+    worker->drag = drag;
+    worker->point[worker->used++] = i;
+    if (worker->used == LANES)
+        sweep_flush(worker);
+}

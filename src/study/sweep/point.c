@@ -1,0 +1,207 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The points of a sweep, each as a run of its own; those that go in lanes (sweep_lanes.c) get the same bits. */
+#include "study/sweep/sweep.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+void sweep_common(const struct sweep_request *request, struct scene *scene, struct run_settings *settings)
+{
+    *scene = *request->scene;
+    *settings = request->settings;
+    if (settings->kernel == KERNEL_PROPAGATOR) /* whose last bits are others than those of lanes */
+        settings->kernel = KERNEL_SPECIALISED;
+}
+
+bool sweep_worker_init(struct sweep_worker *worker, struct sweep_job *job)
+{
+    *worker = (struct sweep_worker){.job = job, .refused = -1};
+    sweep_common(job->request, &worker->scene, &worker->settings);
+    worker->system = malloc((job->in_lanes ? LANES : 1) * sizeof *worker->system);
+    if (job->in_lanes) {
+        worker->lanes = lanes_create();
+        worker->row = malloc((size_t)SWEEP_ROWS * 2 * LANES * sizeof *worker->row);
+        worker->work =
+            malloc(method_work_size(job->request->method, job->request->scene->model->n) * sizeof *worker->work);
+    }
+    if (worker->system && (!job->in_lanes || (worker->lanes && worker->row && worker->work)))
+        return true;
+    sweep_worker_free(worker);
+    return false;
+}
+
+void sweep_worker_free(struct sweep_worker *worker)
+{
+    free(worker->system);
+    free(worker->row);
+    free(worker->work);
+    lanes_destroy(worker->lanes);
+}
+
+static bool set_axis(const struct sweep_axis *axis, double value, struct scene *scene, struct run_settings *settings,
+                     struct error *error)
+{
+    const struct catalog *derived = scene_derived(scene);
+    switch (axis->target) {
+    case SWEEP_PARAM:
+        return scene_set(scene, axis->place, (struct measured){value, 0}, error);
+    case SWEEP_DERIVED:
+        return scene_set_derived(scene,
+                                 (const struct derived_row *)(const void *)catalog_row(derived, (size_t)axis->place),
+                                 (struct measured){value, 0}, error);
+    case SWEEP_DT:
+        settings->dt = value;
+        return value > 0 || error_set(error, ERROR_COMMAND, "dt must be > 0 (got %.6g s)", value);
+    case SWEEP_TOL:
+        settings->tol = value;
+        return value > 0 || error_set(error, ERROR_COMMAND, "tol must be > 0 (got %.6g)", value);
+    }
+    return false;
+}
+
+bool sweep_point(const struct sweep_request *request, const struct sweep *sweep, int64_t i, struct scene *scene,
+                 struct run_settings *settings, struct error *error)
+{
+    memcpy(scene->value, request->scene->value, scene_params(scene)->count * sizeof *scene->value);
+    for (int a = 0; a < request->axes; a++)
+        if (!set_axis(&request->axis[a], sweep_axis_value(&request->axis[a], (int)sweep_number(sweep, a, i)), scene,
+                      settings, error))
+            return false;
+    return true;
+}
+
+void sweep_refuse(struct sweep_worker *worker, int64_t i, const struct error *error)
+{
+    worker->job->sweep->status[i] = SWEEP_REFUSED;
+    if (worker->refused >= 0 && worker->refused < i)
+        return;
+    worker->refused = i;
+    snprintf(worker->reason, sizeof worker->reason, "%s", error->text);
+}
+
+double *sweep_values(const struct sweep_worker *worker, int64_t i)
+{
+    return worker->job->sweep->value + i * worker->job->sweep->measures;
+}
+
+double sweep_measured(const struct sweep_measure *measure, const struct system *system, double t, const double *y)
+{
+    switch (measure->kind) {
+    case SWEEP_REACHED:
+        return t;
+    case SWEEP_VARIABLE:
+        return y[measure->variable];
+    case SWEEP_OBSERVED:
+        return system_observe(system, measure->variable, t, y);
+    default:
+        return NAN;
+    }
+}
+
+static double run_measure(const struct run *run, const struct sweep_measure *measure, double opens)
+{
+    struct run_errors errors;
+    struct ledger ledger;
+    if (sweep_watches(measure))
+        return watch_run(run, measure, opens);
+    switch (measure->kind) {
+    case SWEEP_ERROR:
+        run_errors(run, &errors);
+        return errors.max;
+    case SWEEP_ENERGY_ERROR:
+        run_ledger(run, &ledger);
+        return ledger.error_max;
+    case SWEEP_STEPS:
+        return (double)run->steps;
+    case SWEEP_EVALS:
+        return (double)run->cost.evals;
+    case SWEEP_OBSERVABLE:
+        return run_observable(run, measure->observable);
+    default:
+        return sweep_measured(measure, &run->system, run->t, run->y);
+    }
+}
+
+static bool holds_when_failed(enum sweep_kind kind)
+{
+    return kind == SWEEP_STEPS || kind == SWEEP_EVALS || kind == SWEEP_REACHED;
+}
+
+/* Does what is measured need the states on the way? */
+static bool needs_trace(const struct sweep_job *job)
+{
+    bool needed = job->watches;
+    for (int m = 0; m < job->request->measures; m++) {
+        const struct sweep_measure *measure = &job->request->measure[m];
+        needed |= measure->kind == SWEEP_ERROR;
+    }
+    return needed;
+}
+
+/* Or the work done on the way? */
+static bool needs_work(const struct sweep_job *job)
+{
+    bool needed = false;
+    for (int m = 0; m < job->request->measures; m++) {
+        const struct sweep_measure *measure = &job->request->measure[m];
+        const bool observes = measure->kind == SWEEP_OBSERVABLE || measure->column == SWEEP_OBSERVABLE;
+        needed |= measure->kind == SWEEP_ENERGY_ERROR || (observes && measure->observable->needs & NEED_WORK);
+    }
+    return needed;
+}
+
+void sweep_alone(struct sweep_worker *worker, int64_t i)
+{
+    struct sweep_job *job = worker->job;
+    const struct sweep_request *request = job->request;
+    struct error error = {0};
+    struct run *run = NULL;
+    if (sweep_point(request, job->sweep, i, &worker->scene, &worker->settings, &error)) {
+        struct run_settings settings = worker->settings;
+        settings.record = needs_trace(job) ? (struct recording_rule){.rule = RECORD_AUTO, .every = 1}
+                                           : (struct recording_rule){.rule = RECORD_EVERY, .every = INT64_MAX};
+        settings.balanced = false;
+        settings.unbalanced = !needs_work(job);
+        run = run_create(&worker->scene, request->method, &settings, request->duration, &error);
+    }
+    if (!run) {
+        sweep_refuse(worker, i, &error);
+        return;
+    }
+    const struct run_target target = {.t = run->system.t0 + request->duration, .steps = -1};
+    while (run_advance(run, &target, 0, request->cancel)) {
+    }
+    if (run->stop != STOP_CANCELLED) {
+        for (int m = 0; m < request->measures; m++) {
+            const struct sweep_measure *measure = &request->measure[m];
+            const bool there = run->stop == STOP_END || holds_when_failed(measure->kind);
+            sweep_values(worker, i)[m] = there ? run_measure(run, measure, run->system.t0 + job->opens) : NAN;
+        }
+        job->sweep->status[i] = (signed char)run->stop;
+    }
+    worker->steps += (double)run->steps;
+    run_destroy(run);
+}
+
+void sweep_task(struct sweep_worker *worker, int64_t line, int64_t block)
+{
+    const struct sweep_job *job = worker->job;
+    const struct sweep *sweep = job->sweep;
+    const int64_t along = sweep->axis[job->along].count, last = sweep->axes > 1 ? sweep->axis[1].count : 1;
+    for (int64_t k = block * LANES; k < along && k < (block + 1) * LANES; k++) {
+        const int64_t number = sweep->axes < 2 ? k : job->along == 1 ? line * last + k : k * last + line;
+        const int64_t i = number - sweep->first;
+        if (i < 0 || i >= sweep->count)
+            continue;
+        if (cancelled(job->request->cancel))
+            return;
+        if (job->in_lanes)
+            sweep_gather(worker, i);
+        else
+            sweep_alone(worker, i);
+    }
+    if (job->in_lanes && !cancelled(job->request->cancel))
+        sweep_flush(worker);
+    worker->used = 0;
+}

@@ -1,0 +1,309 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * A sweep over threads. Points are gathered into tasks of up to LANES neighbours; each result goes to its own place, so
+ * nothing depends on who computes what. Only results are kept.
+ */
+#include "study/sweep/sweep.h"
+
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+#include <unistd.h>
+
+#define RESULTS_MOST ((size_t)1 << 30) /* [byte] */
+#define LOOK_NS 100000000              /* between calls of progress */
+
+int64_t sweep_number(const struct sweep *sweep, int axis, int64_t i)
+{
+    const int64_t number = sweep->first + i, last = sweep->axes > 1 ? sweep->axis[1].count : 1;
+    return axis == 0 ? number / last : number % last;
+}
+
+const char *sweep_status_name(int status)
+{
+    return status == SWEEP_MISSING   ? "missing"
+           : status == SWEEP_REFUSED ? "refused"
+                                     : stop_name((enum stop)status);
+}
+
+void sweep_free(struct sweep *sweep)
+{
+    free(sweep->value);
+    free(sweep->status);
+    sweep->value = NULL;
+    sweep->status = NULL;
+}
+
+static void place_shard(const struct sweep_request *request, struct sweep *sweep)
+{
+    *sweep = (struct sweep){.axes = request->axes, .measures = request->measures, .total = 1};
+    for (int a = 0; a < request->axes; a++) {
+        sweep->axis[a] = request->axis[a];
+        sweep->total *= request->axis[a].count;
+    }
+    /* Multiplied in double: total * shards may be more than an int64_t holds. */
+    sweep->first = (int64_t)floor((double)sweep->total * ((double)(request->shard - 1) / (double)request->shards));
+    const int64_t end = request->shard == request->shards
+                            ? sweep->total
+                            : (int64_t)floor((double)sweep->total * ((double)request->shard / (double)request->shards));
+    sweep->count = end - sweep->first;
+}
+
+static bool results_create(struct sweep *sweep, struct error *error)
+{
+    const double bytes = (double)sweep->count * ((double)sweep->measures * sizeof(double) + 1);
+    if (bytes > (double)RESULTS_MOST) {
+        error_set(error, ERROR_COMMAND, "%lld points with %d result%s each need %.3g bytes, %zu are the most",
+                  (long long)sweep->count, sweep->measures, sweep->measures > 1 ? "s" : "", bytes, RESULTS_MOST);
+        return error_hint(error, "take fewer points, or a part: --shard 1/%.0f", ceil(bytes / (double)RESULTS_MOST));
+    }
+    const size_t n = (size_t)sweep->count;
+    sweep->value = malloc((n * (size_t)sweep->measures + 1) * sizeof *sweep->value);
+    sweep->status = malloc(n + 1);
+    if (!sweep->value || !sweep->status)
+        return error_memory(error);
+    for (size_t i = 0; i < n * (size_t)sweep->measures; i++)
+        sweep->value[i] = NAN;
+    for (size_t i = 0; i < n; i++)
+        sweep->status[i] = SWEEP_MISSING;
+    return true;
+}
+
+/* Whether lanes can measure this: what they show on the way is the first variable where its velocity changes sign. */
+static bool lane_measures(const struct sweep_measure *measure)
+{
+    if (sweep_watches(measure))
+        return measure->kind != SWEEP_MEAN && measure->column == SWEEP_VARIABLE && measure->variable == 0;
+    return measure->kind != SWEEP_ERROR && measure->kind != SWEEP_ENERGY_ERROR &&
+           (measure->kind != SWEEP_OBSERVABLE ||
+            !(measure->observable->needs & ~(unsigned)(NEED_MECHANICS | NEED_LINE | NEED_POWER | NEED_ENERGY)));
+}
+
+/* The system at one end of an axis; false: it is refused there. */
+static bool bind_end(const struct sweep_request *request, const struct sweep *sweep, int64_t number,
+                     struct system *system)
+{
+    struct scene scene;
+    struct run_settings settings;
+    struct error ignored = {0};
+    sweep_common(request, &scene, &settings);
+    return sweep_point(request, sweep, number - sweep->first, &scene, &settings, &ignored) &&
+           scene_bind(&scene, system, &ignored);
+}
+
+/* The drive at one end of an axis is another one than at its beginning. */
+static bool drives(const struct sweep_request *request, const struct sweep *sweep, int64_t end)
+{
+    struct system *a = malloc(sizeof *a), *b = malloc(sizeof *b);
+    const bool differs = a && b && bind_end(request, sweep, 0, a) && bind_end(request, sweep, end, b) &&
+                         (a->oscillator.omega != b->oscillator.omega || a->oscillator.phase != b->oscillator.phase);
+    free(a);
+    free(b);
+    return differs;
+}
+
+/* Along the axis that leaves the drive as it is: what depends on time alone is then computed once for many. Else along
+ * the longer one. */
+static int choose_along(const struct sweep_request *request, const struct sweep *sweep)
+{
+    if (request->axes < 2)
+        return 0;
+    const int count[] = {request->axis[0].count, request->axis[1].count}, longer = count[0] <= count[1];
+    const bool first = drives(request, sweep, (int64_t)(count[0] - 1) * count[1]);
+    const bool second = drives(request, sweep, count[1] - 1);
+    return first == second || count[first] <= SWEEP_FEW ? longer : first;
+}
+
+/* Does the first point go in lanes? */
+static bool lanes_go(const struct sweep_request *request, const struct sweep *sweep)
+{
+    struct system *system = malloc(sizeof *system);
+    struct error ignored = {0};
+    enum drag drag = request->settings.drag;
+    const bool go = system && bind_end(request, sweep, sweep->first, system) &&
+                    method_applies(request->method, system, &drag, &ignored) &&
+                    lanes_fit(request->method, system, drag, request->settings.dt);
+    free(system);
+    return go;
+}
+
+static void choose_lanes(struct sweep_job *job, struct plan *plan)
+{
+    const struct sweep_request *request = job->request;
+    const struct run_settings *settings = &request->settings;
+    struct system *system = malloc(sizeof *system);
+    struct error ignored = {0};
+    *plan = (struct plan){.steps = NAN, .seconds = NAN};
+    const bool planned = system && bind_end(request, job->sweep, job->sweep->first, system) &&
+                         plan_make(system, request->method, settings, request->duration, plan, &ignored);
+    bool possible = planned && !settings->compensated && settings->kernel != KERNEL_GENERAL &&
+                    !(settings->tol > 0 && request->method->flags & METHOD_ADAPTIVE);
+    for (int a = 0; a < request->axes; a++)
+        possible &= request->axis[a].target != SWEEP_DT && request->axis[a].target != SWEEP_TOL &&
+                    !text_is(text_of(request->axis[a].name), "t0");
+    for (int m = 0; m < request->measures; m++)
+        possible &= lane_measures(&request->measure[m]);
+    possible = possible && (!job->watches || plan->steps <= LIMIT_SAMPLES);
+    free(system);
+    job->in_lanes = possible;
+    if (possible) {
+        job->whole = plan->whole;
+        job->rest = plan->partial;
+    }
+}
+
+/* ---- threads ---- */
+
+static void *work(void *context)
+{
+    struct sweep_worker *worker = context;
+    struct sweep_job *job = worker->job;
+    const int64_t tasks = job->lines * job->blocks;
+    for (;;) {
+        const int64_t task = atomic_fetch_add(&job->next, 1);
+        if (task >= tasks || cancelled(job->request->cancel))
+            return NULL;
+        sweep_task(worker, task / job->blocks, task % job->blocks);
+        atomic_fetch_add(&job->finished, 1);
+    }
+}
+
+struct helper {
+    struct sweep_worker worker;
+    pthread_t thread;
+    bool running;
+    atomic_bool done;
+};
+
+static void *help(void *context)
+{
+    struct helper *helper = context;
+    work(&helper->worker);
+    atomic_store(&helper->done, true);
+    return NULL;
+}
+
+/* The calling thread looks after the others, so that progress comes from it. */
+static void watch_over(struct sweep_job *job, struct helper *helper, int count)
+{
+    const struct sweep_request *request = job->request;
+    const double tasks = (double)(job->lines * job->blocks);
+    for (bool busy = true; busy;) {
+        const int64_t shown = clock_ns();
+        while (busy && clock_ns() - shown < LOOK_NS) {
+            nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
+            busy = false;
+            for (int i = 0; i < count; i++)
+                busy |= helper[i].running && !atomic_load(&helper[i].done);
+        }
+        if (busy && request->progress)
+            request->progress(request->context, (double)atomic_load(&job->finished) / tasks);
+    }
+}
+
+static int thread_count(const struct sweep_request *request, int64_t tasks)
+{
+    const long processors = sysconf(_SC_NPROCESSORS_ONLN);
+    int64_t wanted = request->threads > 0 ? request->threads : processors > 0 ? processors : 1;
+    wanted = wanted < SWEEP_THREADS ? wanted : SWEEP_THREADS;
+    return (int)(wanted < tasks ? wanted : tasks);
+}
+
+static void add_up(struct sweep *sweep, const struct helper *helper, int count)
+{
+    int64_t refused = -1;
+    for (int i = 0; i < count; i++) {
+        const struct sweep_worker *worker = &helper[i].worker;
+        sweep->steps += worker->steps;
+        sweep->side_by_side += worker->side_by_side;
+        if (worker->refused >= 0 && (refused < 0 || worker->refused < refused)) {
+            refused = worker->refused;
+            snprintf(sweep->reason, sizeof sweep->reason, "%s", worker->reason);
+        }
+    }
+    for (int64_t i = 0; i < sweep->count; i++) {
+        sweep->finished += sweep->status[i] != SWEEP_MISSING;
+        sweep->refused += sweep->status[i] == SWEEP_REFUSED;
+        sweep->failed += sweep->status[i] >= 0 && sweep->status[i] != STOP_END;
+    }
+}
+
+static bool run_workers(struct sweep_job *job, struct error *error)
+{
+    struct sweep *sweep = job->sweep;
+    const int count = thread_count(job->request, job->lines * job->blocks);
+    struct helper *helper = calloc((size_t)count, sizeof *helper);
+    int ready = 0;
+    if (!helper)
+        return error_memory(error);
+    for (; ready < count && sweep_worker_init(&helper[ready].worker, job); ready++)
+        helper[ready].running = pthread_create(&helper[ready].thread, NULL, help, &helper[ready]) == 0;
+    for (int i = 0; i < ready; i++)
+        sweep->threads += helper[i].running;
+    if (sweep->threads > 0)
+        watch_over(job, helper, ready);
+    else if (ready > 0)
+        work(&helper[0].worker); /* no threads to be had */
+    for (int i = 0; i < ready; i++)
+        if (helper[i].running)
+            pthread_join(helper[i].thread, NULL);
+    add_up(sweep, helper, ready);
+    for (int i = 0; i < ready; i++)
+        sweep_worker_free(&helper[i].worker);
+    free(helper);
+    return ready > 0 || error_memory(error);
+}
+
+static struct sweep_job job_of(const struct sweep_request *request, struct sweep *sweep, struct plan *plan)
+{
+    struct sweep_job job = {.request = request, .sweep = sweep, .opens = request->duration * (2.0 / 3)};
+    for (int m = 0; m < request->measures; m++) {
+        job.tops |= request->measure[m].kind == SWEEP_MAX || request->measure[m].kind == SWEEP_MIN;
+        job.watches |= sweep_watches(&request->measure[m]);
+    }
+    choose_lanes(&job, plan);
+    return job;
+}
+
+/* Besides its steps a point takes so long [ns]: as a run of its own, in lanes. */
+#define NS_ALONE 4000.0
+#define NS_IN_LANES 200.0
+#define LANES_GAIN 50.0
+
+void study_sweep_predict(const struct sweep_request *request, double *steps, double *seconds)
+{
+    struct sweep sweep;
+    struct plan plan;
+    place_shard(request, &sweep);
+    const struct sweep_job job = job_of(request, &sweep, &plan);
+    const bool lanes = job.in_lanes && sweep.count > SWEEP_FEW && lanes_go(request, &sweep);
+    const double each = lanes ? plan.seconds / LANES_GAIN + NS_IN_LANES * 1e-9 : plan.seconds + NS_ALONE * 1e-9;
+    *steps = plan.steps * (double)sweep.count;
+    *seconds = each * (double)sweep.count / thread_count(request, sweep.count);
+}
+
+bool study_sweep(const struct sweep_request *request, struct sweep *sweep, struct error *error)
+{
+    const int64_t begin = clock_ns();
+    struct plan plan;
+    place_shard(request, sweep);
+    if (!results_create(sweep, error))
+        return false;
+    struct sweep_job job = job_of(request, sweep, &plan);
+    job.along = choose_along(request, sweep);
+    job.lines = request->axes > 1 ? request->axis[1 - job.along].count : 1;
+    job.blocks = (request->axis[job.along].count + LANES - 1) / LANES;
+    const bool ok = run_workers(&job, error);
+    sweep->seconds = (double)(clock_ns() - begin) * 1e-9;
+    if (!ok)
+        return false;
+    if (sweep->finished < sweep->count)
+        return cancelled(request->cancel)
+                   ? error_set(error, ERROR_CANCELLED, "stopped: %lld of %lld points finished",
+                               (long long)sweep->finished, (long long)sweep->count)
+                   : error_memory(error);
+    if (sweep->refused == sweep->count && sweep->count > 0)
+        return error_set(error, ERROR_COMMAND, "every point is refused: %s", sweep->reason);
+    return true;
+}

@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the files of a sweep share. */
+#ifndef HOOKE_STUDY_SWEEP_SWEEP_H
+#define HOOKE_STUDY_SWEEP_SWEEP_H
+
+#include <hooke/study.h>
+
+/* ---- watching a trajectory go by (sweep_watch.c) ----
+ *
+ * Extremes of a column are where its velocity changes sign: placed by a line through the velocities, their value by the
+ * cubic through both ends.
+ */
+struct watch {
+    double top, bottom; /* largest and smallest value so far */
+    bool open;          /* the window has begun; from then on: */
+    double low, high;   /* extremes */
+    double first, last; /* [s] maxima */
+    int64_t maxima;
+    double area, span; /* integral, and over how long [s] */
+};
+
+void watch_begin(struct watch *watch, double y);
+void watch_open(struct watch *watch, double y);
+/* The velocity changed its sign between two states. */
+void watch_turn(struct watch *watch, double t0, double y0, double v0, double t1, double y1, double v1);
+void watch_end(struct watch *watch, double y);
+double watch_value(const struct watch *watch, enum sweep_kind kind);
+double watch_speed(const struct system *system, int variable, double t, const double *y);
+/* A recorded run; the window opens at that time. */
+double watch_run(const struct run *run, const struct sweep_measure *measure, double opens);
+
+static inline bool watch_turns(double v0, double v1)
+{
+    return signbit(v0) != signbit(v1);
+}
+
+/* ---- one worker ---- */
+
+enum {
+    SWEEP_ROWS = 64, /* steps between looks at what the lanes do */
+    SWEEP_FEW = 3    /* so many points take less time alone than in lanes, most of which would stand empty */
+};
+
+struct sweep_job {
+    const struct sweep_request *request;
+    struct sweep *sweep;
+    bool watches;  /* something is watched on the way */
+    bool tops;     /* from the start on */
+    bool in_lanes; /* as far as that does not depend on the point */
+    double opens;  /* [s] after t0: where the window begins */
+    int64_t whole; /* in lanes: full steps, and the rest [s] */
+    double rest;
+    int along; /* the axis along which lanes lie */
+    int64_t lines, blocks;
+    atomic_llong next, finished; /* tasks: lines times blocks */
+};
+
+struct sweep_worker {
+    struct sweep_job *job;
+    struct scene scene; /* of the present point */
+    struct run_settings settings;
+    struct lanes *lanes; /* NULL: none are used */
+    double *row;
+    struct system *system; /* [LANES] */
+    struct watch watch[LANES];
+    int64_t point[LANES]; /* of each lane: place in the sweep */
+    int used;
+    double *work; /* of a step alone */
+    enum drag drag;
+    double steps; /* of all points so far */
+    int64_t side_by_side;
+    int64_t refused; /* place of the first refused point, -1: none */
+    char reason[600];
+    bool failed; /* no memory */
+};
+
+bool sweep_worker_init(struct sweep_worker *worker, struct sweep_job *job);
+void sweep_worker_free(struct sweep_worker *worker);
+void sweep_task(struct sweep_worker *worker, int64_t line, int64_t block);
+/* What all points have in common. */
+void sweep_common(const struct sweep_request *request, struct scene *scene, struct run_settings *settings);
+/* Makes that, or another point's, the scene and the settings of this point; false: refused, with the reason. */
+bool sweep_point(const struct sweep_request *request, const struct sweep *sweep, int64_t i, struct scene *scene,
+                 struct run_settings *settings, struct error *error);
+void sweep_refuse(struct sweep_worker *worker, int64_t i, const struct error *error);
+double *sweep_values(const struct sweep_worker *worker, int64_t i); /* [measures] results of point i */
+/* What depends on the state at the end only; of other kinds NAN. */
+double sweep_measured(const struct sweep_measure *measure, const struct system *system, double t, const double *y);
+void sweep_alone(struct sweep_worker *worker, int64_t i); /* point i, as a run of its own */
+
+/* ---- in lanes (sweep_lanes.c) ---- */
+
+void sweep_gather(struct sweep_worker *worker, int64_t i); /* point i goes with its neighbours */
+void sweep_flush(struct sweep_worker *worker);             /* what has been gathered goes now */
+
+#endif

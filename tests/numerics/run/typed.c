@@ -1,0 +1,144 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Scenes typed as equations against built-in ones; their kernels, splittings and ledger. command_references.c has what
+ * they reach. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "unit/scene/typing.h"
+#include <hooke/run.h>
+
+#include <stdlib.h>
+
+static const struct method *method(const char *name)
+{
+    return (const struct method *)(const void *)catalog_find(&method_catalog, text_of(name));
+}
+
+static bool type_lines(struct typed_models *models, struct scene *scene, const char *lines)
+{
+    struct text rest = text_of(lines), line;
+    struct error error = {0};
+    while (text_split(&rest, ';', &line)) {
+        const struct typed_line typed = typing_line(text_trim(line));
+        const struct model *model = typed_add(models, scene->model, &typed, &error);
+        if (!model) {
+            print_message("%.*s: %s (%s)\n", (int)line.len, line.at, error.text, error.hint);
+            return false;
+        }
+        scene_remodel(scene, model);
+    }
+    return true;
+}
+
+static struct run *typed_run(const struct scene *scene, const struct method *by, enum drag drag)
+{
+    const struct run_settings settings = {.dt = 0.05, .drag = drag};
+    struct error error;
+    struct run *run = run_create(scene, by, &settings, 50, &error);
+    const struct run_target target = {.t = 50, .steps = -1};
+    if (run)
+        run_advance(run, &target, 0, NULL);
+    return run;
+}
+
+/* Every symplectic method that takes Henon and Heiles' star takes the typed one, too, and to the same bits. */
+static void test_symplectic(void **state)
+{
+    (void)state;
+    struct error error;
+    struct typed_models *models = typed_create(&error);
+    struct scene typed, built_in;
+    int count = 0;
+    bool fine = true;
+    scene_init(&typed, NULL);
+    scene_init(&built_in, (const struct preset *)(const void *)catalog_find(&preset_catalog, TEXT("henon-heiles")));
+    assert_true(type_lines(models, &typed,
+                           "var x = 0;var y = 0;var x' = 0.24;var y' = 0.32;x'' = -(x + 2*x*y);"
+                           "y'' = -(y + (x^2 - y^2));"
+                           "potential (x^2 + y^2)/2 + (x^2 - y^2/3)*y"));
+    for (size_t i = 0; i < method_catalog.count; i++) {
+        const struct method *by = (const struct method *)(const void *)catalog_row(&method_catalog, i);
+        if (!(by->flags & METHOD_SYMPLECTIC) || by->flags & METHOD_IMPLICIT)
+            continue;
+        struct run *one = typed_run(&typed, by, DRAG_DEFAULT), *other = typed_run(&built_in, by, DRAG_DEFAULT);
+        if (!one != !other)
+            print_message("%s takes one only\n", by->row.name);
+        fine &= !one == !other;
+        for (int k = 0; one && other && k < 4; k++) {
+            fine &= one->y[k] == other->y[k];
+            if (one->y[k] != other->y[k])
+                print_message("%s: %.17g is not %.17g\n", by->row.name, one->y[k], other->y[k]);
+        }
+        count += one != NULL;
+        struct ledger ledger;
+        if (one) {
+            run_ledger(one, &ledger);
+            fine &= fabs(ledger.error_max) < 0.1 && one->plan.ledger == false;
+        }
+        run_destroy(one);
+        run_destroy(other);
+    }
+    typed_destroy(models);
+    assert_true(fine);
+    assert_true(count >= 10);
+}
+
+/* Splittings with drag of another kind than linear and quadratic: explicit only, and refused otherwise with the way
+ * out. */
+static void test_splitting_with_drag(void **state)
+{
+    (void)state;
+    struct error error = {0};
+    struct typed_models *models = typed_create(&error);
+    struct scene scene;
+    scene_init(&scene, NULL);
+    assert_true(type_lines(models, &scene, "var x = 1;x'' = -x - 0.1*x'*max(x', -x');potential x^2/2"));
+    const struct run_settings settings = {.dt = 0.001};
+    assert_null(run_create(&scene, method("verlet"), &settings, 10, &error));
+    assert_non_null(strstr(error.hint, "drag=explicit"));
+    const struct run_settings explicit = {.dt = 0.001, .drag = DRAG_EXPLICIT};
+    struct run *run = run_create(&scene, method("verlet"), &explicit, 10, &error);
+    assert_non_null(run);
+    const struct run_target target = {.t = 10, .steps = -1};
+    run_advance(run, &target, 0, NULL);
+    assert_true(fabs(run->y[0] - -6.038516824236533039553e-1) < 1e-3); /* references.csv, quadratic drag b = 0.1 */
+    struct ledger ledger;
+    run_ledger(run, &ledger);
+    assert_true(fabs(ledger.error_max) < 1e-3 && ledger.work < -0.1);
+    run_destroy(run);
+    typed_destroy(models);
+}
+
+/* The energy balance of a force without a potential: all of it is work. */
+static void test_ledger(void **state)
+{
+    (void)state;
+    struct error error = {0};
+    struct typed_models *models = typed_create(&error);
+    struct scene scene;
+    scene_init(&scene, (const struct preset *)(const void *)catalog_find(&preset_catalog, TEXT("damped")));
+    assert_true(type_lines(models, &scene, "force -40*y^3 + 0.1*cos(2*t)"));
+    const struct run_settings settings = {.dt = 0.001};
+    struct run *run = run_create(&scene, method("rk4"), &settings, 10, &error);
+    assert_non_null(run);
+    const struct run_target target = {.t = 10, .steps = -1};
+    run_advance(run, &target, 0, NULL);
+    struct ledger ledger;
+    run_ledger(run, &ledger);
+    assert_true(fabs(ledger.error_max) < 1e-8 && fabs(ledger.work) > 1e-4);
+    run_destroy(run);
+    typed_destroy(models);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_symplectic),
+        cmocka_unit_test(test_splitting_with_drag),
+        cmocka_unit_test(test_ledger),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

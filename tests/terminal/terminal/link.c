@@ -1,0 +1,226 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Panes over a link: what is sent and when, slow links, terminals of every kind. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "terminal/terminal.h"
+#include "terminal/person.h"
+
+/* ---- what is sent ----------------------------------------------------------------------------------------- */
+
+static void test_idle_is_silent(void **state)
+{
+    (void)state;
+    struct person p;
+    start_panes(&p, (struct start){0});
+    enter(&p, "speed max");
+    enter(&p, "run 10 s");
+    expect(&p, "t=10.00 s");
+    settle(&p, 300);
+    const size_t before = p.raw.len;
+    struct buffer used = {0};
+    char path[64];
+    struct error error;
+    snprintf(path, sizeof path, "/proc/%ld/stat", (long)p.program);
+    assert_true(file_read(path, 65536, &used, &error));
+    const size_t mark = used.len;
+    pump(&p, 1500);
+    assert_true(file_read(path, 65536, &used, &error));
+    assert_int_equal(p.raw.len, before);
+    /* The processor times are the same too: the lines differ in nothing. */
+    assert_int_equal(used.len, 2 * mark);
+    assert_memory_equal(used.data, used.data + mark, mark);
+    print_message("# idle: %zu bytes, 0 ticks of the processor in 1.5 s\n", p.raw.len - before);
+    buffer_free(&used);
+    quit(&p);
+}
+
+/* Bytes and questions of a live run over some frames. */
+static void test_bytes_per_frame(void **state)
+{
+    (void)state;
+    struct person p;
+    start_panes(&p, (struct start){0});
+    enter(&p, "m = 200 g; k = 2.1 N/m; method verlet; gamma = 0.05");
+    type(&p, "run 30 s\r");
+    expect(&p, "RUNNING");
+    expect_prompt(&p, EMPTY_PROMPT);
+    const int first = p.screen.questions;
+    const size_t bytes = p.raw.len;
+    const int64_t begun = clock_ns();
+    const int frames = getenv("LONG") && *getenv("LONG") ? 200 : 60;
+    while (p.screen.questions < first + frames) {
+        assert_true(pump(&p, 2000));
+    }
+    const double each = (double)(p.raw.len - bytes) / frames;
+    const double rate = frames / ((double)(clock_ns() - begun) * 1e-9);
+    print_message("# live view 80x24: %.0f bytes a frame, %.1f frames a second\n", each, rate);
+    assert_true(each <= 250);
+    assert_true(rate < 10.5);
+    quit(&p);
+}
+
+static void test_echo_on_a_slow_link(void **state)
+{
+    (void)state;
+    struct person p;
+    start_panes(&p, (struct start){0});
+    enter(&p, "method verlet; speed 3"); /* the page turns often */
+    type(&p, "run 1000 s\r");
+    expect(&p, "RUNNING");
+    p.rate = 10000;
+    struct buffer line = {0};
+    double worst = 0, sum = 0;
+    const int keys = 26;
+    buffer_put(&line, TEXT("hooke> "));
+    expect_prompt(&p, EMPTY_PROMPT);
+    for (int i = 0; i < keys; i++) {
+        const char key[2] = {(char)('a' + i), 0};
+        buffer_put(&line, text_of(key));
+        const size_t begun = p.raw.len;
+        type(&p, key);
+        expect_prompt(&p, line.data);
+        const double took = (double)(p.raw.len - begun);
+        worst = took > worst ? took : worst;
+        sum += took;
+        for (const int64_t rest = clock_ns() + 70 * MS; clock_ns() < rest;) {
+            pump(&p, 10);
+        }
+    }
+    print_message("# echo at 10 kB/s during a run: after %.0f bytes on average, %.0f at worst\n", sum / keys, worst);
+    assert_true(worst < 2000); /* of other things, which is 0.2 s */
+    buffer_free(&line);
+    p.rate = 0;
+    quit(&p);
+}
+
+/* A terminal that never answers: two frames a second, and no more questions. */
+static void test_silent_terminal(void **state)
+{
+    (void)state;
+    struct person p;
+    start_panes(&p, (struct start){.silent = true});
+    type(&p, "run 1000 s\r");
+    expect(&p, "RUNNING");
+    const int64_t begun = clock_ns();
+    while (clock_ns() - begun < 7000 * (int64_t)MS) {
+        pump(&p, 100);
+    }
+    assert_int_equal(p.screen.questions, 2);
+    quit(&p);
+}
+
+static void test_late_reply_does_not_leak(void **state)
+{
+    (void)state;
+    struct person p;
+    start_panes(&p, (struct start){.silent = true});
+    type(&p, "run 1000 s\r");
+    expect(&p, "RUNNING");
+    while (p.screen.questions == 0) {
+        assert_true(pump(&p, 2000));
+    }
+    type(&p, "quit\r");
+    while (p.screen.second_screen && p.answered == 0) { /* the answer comes when the program is about to leave */
+        if (!pump(&p, 20)) {
+            p.answered = 1;
+            type(&p, "\033[0n");
+        }
+    }
+    const int status = wait_end(&p);
+    assert_true(WIFEXITED(status));
+    same_modes(&p);
+    /* Nothing is left for the shell to read. */
+    int left = 0;
+    int slave = open(ptsname(p.fd), O_RDONLY | O_NONBLOCK | O_NOCTTY);
+    assert_true(slave >= 0);
+    assert_int_equal(ioctl(slave, FIONREAD, &left), 0);
+    assert_int_equal(left, 0);
+    close(slave);
+    forget(&p);
+}
+
+static void test_no_color(void **state)
+{
+    (void)state;
+    struct person p;
+    start_panes(&p, (struct start){.environment = "NO_COLOR=1"});
+    enter(&p, "speed max; run 10 s");
+    expect(&p, "t=10.00 s");
+    assert_int_equal(p.screen.colors, 0);
+    quit(&p);
+    start_panes(&p, (struct start){0});
+    enter(&p, "speed max; run 10 s");
+    expect(&p, "t=10.00 s");
+    settle(&p, 100);
+    assert_true(p.screen.colors > 0);
+    quit(&p);
+}
+
+static void test_terminals(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *term;
+        bool panes;
+    } kinds[] = {{"xterm-256color", true},
+                 {"tmux", true},
+                 {"tmux-256color", true},
+                 {"screen", true},
+                 {"linux", true},
+                 {"vt100", true},
+                 {"ansi", true},
+                 {"dumb", false},
+                 {"no-such-terminal", false},
+                 {"", false}};
+    for (size_t i = 0; i < COUNT_OF(kinds); i++) {
+        struct person p;
+        begin(&p, (struct start){.term = kinds[i].term});
+        if (kinds[i].panes) {
+            expect_prompt(&p, EMPTY_PROMPT);
+            enter(&p, "print 6*7");
+        } else {
+            expect(&p, "no panes:");
+            expect(&p, "hooke>");
+            type(&p, "print 6*7\r");
+        }
+        expect(&p, "42");
+        type(&p, "quit\r");
+        const int status = wait_end(&p);
+        same_modes(&p);
+        assert_true(WIFEXITED(status));
+        assert_int_equal(WEXITSTATUS(status), 0);
+        forget(&p);
+    }
+    /* Too small for panes. */
+    struct person p;
+    begin(&p, (struct start){.width = 19, .height = 6});
+    expect(&p, "hooke>");
+    assert_false(p.screen.second_screen);
+    type(&p, "quit\r");
+    wait_end(&p);
+    forget(&p);
+}
+
+int main(int argc, char **argv)
+{
+    if (!make_folder(state_folder)) {
+        return 1;
+    }
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_idle_is_silent),
+        cmocka_unit_test(test_bytes_per_frame),
+        cmocka_unit_test(test_echo_on_a_slow_link),
+        cmocka_unit_test(test_silent_terminal),
+        cmocka_unit_test(test_late_reply_does_not_leak),
+        cmocka_unit_test(test_no_color),
+        cmocka_unit_test(test_terminals),
+    };
+    if (argc > 1) {
+        cmocka_set_test_filter(argv[1]);
+    }
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,285 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Sessions that save themselves: a terminal that is closed, a program that is killed, files that are not what they
+ * should be. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <sys/resource.h>
+
+#include <dirent.h>
+#include <time.h>
+
+#include "terminal/terminal.h"
+#include "terminal/person.h"
+
+/* A folder for each test. */
+static void new_state(void)
+{
+    snprintf(state_folder, sizeof state_folder, "%s", "/tmp/hooke-panes-XXXXXX");
+    assert_non_null(make_folder(state_folder));
+}
+
+static void folder_path(char path[256], const char *name)
+{
+    snprintf(path, 256, "%s/hooke/%s", state_folder, name);
+}
+
+/* Saved sessions there are; name: of the last one seen. */
+static int count_saved(char name[256])
+{
+    char path[256];
+    int count = 0;
+    folder_path(path, "");
+    DIR *folder = opendir(path);
+    for (struct dirent *entry; folder && (entry = readdir(folder));) {
+        if (strncmp(entry->d_name, AUTOSAVE_PREFIX, strlen(AUTOSAVE_PREFIX)) == 0) {
+            count++;
+            snprintf(name, 256, "%s", entry->d_name);
+        }
+    }
+    if (folder) {
+        closedir(folder);
+    }
+    return count;
+}
+
+static void plant(const char *name, const char *text, time_t age)
+{
+    char path[256];
+    mkdir(state_folder, 0700);
+    folder_path(path, "");
+    mkdir(path, 0700);
+    folder_path(path, name);
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    fputs(text, file);
+    fclose(file);
+    const struct timespec times[2] = {{time(NULL) - age, 0}, {time(NULL) - age, 0}};
+    assert_int_equal(utimensat(AT_FDCWD, path, times, 0), 0);
+}
+
+static bool is_there(const char *name)
+{
+    char path[256];
+    folder_path(path, name);
+    return access(path, F_OK) == 0;
+}
+
+/* The session that expect_resumed() looks for. */
+static void begin_work(struct person *p, const char *environment)
+{
+    begin(p, (struct start){.environment = environment});
+    expect_prompt(p, EMPTY_PROMPT);
+    enter(p, "m = 321 g; method verlet; let answer = 42");
+    enter(p, "run 1000 s");
+    expect(p, "RUNNING");
+    wait_for(p, "t=0.00", false); /* some of it has been computed */
+}
+
+static void expect_resumed(const char *argument)
+{
+    struct person p;
+    begin(&p, (struct start){.argument = {"--resume", argument}});
+    expect_prompt(&p, EMPTY_PROMPT);
+    expect(&p, "m=321 g");
+    expect(&p, "verlet");
+    enter(&p, "print answer + 1");
+    expect(&p, "43");
+    enter(&p, "print run_that_is_not_there"); /* the log goes on */
+    enter(&p, "runs");
+    expect(&p, "1  verlet");
+    quit(&p);
+}
+
+static void test_closed_terminal(void **state)
+{
+    (void)state;
+    new_state();
+    struct person p;
+    begin_work(&p, NULL);
+    close(p.fd);
+    p.fd = -1;
+    const int64_t begun = work_ns(p.program);
+    struct rusage before, after;
+    getrusage(RUSAGE_CHILDREN, &before);
+    const int status = wait_end(&p);
+    getrusage(RUSAGE_CHILDREN, &after);
+    const int64_t work = (after.ru_utime.tv_sec - before.ru_utime.tv_sec) * 1000000000 +
+                         (after.ru_utime.tv_usec - before.ru_utime.tv_usec) * 1000 - begun;
+    assert_true(WIFEXITED(status));
+    assert_int_equal(WEXITSTATUS(status), 129);
+    assert_true(work < 3 * work_most());
+    forget(&p);
+    expect_resumed(NULL);
+}
+
+static void test_killed(void **state)
+{
+    (void)state;
+    new_state();
+    struct person p;
+    char name[256] = "";
+    begin_work(&p, "HOOKE_AUTOSAVE=0.2");
+    while (count_saved(name) == 0) {
+        assert_true(pump(&p, 2000));
+    }
+    kill(p.program, SIGKILL);
+    wait_end(&p);
+    forget(&p);
+    *strrchr(name, '.') = '\0'; /* also without its ending */
+    expect_resumed(name);
+}
+
+static void test_plain_prompt_saves_too(void **state)
+{
+    (void)state;
+    new_state();
+    struct person p;
+    char name[256];
+    begin(&p, (struct start){.argument = {"--plain"}, .environment = "HOOKE_AUTOSAVE=0.2"});
+    expect(&p, "hooke>");
+    type(&p, "m = 321 g; method verlet; let answer = 42; run 5 s\r");
+    expect(&p, "t = 5 s");
+    while (count_saved(name) == 0) { /* while it waits at the prompt */
+        pump(&p, 100);
+    }
+    kill(p.program, SIGTERM);
+    const int status = wait_end(&p);
+    assert_true(WIFEXITED(status));
+    assert_int_equal(WEXITSTATUS(status), 143);
+    same_modes(&p);
+    forget(&p);
+    expect_resumed(NULL);
+}
+
+static void test_plain_suspend(void **state)
+{
+    (void)state;
+    new_state();
+    struct person p;
+    begin(&p, (struct start){.argument = {"--plain"}, .shell = true});
+    expect(&p, "hooke>");
+    type(&p, "print 5");
+    expect(&p, "print 5");
+    type(&p, "\x1a");
+    expect_stop(&p);
+    same_modes(&p);
+    continue_program(&p);
+    type(&p, "*5\r");
+    expect(&p, "25");
+    type(&p, "quit\r");
+    wait_end(&p);
+    same_modes(&p);
+    forget(&p);
+}
+
+static void test_nothing_changed_nothing_saved(void **state)
+{
+    (void)state;
+    new_state();
+    struct person p;
+    char name[256];
+    begin(&p, (struct start){0});
+    expect_prompt(&p, EMPTY_PROMPT);
+    enter(&p, "print 1");
+    quit(&p);
+    assert_int_equal(count_saved(name), 0);
+}
+
+/* The last five are kept, those of living programs anyway; what killed writers left is cleared away. */
+static void test_old_ones_go(void **state)
+{
+    (void)state;
+    new_state();
+    char living[64], name[256];
+    for (int i = 0; i < 8; i++) {
+        snprintf(name, sizeof name, "session-20200101-00000%d-4194304%d.hk", i, i); /* no process has such a number */
+        plant(name, "m = 1 kg\n", 1000 + i);
+    }
+    snprintf(living, sizeof living, "session-20200101-000000-%ld.hk", (long)getpid());
+    plant(living, "m = 1 kg\n", 5000);
+    plant(".session-20200101-000000-1.hk.hooke-0badcafe", "m", 5000);
+    plant(".session-20200101-000001-1.hk.hooke-0badcaff", "m", 0); /* being written */
+    plant("session-notes.hk", "mine", 5000);
+    struct person p;
+    begin(&p, (struct start){0});
+    expect_prompt(&p, EMPTY_PROMPT);
+    quit(&p);
+    assert_true(is_there("session-20200101-000004-41943044.hk"));
+    assert_false(is_there("session-20200101-000005-41943045.hk"));
+    assert_true(is_there(living));
+    assert_false(is_there(".session-20200101-000000-1.hk.hooke-0badcafe"));
+    assert_true(is_there(".session-20200101-000001-1.hk.hooke-0badcaff"));
+    assert_true(is_there("session-notes.hk"));
+    assert_int_equal(count_saved(name), 5 + 1 + 1);
+}
+
+/* Restored is all of it or nothing, and only what makes a session. */
+static void test_bad_files(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text, *said;
+    } bad[] = {
+        {"m = 0.3 kg\nexport stolen.csv\n", "does not belong"},
+        {"m = 0.3 kg\nexport stolen.csv every=3\n", "does not belong"},
+        {"m = 0.3 kg; export stolen.csv\n", "does not belong"},
+        {"let x = 3; source other.hk\n", "does not belong"},
+        {"x' = v; quit\n", "does not belong"},
+        {"m = 0.3 kg\nset gama 3\n", "gama"},
+        {"m = \033[2J\n", "nothing was restored"},
+    };
+    for (size_t i = 0; i < COUNT_OF(bad); i++) {
+        new_state();
+        plant("session-20200101-000000-41943040.hk", bad[i].text, 100);
+        struct person p;
+        begin(&p, (struct start){.argument = {"--resume"}, .width = 160});
+        expect(&p, bad[i].said);
+        const int status = wait_end(&p);
+        assert_true(WIFEXITED(status));
+        assert_int_equal(WEXITSTATUS(status), 2);
+        assert_int_not_equal(access("stolen.csv", F_OK), 0);
+        forget(&p);
+    }
+    new_state();
+    struct person p;
+    begin(&p, (struct start){.argument = {"--resume"}});
+    expect(&p, "no saved session");
+    wait_end(&p);
+    forget(&p);
+}
+
+static void test_no_place_to_save(void **state)
+{
+    (void)state;
+    new_state();
+    struct person p;
+    begin(&p, (struct start){.state = "/proc/nowhere", .environment = "HOOKE_AUTOSAVE=0.2"});
+    expect_prompt(&p, EMPTY_PROMPT);
+    enter(&p, "m = 321 g");
+    expect(&p, "history cannot be kept");
+    expect(&p, "cannot be saved");
+    enter(&p, "clear; m = 322 g");
+    expect(&p, "m=322 g");
+    settle(&p, 500);
+    assert_false(shows(&p, "cannot be saved")); /* said once */
+    quit(&p);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_closed_terminal),
+        cmocka_unit_test(test_killed),
+        cmocka_unit_test(test_plain_prompt_saves_too),
+        cmocka_unit_test(test_plain_suspend),
+        cmocka_unit_test(test_nothing_changed_nothing_saved),
+        cmocka_unit_test(test_old_ones_go),
+        cmocka_unit_test(test_bad_files),
+        cmocka_unit_test(test_no_place_to_save),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,258 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Every command: described, explained, refusing what it does not know, completed. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "unit/command/testing.h"
+
+static const struct command *command_number(size_t i)
+{
+    return (const struct command *)(const void *)catalog_row(&command_catalog, i);
+}
+
+struct found {
+    struct buffer names;
+    int count;
+};
+
+static void collect(void *context, const char *candidate, const char *brief)
+{
+    struct found *found = context;
+    assert_non_null(brief);
+    buffer_format(&found->names, " %s ", candidate);
+    found->count++;
+}
+
+static void every_command_is_described(void **state)
+{
+    (void)state;
+    struct bench b;
+    bench_open(&b, false);
+    b.session->front.watched = true; /* long lines are broken by the log, not by help */
+    assert_true(command_catalog.count >= 40);
+    for (size_t i = 0; i < command_catalog.count; i++) {
+        const struct command *c = command_number(i);
+        struct buffer usage = {0};
+        char line[64];
+        if (!c->row.brief[0] || !c->text[0] || !c->group[0])
+            fail_msg("%s lacks an explanation", c->row.name);
+        const char *second = strchr(c->examples, '\n');
+        if (!second || strchr(second + 1, '\n'))
+            fail_msg("%s has not two examples", c->row.name);
+        struct text see = text_of(c->see), word;
+        while (text_split(&see, ' ', &word))
+            if (!catalog_find(&command_catalog, word))
+                fail_msg("%s: see also '%.*s'", c->row.name, (int)word.len, word.at);
+        for (size_t j = i + 1; j < command_catalog.count; j++)
+            assert_string_not_equal(c->row.name, command_number(j)->row.name);
+        snprintf(line, sizeof line, "help %s", c->row.name);
+        type_ok(&b, line);
+        command_usage(c, &usage);
+        assert_says(&b.out, usage.data);
+        buffer_free(&usage);
+    }
+    bench_close(&b);
+}
+
+/* An option that no command has, and a quote without end: an error with a caret, for every command that does not take
+ * any text. */
+static void every_command_refuses_nonsense(void **state)
+{
+    (void)state;
+    struct bench b;
+    bench_open(&b, false);
+    for (size_t i = 0; i < command_catalog.count; i++) {
+        const struct command *c = command_number(i);
+        struct buffer usage = {0};
+        char line[64];
+        command_usage(c, &usage);
+        const bool takes_text = strcmp(c->group, "EQUATIONS") == 0 || strstr(usage.data, "TEXT") || strstr(usage.data, "WORD") || strstr(usage.data, "VALUE");
+        buffer_free(&usage);
+        if (takes_text && strcmp(c->row.name, "load") != 0)
+            continue;
+        snprintf(line, sizeof line, "%s --nonsense", c->row.name);
+        if (type(&b, line))
+            fail_msg("'%s' was accepted", line);
+        assert_says(&b.err, "has no option 'nonsense'");
+        assert_says(&b.err, "^~~~~~~~");
+        snprintf(line, sizeof line, "%s 'x", c->row.name);
+        assert_false(type(&b, line));
+        assert_says(&b.err, "has no end");
+    }
+    assert_int_equal(b.session->undos, 0);
+    bench_close(&b);
+}
+
+/* A slip of the finger in its name is answered with the name, the beginning of it is completed; in a script only the
+ * whole name will do. */
+static void every_command_is_suggested_and_completed(void **state)
+{
+    (void)state;
+    struct bench b;
+    bench_open(&b, false);
+    for (size_t i = 0; i < command_catalog.count; i++) {
+        const char *name = command_number(i)->row.name;
+        const struct source script = {.name = "s.hk", .line = 7};
+        char line[64], wanted[64];
+        struct found found = {.count = 0};
+        size_t start;
+        snprintf(line, sizeof line, "%.*sq%s", (int)strlen(name) - 1, name, name + strlen(name) - 1);
+        snprintf(wanted, sizeof wanted, "'%s'", name);
+        buffer_clear(&b.err);
+        b.session->status = 0;
+        assert_false(command_exec(b.session, text_of(line), &script, &b.reply));
+        assert_int_equal(b.session->status, 1);
+        assert_says(&b.err, "s.hk:7:1: error: ");
+        assert_says(&b.err, "did you mean ");
+        assert_says(&b.err, wanted);
+        snprintf(wanted, sizeof wanted, " %s ", name);
+        command_complete(b.session, (struct text){name, strlen(name) - 1}, strlen(name) - 1, &start, collect, &found);
+        assert_says(&found.names, wanted);
+        buffer_free(&found.names);
+    }
+    bench_close(&b);
+}
+
+static void every_row_is_explained(struct bench *b, const struct catalog *catalog)
+{
+    for (size_t i = 0; i < catalog->count; i++) {
+        char line[80];
+        snprintf(line, sizeof line, "help %s", catalog_row(catalog, i)->name);
+        type_ok(b, line);
+        assert_says(&b->out, catalog_row(catalog, i)->brief);
+    }
+}
+
+/* Every name that can be chosen is found by help, completion and apropos. */
+static void every_row_has_help(void **state)
+{
+    (void)state;
+    const struct catalog *const catalogs[] = {&setting_catalog, &method_catalog,     &preset_catalog,
+                                              &unit_catalog,    &observable_catalog, &function_catalog};
+    struct bench b;
+    bench_open(&b, false);
+    b.session->front.watched = true; /* long lines are broken by the log, not by help */
+    for (size_t c = 0; c < COUNT_OF(catalogs); c++)
+        every_row_is_explained(&b, catalogs[c]);
+    for (const struct model *const *model = scene_models; *model; model++) {
+        every_row_is_explained(&b, (*model)->params);
+        every_row_is_explained(&b, (*model)->derived);
+    }
+    bench_close(&b);
+}
+
+/* ---- completion ---- */
+
+static void complete(struct bench *b, const char *line, struct found *found, size_t *start, bool *file)
+{
+    *found = (struct found){.count = 0};
+    *file = !command_complete(b->session, text_of(line), strlen(line), start, collect, found);
+    buffer_put(&found->names, TEXT(""));
+}
+
+static void completion_follows_the_type(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *line, *with, *without;
+        size_t start;
+        bool file;
+    } cases[] = {
+        {"", " run ", " euler ", 0, false},
+        {"co", " compare ", " run ", 0, false},
+        {"echo a; me", " measure ", " m ", 8, false},
+        {"ga", " gamma ", " y0 ", 0, false},
+        {"set ", " gamma ", " run ", 4, false},
+        {"set m 5 ", " kg ", " cm ", 8, false},
+        {"set m 5 k", " kg ", " g ", 8, false},
+        {"m = 200 ", " g ", " cm ", 8, false},
+        {"m = ", " k ", " kg ", 4, false},
+        {"set charset ", " braille ", " kg ", 12, false},
+        {"method ", " verlet ", " run ", 7, false},
+        {"method verlet d", " drag= ", " tol= ", 14, false},
+        {"method verlet drag=", " implicit ", " verlet ", 19, false},
+        {"method verlet dt=5 ", " ms ", " kg ", 19, false},
+        {"compare euler ", " rk4 ", " run ", 14, false},
+        {"compare euler dt=1 ms,2 ", " ms ", " kg ", 24, false},
+        {"run 5 ", " s ", " kg ", 6, false},
+        {"run --", " --force ", " s ", 4, false},
+        {"run until ", " energy ", " s ", 10, false},
+        {"measure ", " period ", " run ", 8, false},
+        {"measure period of ", " data ", " period ", 18, false},
+        {"measure period of ", " momentum ", " k ", 18, false},
+        {"measure period of run ", " 1 ", " data ", 22, false},
+        {"plot position run ", " all ", " data ", 18, false},
+        {"plot ", " phase ", " m ", 5, false},
+        {"plot y at ", " top ", " phase ", 10, false},
+        {"plot y against v at top --", " --next ", " --kept ", 24, false},
+        {"set record ", " every ", " kg ", 11, false},
+        {"help sym", " symplectic-euler ", " run ", 5, false},
+        {"list ", " methods ", " euler ", 5, false},
+        {"load ", " as= ", " run ", 5, true},
+        {"save ", " --force ", " run ", 5, true},
+        {"export x.csv ", " energy ", " m ", 13, false},
+        {"print sq", " sqrt ", " y ", 6, false},
+        {"scene ", " damped ", " euler ", 6, false},
+        {"echo 'a; ", "", " run ", 0, false},
+        {"sweep ga", " gamma= ", " run ", 6, false},
+        {"sweep k=1:2 me", " measure= ", " gamma= ", 12, false},
+        {"sweep k=1:2 measure=y,", " amplitude ", " gamma= ", 22, false},
+        {"sweep k=1:2 measure=", " energy ", " gamma= ", 20, false},
+        {"sweep y0=1 ", " cm ", " N/m ", 11, false},
+        {"sweep y0=1 cm:5 ", " mm ", " kg ", 16, false},
+        {"sweep T0=1:2 ", " dt= ", " omega_d= ", 13, false},
+    };
+    struct bench b;
+    bench_open(&b, true);
+    type_ok(&b, "event top when v falling do record; run 1 s");
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        struct found found;
+        size_t start = 0;
+        bool file;
+        complete(&b, cases[i].line, &found, &start, &file);
+        if (!strstr(found.names.data, cases[i].with) || strstr(found.names.data, cases[i].without) ||
+            start != cases[i].start || file != cases[i].file)
+            fail_msg("'%s': start %zu, file %d:%s", cases[i].line, start, file, found.names.data);
+        buffer_free(&found.names);
+    }
+    bench_close(&b);
+}
+
+static void completion_survives_anything(void **state)
+{
+    (void)state;
+    static const char bytes[] = "run set m=5 ;'\"#,>--\\ y<\t:";
+    struct bench b;
+    uint32_t random = 1;
+    bench_open(&b, true);
+    for (int i = 0; i < 20000; i++) {
+        char line[24];
+        struct found found = {.count = 0};
+        size_t len = 0, start;
+        for (; len < sizeof line - 1; len++) {
+            random = random * 1664525u + 1013904223u;
+            line[len] = bytes[(random >> 16) % (sizeof bytes - 1)];
+        }
+        const size_t cursor = (random >> 8) % (len + 1);
+        command_complete(b.session, (struct text){line, len}, cursor, &start, collect, &found);
+        assert_true(found.count == 0 || start <= cursor);
+        buffer_free(&found.names);
+    }
+    bench_close(&b);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_command_is_described),
+        cmocka_unit_test(every_command_refuses_nonsense),
+        cmocka_unit_test(every_command_is_suggested_and_completed),
+        cmocka_unit_test(every_row_has_help),
+        cmocka_unit_test(completion_follows_the_type),
+        cmocka_unit_test(completion_survives_anything),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

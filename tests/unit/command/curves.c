@@ -1,0 +1,307 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Curves of very different size in one figure: each is drawn over all of its time, or the frame says where it leaves. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "unit/command/testing.h"
+
+#define EDGE 0.0111 /* [axis lengths] that a curve may stick out without a word */
+
+static const enum plot_kind kinds[] = {PLOT_ENERGY, PLOT_POSITION, PLOT_VELOCITY, PLOT_PHASE};
+
+/* What was found of all curves of a figure. */
+struct seen {
+    size_t outside, blank; /* samples beyond the axes; inside, but without ink */
+    int drawn;             /* curves that are in some panel */
+    int panels;
+    bool log;
+    bool said; /* the frame says that something leaves */
+};
+
+/* There or in a cell beside it: a line between samples takes the dots that it passes, not those nearest to them. */
+static bool is_ink(const struct canvas *canvas, int x, int y)
+{
+    for (int i = 0; i < 9; i++) {
+        const struct cell *cell = &canvas->cell[(y + i / 3 - 1) * canvas->width + x + i % 3 - 1];
+        if (cell->codepoint != ' ' && (cell->style >= STYLE_CURVE_1 || cell->style == STYLE_BOLD))
+            return true;
+    }
+    return false;
+}
+
+static void look_at_panel(const struct figure_panel *panel, const struct canvas *canvas, enum charset charset,
+                          struct seen *seen)
+{
+    const struct figure *figure = &panel->figure;
+    struct figure_layout layout;
+    figure_layout(figure, panel->width, panel->height, charset, &layout);
+    seen->log |= layout.y.log;
+    for (int c = 0; c < figure->curves; c++) {
+        const struct curve *curve = &figure->curve[c];
+        if (figure->part && curve->panel != figure->panel)
+            continue;
+        seen->drawn++;
+        for (size_t i = 0; i < curve->n; i++) {
+            const double x = scale_fraction(&layout.x, curve->x[i]), y = scale_fraction(&layout.y, curve->y[i]);
+            int column, row;
+            if (!(x >= -EDGE && x <= 1 + EDGE && y >= -EDGE && y <= 1 + EDGE))
+                seen->outside++;
+            else if (figure_cell(&layout, curve->x[i], curve->y[i], &column, &row))
+                seen->blank += !is_ink(canvas, panel->x + layout.left + column, panel->y + layout.top + row);
+        }
+    }
+}
+
+static struct seen look_at(const struct figure *figure, int width, int height, enum charset charset)
+{
+    struct seen seen = {0};
+    struct figure_panel panel[PANELS_MOST];
+    struct canvas canvas;
+    struct buffer text = {0};
+    assert_true(canvas_init(&canvas, width, height));
+    assert_true(figure_draw(figure, &canvas, 0, 0, width, height, charset));
+    seen.panels = figure_panels(figure, width, height, charset, panel);
+    for (int i = 0; i < seen.panels; i++)
+        look_at_panel(&panel[i], &canvas, charset, &seen);
+    canvas_print(&canvas, false, &text);
+    seen.said = strstr(said(&text), "leave") || strstr(said(&text), "outside");
+    buffer_free(&text);
+    canvas_free(&canvas);
+    return seen;
+}
+
+static struct figure figure_of(struct bench *bench, enum plot_kind kind, enum charset charset, int width,
+                               const struct figure_range *y, struct arena *arena)
+{
+    static const int runs[] = {0, 1, 2, 3};
+    struct figure figure;
+    struct error error = {0};
+    const struct figure_request request = {.kind = kind,
+                                           .run = runs,
+                                           .runs = bench->session->runs,
+                                           .recording = -1,
+                                           .window = {0, NAN},
+                                           .width = width,
+                                           .charset = charset,
+                                           .trail = HUGE_VAL,
+                                           .y = y};
+    if (!session_figure(bench->session, &request, arena, &figure, &error))
+        fail_msg("%s", error.text);
+    return figure;
+}
+
+static const char *const setups[] = {
+    "method euler; run 10 s; method symplectic-euler; run 10 s",
+    "method symplectic-euler; run 10 s; method euler; run 10 s; method backward-euler; run 10 s",
+    "method rk4; run 10 s; y0 = 3 m; run 10 s",
+    "gamma = 0.4; method euler dt=30ms; run 20 s; method verlet; run 5 s",
+    "scene pendulum; method euler; run 30 s; method verlet; run 30 s",
+};
+
+/* Every sample of every curve has its place in the figure, and ink. */
+static void curves_of_different_size_are_whole(void **state)
+{
+    static const int sizes[][2] = {{80, 24}, {40, 12}, {100, 30}, {120, 16}, {51, 15}};
+    (void)state;
+    for (size_t s = 0; s < COUNT_OF(setups); s++) {
+        struct bench bench;
+        bench_open(&bench, false);
+        type_ok(&bench, setups[s]);
+        for (size_t k = 0; k < COUNT_OF(kinds) * COUNT_OF(sizes) * 3; k++) {
+            const enum plot_kind kind = kinds[k % COUNT_OF(kinds)];
+            const int *size = sizes[k / COUNT_OF(kinds) % COUNT_OF(sizes)];
+            const enum charset charset = (enum charset)(k / COUNT_OF(kinds) / COUNT_OF(sizes));
+            struct arena arena = {0};
+            const struct figure figure = figure_of(&bench, kind, charset, size[0], NULL, &arena);
+            const struct seen seen = look_at(&figure, size[0], size[1], charset);
+            if (seen.outside || seen.blank || seen.said || seen.drawn != figure.curves ||
+                (seen.panels < 2 && !seen.log && s < 3))
+                fail_msg("%s: kind %d, %dx%d: %zu samples outside, %zu without ink, %d of %d curves, %d panels",
+                         setups[s], kind, size[0], size[1], seen.outside, seen.blank, seen.drawn, figure.curves,
+                         seen.panels);
+            arena_reset(&arena);
+        }
+        bench_close(&bench);
+    }
+}
+
+/* On an axis that was asked for, a curve that leaves is named. */
+static void what_leaves_is_said(void **state)
+{
+    (void)state;
+    struct bench bench;
+    bench_open(&bench, false);
+    type_ok(&bench, setups[0]);
+    for (int i = 0; i < 60; i++) {
+        const enum plot_kind kind = kinds[i % 4];
+        const double top = pow(10, -2.5 + 0.1 * i);
+        const struct figure_range range = {.end = {-top, top}, .quantity = QUANTITY_OTHER};
+        struct arena arena = {0};
+        const struct figure figure = figure_of(&bench, kind, CHARSET_ASCII, 80, &range, &arena);
+        const struct seen seen = look_at(&figure, 80, 24, CHARSET_ASCII);
+        if (seen.panels != 1 || seen.log || seen.said != (seen.outside > 0))
+            fail_msg("kind %d up to %g: %zu samples outside, said: %d", kind, top, seen.outside, seen.said);
+        arena_reset(&arena);
+    }
+    bench_close(&bench);
+}
+
+/* ---- pictures ---- */
+
+struct extent {
+    double left, right, top, bottom; /* [pt] */
+};
+
+/* What the longest path of a color covers in an SVG file. */
+static struct extent longest_path(const char *svg, const char *color)
+{
+    struct extent longest = {0};
+    for (const char *at = svg; (at = strstr(at, "<path")); at++) {
+        const char *end = strchr(at, '>'), *data = strstr(at, " d=\""), *stroke = strstr(at, color);
+        if (!end || !data || data > end || !stroke || stroke > end || !strstr(at, "fill:none") ||
+            strstr(at, "fill:none") > end)
+            continue;
+        struct extent all = {1e9, -1e9, 1e9, -1e9};
+        for (char *next = (char *)(uintptr_t)(data + 4); next < end && *next != '"';) {
+            if (*next == 'M' || *next == 'L' || *next == ' ') {
+                next++;
+                continue;
+            }
+            char *after;
+            const double x = strtod(next, &after), y = strtod(after, &after);
+            if (after == next)
+                break;
+            next = after;
+            all = (struct extent){fmin(all.left, x), fmax(all.right, x), fmin(all.top, y), fmax(all.bottom, y)};
+        }
+        if (all.right - all.left > longest.right - longest.left)
+            longest = all;
+    }
+    return longest;
+}
+
+static void both_are_whole_in_pictures(void **state)
+{
+    static const char *const colors[] = {"stroke:rgb(0%,44.7%,69.8%)", "stroke:rgb(83.5%,36.9%,0%)"};
+    (void)state;
+    struct bench bench;
+    bench_open(&bench, false);
+    type_ok(&bench, setups[0]);
+    for (size_t k = 0; k < COUNT_OF(kinds); k++) {
+        char line[100];
+        snprintf(line, sizeof line, "plot %s run 1 2 > figure-%zu.svg", catalog_row(&plot_catalog, kinds[k])->name, k);
+        if (!type(&bench, line) && strstr(said(&bench.err), "cairo")) {
+            bench_close(&bench);
+            skip(); /* built, or running, without it */
+        }
+        char name[40], *svg = NULL;
+        snprintf(name, sizeof name, "figure-%zu.svg", k);
+        FILE *file = fopen(name, "rb");
+        size_t size = 0;
+        assert_non_null(file);
+        assert_true(getdelim(&svg, &size, '\0', file) > 0);
+        assert_int_equal(fclose(file), 0);
+        for (int c = 0; c < 2; c++) {
+            const struct extent path = longest_path(svg, colors[c]);
+            const bool plane = kinds[k] == PLOT_PHASE;
+            const double wide = path.right - path.left, high = path.bottom - path.top;
+            /* Of 640 x 400: two planes share the width, two panels the height; energy swings by 4 % on its axis. */
+            if (wide < (plane ? 200 : 550) || high < (plane ? 200 : kinds[k] == PLOT_ENERGY ? 3 : 100) ||
+                path.left < 0 || path.right > 640 || path.top < 0 || path.bottom > 400)
+                fail_msg("%s: curve %d is %.0f x %.0f pt, from %.0f, %.0f", line, c + 1, wide, high, path.left,
+                         path.top);
+        }
+        free(svg);
+    }
+    bench_close(&bench);
+}
+
+/* A drift far below what matters is drawn as a line, and as narrow as it is where that is asked for. */
+static void a_small_drift_is_not_drawn_from_top_to_bottom(void **state)
+{
+    static const struct figure_range narrow = {.end = {NAN, NAN}, .quantity = QUANTITY_OTHER};
+    (void)state;
+    struct bench bench;
+    bench_open(&bench, false);
+    type_ok(&bench, "method rk4; run 10 s");
+    for (int asked = 0; asked < 2; asked++) {
+        struct arena arena = {0};
+        const struct figure figure = figure_of(&bench, PLOT_ENERGY, CHARSET_BRAILLE, 80, asked ? &narrow : NULL, &arena);
+        struct figure_layout layout;
+        figure_layout(&figure, 80, 24, CHARSET_BRAILLE, &layout);
+        const struct curve *curve = &figure.curve[0];
+        const double from = scale_fraction(&layout.y, curve->y[0]),
+                     to = scale_fraction(&layout.y, curve->y[curve->n - 1]);
+        if (asked)
+            assert_true(fabs(from - to) > 0.7 && layout.y_ticks.offset > 0);
+        else
+            assert_true(fabs(from - to) < 0.001 && layout.y.from <= 0 && layout.y_ticks.offset == 0);
+        arena_reset(&arena);
+    }
+    bench_close(&bench);
+}
+
+/* Whether a curve holds a point at t that is at y to within a part of its size; of those there are the nearest. */
+static void assert_passes(const struct curve *curve, double t, double y, double within)
+{
+    size_t nearest = 0;
+    for (size_t i = 1; i < curve->n; i++)
+        if (fabs(curve->x[i] - t) < fabs(curve->x[nearest] - t))
+            nearest = i;
+    if (fabs(curve->x[nearest] - t) > 0.02 || fabs(curve->y[nearest] - y) > within)
+        fail_msg("nearest to %g s: %g at %g s, not %g", t, curve->y[nearest], curve->x[nearest], y);
+}
+
+/* A ball that bounces moves along parabolas, and a spring that was changed on the way along the sines of both. */
+static void adaptive_runs_are_smooth_between_jumps(void **state)
+{
+    (void)state;
+    struct bench bench;
+    struct arena arena = {0};
+    bench_open(&bench, false);
+    type_ok(&bench, "scene new; var y = 1 m; param r = 0.8; y'' = -9.81; "
+                    "event bounce when y falling do \"y' = -r*y'; continue\"; method dop853; run 1.1 s");
+    struct figure figure = figure_of(&bench, PLOT_POSITION, CHARSET_BRAILLE, 80, NULL, &arena);
+    const double fall = sqrt(2 / 9.81), speed = 0.8 * 9.81 * fall;
+    for (double t = 0; t < 1.1; t += 0.05) { /* 0.02 s at 5 m/s */
+        const double later = t - fall, y = later < 0 ? 1 - 4.905 * t * t : speed * later - 4.905 * later * later;
+        assert_passes(&figure.curve[0], t, y, 0.1);
+    }
+    assert_passes(&figure.curve[0], fall + speed / 9.81, 0.64, 0.005); /* the top, where no step ends */
+    bench_close(&bench);
+    bench_open(&bench, false);
+    type_ok(&bench, "m = 1 kg; k = 1 N/m; y0 = 1 m; method dop853; run 1 s; change k 0; continue 1 s");
+    figure = figure_of(&bench, PLOT_POSITION, CHARSET_BRAILLE, 80, NULL, &arena);
+    for (double t = 0; t < 2; t += 0.1)
+        assert_passes(&figure.curve[0], t, t < 1 ? cos(t) : cos(1) - sin(1) * (t - 1), 0.02);
+    arena_reset(&arena);
+    bench_close(&bench);
+}
+
+static void logarithmic_errors_are_sizes(void **state)
+{
+    (void)state;
+    struct bench bench;
+    bench_open(&bench, false);
+    type_ok(&bench, "method rk4; run 10 s; plot error --log");
+    assert_non_null(strstr(said(&bench.out), "|error| ["));
+    assert_null(strstr(said(&bench.out), "493 values"));
+    bench_close(&bench);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(adaptive_runs_are_smooth_between_jumps),
+        cmocka_unit_test(logarithmic_errors_are_sizes),
+        cmocka_unit_test(curves_of_different_size_are_whole),
+        cmocka_unit_test(what_leaves_is_said),
+        cmocka_unit_test(both_are_whole_in_pictures),
+        cmocka_unit_test(a_small_drift_is_not_drawn_from_top_to_bottom),
+    };
+    return cmocka_run_group_tests(tests, enter_folder, leave_folder);
+}

@@ -1,0 +1,163 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A fit that leaves out more than a fifth of the samples describes none: no kind of fit says of it that it converged. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "unit/command/testing.h"
+#include "unit/analysis/testing.h"
+
+enum { SAMPLES = 600 };
+
+#define RATE 40.0
+#define MOST 0.2
+
+static double uniform;
+
+static double swing(double t)
+{
+    return 5 * exp(-0.02 * t) * cos(2 * 3.14159265358979323846 * t / 0.9 + 0.4);
+}
+
+static double cut_one(double t) /* 37 % of the time */
+{
+    return fmin(swing(t), 2);
+}
+
+static double cut_little(double t) /* 27 % */
+{
+    return fmin(swing(t), 3);
+}
+
+static double cut_both(double t)
+{
+    return fmax(fmin(swing(t), 3.5), -3.5);
+}
+
+static double echoes(double t) /* a third of them comes from the wall */
+{
+    return uniform < 0.33 ? 40 : swing(t);
+}
+
+static double some_echoes(double t) /* fewer than a fifth in all, but near it */
+{
+    return uniform < 0.22 ? 12 : swing(t);
+}
+
+static double anywhere(double t)
+{
+    return uniform < 0.28 ? -80 + 600 * uniform : swing(t);
+}
+
+static double zeros(double t) /* a third of the time nothing */
+{
+    return fmod(t, 3) > 2 ? 0 : swing(t);
+}
+
+static double rubbish(double t) /* from two thirds on */
+{
+    return t > 10 ? 60 * uniform - 30 : swing(t);
+}
+
+static double bump(double t)
+{
+    return 5 * exp(-(t - 7) * (t - 7) / 0.5);
+}
+
+static double two_levels(double t)
+{
+    return swing(t) + (uniform < 0.4 ? 9 : 0);
+}
+
+static double peaks(double t) /* far from any sine */
+{
+    return exp(2.5 * cos(7 * t));
+}
+
+static const struct shape {
+    const char *name;
+    double (*at)(double t);
+} shapes[] = {{"cut on one side", cut_one},    {"cut a little", cut_little}, {"cut on both sides", cut_both},
+              {"echoes", echoes},              {"some echoes", some_echoes}, {"anywhere", anywhere},
+              {"zeros", zeros},                {"rubbish at the end", rubbish}, {"one bump", bump},
+              {"two levels", two_levels},      {"peaks", peaks}};
+
+static const char *const fits[] = {
+    "fit",
+    "fit sine",
+    "fit drag",
+    "fit law",
+    "fit modes 1",
+    "fit modes 2",
+    "fit scene",
+    "fit scene --robust",
+    "fit scene free=k,gamma,y0,v0 --robust",
+    "fit a*exp(-b*t)*cos(w*t+p)+c a=5 b=0.01 w=6.98 p=0.4 c=0",
+    "fit a*exp(-b*t)*cos(w*t+p)+c a=5 b=0.01 w=6.98 p=0.4 c=0 --robust",
+    "fit c+0*t c=1 --robust",
+};
+
+static void write_recording(const struct shape *shape)
+{
+    FILE *file = fopen("rec.csv", "w");
+    assert_non_null(file);
+    random_state = 5;
+    fprintf(file, "t (s),y (cm)\n");
+    for (int i = 0; i < SAMPLES; i++) {
+        uniform = 0.5 * erfc(random_normal() / sqrt(2.0));
+        fprintf(file, "%.3f,%.4f\n", i / RATE, shape->at(i / RATE) + 0.02 * random_normal());
+    }
+    assert_int_equal(fclose(file), 0);
+}
+
+/* The number behind "key": in a line of JSON; NAN: there is none. */
+static double number(const char *json, const char *key)
+{
+    char quoted[32];
+    snprintf(quoted, sizeof quoted, "\"%s\":", key);
+    const char *at = strstr(json, quoted);
+    return at ? strtod(at + strlen(quoted), NULL) : NAN;
+}
+
+static void nothing_that_discards_a_fifth_converges(void **state)
+{
+    (void)state;
+    const char *given = getenv("LONG");
+    int answers = 0, refused = 0, bad = 0;
+    for (size_t k = 0; k < COUNT_OF(shapes); k++) {
+        struct bench bench;
+        write_recording(&shapes[k]);
+        bench_open(&bench, false);
+        type_ok(&bench, "scene spring; m = 200 g; k = 9.7 N/m; y0 = 4 cm; load rec.csv; set format json");
+        for (size_t i = 0; i < COUNT_OF(fits); i++) {
+            const bool always = k == 0 && i > 0 && i < 4; /* sine, drag and law reject the most */
+            if (!always && (i + k) % 8 != 0 && !(given && *given))
+                continue;
+            const bool done = type(&bench, fits[i]);
+            const char *out = said(&bench.out);
+            const double used = number(out, "used"), rejected = number(out, "rejected");
+            const bool converged = done && !strstr(out, "\"converged\":false");
+            refused += !done && strstr(said(&bench.err), "left out") != NULL;
+            if (isnan(used))
+                continue;
+            answers++;
+            if (converged && rejected > MOST * (used + rejected)) {
+                print_error("%s, %s: converged, %g of %g samples left out\n", shapes[k].name, fits[i], rejected,
+                            used + rejected);
+                bad++;
+            }
+        }
+        bench_close(&bench);
+    }
+    assert_int_equal(bad, 0);
+    assert_true(answers >= 10 && refused >= 3); /* of all kinds */
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(nothing_that_discards_a_fifth_converges)};
+    return cmocka_run_group_tests(tests, enter_folder, leave_folder);
+}

@@ -1,0 +1,406 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Events: found once each, at the right time, whatever the method and however the run is cut into calls. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "unit/scene/typing.h"
+#include <hooke/run.h>
+
+#include <stdlib.h>
+
+struct fixture {
+    struct typed_models *models;
+    struct scene scene;
+    struct run *run;
+    struct arena arena;
+    struct expr_scope scope;
+    struct event event[LIMIT_EVENTS];
+    int events;
+    struct error error;
+};
+
+static int set_up(void **state)
+{
+    struct fixture *f = calloc(1, sizeof *f);
+    *state = f;
+    f->models = typed_create(&f->error);
+    scene_init(&f->scene, NULL);
+    const char *const lines[] = {"var x = 1", "x'' = -x", "observe E = x^2 + x'^2", NULL};
+    return f->models && type_scene(f->models, &f->scene, lines) ? 0 : -1;
+}
+
+static int tear_down(void **state)
+{
+    struct fixture *f = *state;
+    run_destroy(f->run);
+    typed_destroy(f->models);
+    arena_reset(&f->arena);
+    free(f);
+    return 0;
+}
+
+static void start(struct fixture *f, const char *name, double dt, double tol)
+{
+    const struct run_settings settings = {.dt = dt, .tol = tol};
+    const struct method *method = (const struct method *)(const void *)catalog_find(&method_catalog, text_of(name));
+    run_destroy(f->run);
+    f->run = run_create(&f->scene, method, &settings, 100, &f->error);
+    if (!f->run)
+        fail_msg("%s", f->error.text);
+    assert_true(run_scope(f->run, &f->scope));
+    f->events = 0;
+}
+
+static void add(struct fixture *f, const char *text, bool stop)
+{
+    size_t used;
+    struct event *event = &f->event[f->events++];
+    *event = (struct event){.stop = stop};
+    if (!event_compile(text_of(text), &f->scope, &f->arena, event, &used, &f->error))
+        fail_msg("%s: %s", text, f->error.text);
+    assert_int_equal(used, strlen(text));
+}
+
+static void go(struct fixture *f, double t, int64_t steps)
+{
+    const struct run_target target = {.t = t, .steps = steps, .event = f->event, .events = f->events};
+    while (run_advance(f->run, &target, 0, NULL)) {}
+}
+
+static double time_of(const struct fixture *f, size_t i)
+{
+    return run_happening(f->run, i)->t;
+}
+
+/* ---- times ---- */
+
+static void test_times(void **state)
+{
+    static const struct {
+        const char *method;
+        double dt, tol, tolerance;
+    } row[] = {{"dop853", 0.1, 1e-12, 1e-8}, {"dopri5", 0.1, 1e-10, 1e-8}, {"rk4", 0.01, 0, 1e-8},
+               {"verlet", 0.001, 0, 1e-5},   {"rk4", 0.3, 0, 1e-2},        {"odex", 0.1, 1e-12, 1e-4}};
+    struct fixture *f = *state;
+    for (size_t k = 0; k < COUNT_OF(row); k++) {
+        start(f, row[k].method, row[k].dt, row[k].tol);
+        add(f, "x", false);
+        add(f, "x' rising", false);
+        add(f, "x < 0.5", false);
+        go(f, 20, -1);
+        /* x = cos t: zeros at pi/2 + k pi; x' rises at pi + 2 pi k; x falls through 1/2 at pi/3 + 2 pi k */
+        double last = 0;
+        int count[3] = {0};
+        for (size_t i = 0; i < run_happenings(f->run); i++) {
+            const struct happening *h = run_happening(f->run, i);
+            const double *y = run_happening_state(f->run, i), n = count[h->event]++;
+            const double wanted = h->event == 0   ? M_PI / 2 + n * M_PI
+                                  : h->event == 1 ? M_PI + 2 * n * M_PI
+                                                  : M_PI / 3 + 2 * n * M_PI;
+            if (!(fabs(h->t - wanted) < row[k].tolerance && h->t >= last))
+                fail_msg("%s: event %d at %.17g, not %.17g", row[k].method, h->event, h->t, wanted);
+            assert_int_equal(h->direction, h->event == 1 ? 1 : h->event == 2 ? -1 : (int)n % 2 ? 1 : -1);
+            assert_true(fabs(h->event == 0 ? y[0] : h->event == 1 ? y[1] : y[0] - 0.5) < 1e-14); /* to rounding */
+            last = h->t;
+        }
+        assert_int_equal(count[0], 6);
+        assert_int_equal(count[1], 3);
+        assert_int_equal(count[2], 4);
+    }
+}
+
+static void test_slices_do_not_matter(void **state)
+{
+    struct fixture *f = *state;
+    static double times[64];
+    size_t count = 0;
+    for (int cut = 0; cut < 2; cut++) {
+        start(f, "rk4", 0.07, 0);
+        add(f, "x*x' - 0.2", false);
+        if (cut)
+            while (f->run->steps < 400)
+                go(f, HUGE_VAL, 1);
+        else
+            go(f, HUGE_VAL, 400);
+        for (size_t i = 0; cut && i < count; i++)
+            assert_true(times[i] == time_of(f, i));
+        assert_true(!cut || count == run_happenings(f->run));
+        count = run_happenings(f->run);
+        assert_true(count > 10 && count < 64);
+        for (size_t i = 0; i < count; i++)
+            times[i] = time_of(f, i);
+    }
+}
+
+/* x = t: sin(200 x) rises through 0 at each 2 pi/200, however long the steps are; the start is none of them. */
+static void test_counts(void **state)
+{
+    static const struct {
+        const char *method;
+        double dt, tol;
+    } row[] = {{"bogacki-shampine", 0.1, 1e-3},    {"dopri5", 0.1, 1e-3}, {"dopri5", 0.1, 1e-12}, {"tsit5", 0.1, 1e-6},
+               {"dop853", 0.1, 1e-6}, {"odex", 0.1, 1e-3},   {"radau5", 0.1, 1e-6},  {"tr-bdf2", 0.1, 1e-3},
+               {"rodas5p", 0.1, 1e-12}, {"rk4", 2, 0},       {"euler", 0.5, 0},      {"abm4", 0.25, 0},
+               {"bdf2", 0.25, 0},     {"gauss4", 1, 0}};
+    struct fixture *f = *state;
+    const char *const lines[] = {"var x = 0", "x' = 1", NULL};
+    scene_init(&f->scene, NULL);
+    assert_true(type_scene(f->models, &f->scene, lines));
+    for (size_t k = 0; k < COUNT_OF(row); k++) {
+        start(f, row[k].method, row[k].dt, row[k].tol);
+        add(f, "sin(200*x) rising", false);
+        add(f, "(x-5)^2 touching", false);
+        add(f, "(x-3)*(x-3.000001)", false);
+        add(f, "x-10", false);
+        go(f, 10, -1);
+        int count[4] = {0};
+        for (size_t i = 0; i < run_happenings(f->run); i++)
+            count[run_happening(f->run, i)->event]++;
+        if (count[0] != 318 || count[1] != 1 || count[2] != 2 || count[3] != 1 ||
+            run_event_doubt(f->run, 0).steps != 0)
+            fail_msg("%s, tol %g: %d of 318 crossings, %d touches, %d of a pair, %d at the end", row[k].method,
+                     row[k].tol, count[0], count[1], count[2], count[3]);
+    }
+}
+
+/* ---- stopping and going on ---- */
+
+static void test_stop(void **state)
+{
+    struct fixture *f = *state;
+    const char *const methods[] = {"dopri5", "rk4", "verlet"};
+    for (size_t k = 0; k < COUNT_OF(methods); k++) {
+        start(f, methods[k], 0.01, k == 0 ? 1e-10 : 0);
+        add(f, "x falling", true);
+        for (int turn = 0; turn < 3; turn++) { /* it is not found again where it stopped */
+            go(f, 100, -1);
+            assert_int_equal(f->run->stop, STOP_CONDITION);
+            assert_true(fabs(f->run->t - (M_PI / 2 + 2 * M_PI * turn)) < 1e-4);
+            assert_true(fabs(f->run->y[0]) < 1e-14);
+            assert_int_equal(run_happenings(f->run), turn + 1);
+            assert_true(time_of(f, (size_t)turn) == f->run->t);
+            assert_true(trace_time(f->run->trace, trace_count(f->run->trace) - 1) == f->run->t);
+        }
+    }
+}
+
+/* What happens after the stop in the same step has not happened. */
+static void test_order_in_a_step(void **state)
+{
+    struct fixture *f = *state;
+    start(f, "dop853", 3, 1e-6);
+    add(f, "x + 0.1", false);
+    add(f, "x", true);
+    go(f, 100, -1);
+    assert_int_equal(run_happenings(f->run), 1);
+    assert_int_equal(run_happening(f->run, 0)->event, 1);
+    go(f, 100, -1);
+    assert_int_equal(run_happenings(f->run), 4); /* - + and x again */
+}
+
+static void test_back(void **state)
+{
+    struct fixture *f = *state;
+    start(f, "rk4", 0.1, 0);
+    add(f, "x", false);
+    go(f, 10, -1);
+    assert_int_equal(run_happenings(f->run), 3);
+    run_back(f->run, 50);
+    assert_int_equal(run_happenings(f->run), 2);
+    go(f, 10, -1);
+    assert_int_equal(run_happenings(f->run), 3);
+}
+
+/* Of those at the same time each is kept, in the order of definition, also beside one that stops. */
+static void test_same_time(void **state)
+{
+    struct fixture *f = *state;
+    start(f, "rk4", 0.3, 0);
+    add(f, "x falling", true);
+    add(f, "-x rising", false);
+    add(f, "2*x", true);
+    go(f, 100, -1);
+    assert_int_equal(run_happenings(f->run), 3);
+    for (size_t i = 0; i < 3; i++)
+        assert_true(run_happening(f->run, i)->event == (int)i && time_of(f, i) == f->run->t);
+    go(f, 3, -1);
+    assert_int_equal(run_happenings(f->run), 3); /* not again */
+}
+
+/* Neither at the very start, nor where 0 is only touched, nor where the value is not a number; at a jump once. */
+static void test_odd_values(void **state)
+{
+    static const struct {
+        const char *event;
+        int times;
+    } row[] = {{"x - 1", 0},      {"t", 0},          {"x^2 + 1e-12", 0}, {"x' + 1 - abs(x' + 1)", 0}, {"0", 0},
+               {"sqrt(-1-x^2)", 0}, {"sign(x)", 3},  {"step(x)-0.5", 3}, {"floor(t) - 2.5", 1},       {"1/x", 3},
+               {"(x-0.5)^3", 3},  {"t - 10", 1},     {"t > 3", 1}};
+    struct fixture *f = *state;
+    for (size_t i = 0; i < COUNT_OF(row); i++) {
+        start(f, "rk4", 0.1, 0);
+        add(f, row[i].event, false);
+        go(f, 10, -1);
+        if (run_happenings(f->run) != (size_t)row[i].times)
+            fail_msg("%s: %zu times", row[i].event, run_happenings(f->run));
+    }
+}
+
+/* x = (t - 1)^2 touches 0 at a step: to the bit it is a crossing and one back, or none. */
+static void test_graze(void **state)
+{
+    struct fixture *f = *state;
+    const char *const lines[] = {"var z = 1", "var z' = -2", "z'' = 2", NULL};
+    scene_init(&f->scene, NULL);
+    assert_true(type_scene(f->models, &f->scene, lines));
+    start(f, "rk4", 0.125, 0);
+    add(f, "z", false);
+    go(f, 2, -1);
+    assert_true(run_happenings(f->run) == 0 || run_happenings(f->run) == 2);
+    for (size_t i = 0; i < run_happenings(f->run); i++)
+        assert_true(fabs(time_of(f, i) - 1) < 1e-7);
+}
+
+/* Records have a limit, at which the run says so and stays as it is. */
+static void test_many(void **state)
+{
+    struct fixture *f = *state;
+    start(f, "euler", 0.1, 0);
+    for (int i = 0; i < LIMIT_EVENTS; i++)
+        add(f, "sin(20*pi*(t + 0.01))", false);
+    go(f, 1e6, -1);
+    struct buffer why = {0};
+    run_explain(f->run, &why);
+    buffer_put(&why, TEXT(""));
+    assert_int_equal(f->run->stop, STOP_FULL);
+    assert_int_equal(run_happenings(f->run) / LIMIT_EVENTS, LIMIT_HAPPENINGS / LIMIT_EVENTS);
+    assert_non_null(strstr(why.data, "1000000 events were noticed, more are not kept"));
+    assert_true(fabs(f->run->t - 0.1 * (double)f->run->steps) < 1e-6);
+    buffer_free(&why);
+}
+
+/* ---- jumps ---- */
+
+static void bounce(struct fixture *f, double factor, int64_t most)
+{
+    for (go(f, 100, -1); f->run->stop == STOP_CONDITION && most-- > 0; go(f, 100, -1))
+        if (!run_kick(f->run, 1, -factor * f->run->y[1], &f->error))
+            fail_msg("%s", f->error.text);
+}
+
+/* A ball from 1 m: bounces at t1 (1 + 2 r + 2 r^2 + …), whatever the steps; energy changes by what they take. */
+static void test_bounces(void **state)
+{
+    static const struct {
+        const char *method;
+        double dt, tol;
+    } row[] = {{"rk4", 0.01, 0}, {"rk4", 0.7, 0}, {"verlet", 0.05, 0}, {"dop853", 0.01, 1e-9}, {"dopri5", 2, 1e-9},
+               {"radau5", 0.01, 1e-9}, {"abm4", 0.01, 0}, {"bdf2", 0.001, 0}, {"odex", 0.01, 1e-9}};
+    struct fixture *f = *state;
+    const char *const lines[] = {"var y = 1", "y'' = -2", "potential 2*y", NULL};
+    scene_init(&f->scene, NULL);
+    assert_true(type_scene(f->models, &f->scene, lines));
+    for (size_t k = 0; k < COUNT_OF(row); k++) {
+        start(f, row[k].method, row[k].dt, row[k].tol);
+        add(f, "y falling", true);
+        bounce(f, 0.5, 14);
+        const double tolerance = strcmp(row[k].method, "bdf2") == 0 ? 1e-2 : 1e-9;
+        double wanted = 1, flight = 1;
+        assert_int_equal(run_happenings(f->run), 15);
+        for (size_t i = 0; i < 15; i++, flight /= 2, wanted += 2 * flight)
+            if (!(fabs(time_of(f, i) - wanted) < tolerance))
+                fail_msg("%s: bounce %zu at %.17g, not %.17g", row[k].method, i, time_of(f, i), wanted);
+        struct ledger ledger;
+        run_ledger(f->run, &ledger);
+        assert_true(fabs(ledger.initial - 2) < 1e-15 && ledger.final < 1e-3 && ledger.error_max < tolerance);
+        assert_true(fabs(ledger.work - (ledger.final - 2)) < 2 * tolerance);
+    }
+}
+
+/* Going back does not stop between the two rows of a jump. */
+static void test_kick(void **state)
+{
+    struct fixture *f = *state;
+    start(f, "rk4", 0.1, 0);
+    go(f, 1, -1);
+    const double x = f->run->y[0], v = f->run->y[1];
+    assert_false(run_kick(f->run, 0, NAN, &f->error));
+    assert_false(run_kick(f->run, 0, 1e300, &f->error));
+    assert_true(f->run->steps == 10 && f->run->y[0] == x);
+    assert_true(run_kick(f->run, 0, 2, &f->error) && run_kick(f->run, 1, 0, &f->error));
+    const size_t rows = trace_count(f->run->trace);
+    assert_true(f->run->steps == 12 && rows == 13 && f->run->t == 1.0 && !f->run->plan.exact_known);
+    assert_true(trace_state(f->run->trace, rows - 3)[0] == x && trace_state(f->run->trace, rows - 3)[1] == v);
+    for (size_t i = 1; i <= 3; i++)
+        assert_true(trace_time(f->run->trace, rows - i) == 1.0);
+    go(f, 2, -1);
+    assert_true(fabs(f->run->y[0] - 2 * cos(1)) < 1e-5);
+    run_back(f->run, 10);
+    assert_true(f->run->steps == 12 && f->run->y[0] == 2);
+    run_back(f->run, 1);
+    assert_int_equal(f->run->steps, 9);
+    struct ledger ledger;
+    run_ledger(f->run, &ledger);
+    assert_true(fabs(ledger.work - (ledger.final - ledger.initial)) < 1e-6); /* the jump is gone */
+}
+
+static void test_observed(void **state)
+{
+    struct fixture *f = *state;
+    start(f, "rk4", 0.1, 0);
+    go(f, 10, -1);
+    const size_t rows = trace_count(f->run->trace);
+    double *column = malloc(rows * sizeof *column);
+    assert_non_null(column);
+    run_observed_column(f->run, 0, column);
+    for (size_t i = 0; i < rows; i++) {
+        const double *y = trace_state(f->run->trace, i);
+        assert_true(fabs(column[i] - (y[0] * y[0] + y[1] * y[1])) < 1e-15);
+    }
+    free(column);
+    int slot;
+    assert_true(f->scope.find(f->scope.context, TEXT("E"), &slot));
+    assert_true(fabs(f->scope.load(f->scope.context, slot) - run_observed(f->run, 0)) == 0);
+    assert_true(f->scope.find(f->scope.context, TEXT("x'"), &slot));
+    assert_true(f->scope.load(f->scope.context, slot) == f->run->y[1]);
+}
+
+static void test_text(void **state)
+{
+    struct fixture *f = *state;
+    struct event event = {0};
+    size_t used;
+    start(f, "rk4", 0.1, 0);
+    assert_false(event_compile(TEXT("x < 0 rising"), &f->scope, &f->arena, &event, &used, &f->error));
+    assert_true(text_is(f->error.where, "rising"));
+    assert_false(event_compile(TEXT("xx"), &f->scope, &f->arena, &event, &used, &f->error));
+    assert_true(event_compile(TEXT("x falling do stop"), &f->scope, &f->arena, &event, &used, &f->error));
+    assert_int_equal(used, 9);
+    assert_int_equal(event.direction, -1);
+}
+
+#define TEST_CASE(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        TEST_CASE(test_times),
+        TEST_CASE(test_counts),
+        TEST_CASE(test_slices_do_not_matter),
+        TEST_CASE(test_stop),
+        TEST_CASE(test_order_in_a_step),
+        TEST_CASE(test_back),
+        TEST_CASE(test_same_time),
+        TEST_CASE(test_odd_values),
+        TEST_CASE(test_graze),
+        TEST_CASE(test_many),
+        TEST_CASE(test_bounces),
+        TEST_CASE(test_kick),
+        TEST_CASE(test_observed),
+        TEST_CASE(test_text),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Recordings of runs of known truth, and scenes fitted to them. */
+#ifndef HOOKE_TESTS_UNIT_STUDY_FIT_TESTING_H
+#define HOOKE_TESTS_UNIT_STUDY_FIT_TESTING_H
+
+#include "unit/study/testing.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static uint64_t random_state;
+
+static inline double random_uniform(void) /* [0, 1): splitmix64 */
+{
+    uint64_t z = (random_state += 0x9E3779B97F4A7C15u);
+    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
+    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
+    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
+}
+
+static inline double random_normal(void) /* Box & Muller 1958 */
+{
+    const double u = 1 - random_uniform(), v = random_uniform();
+    return sqrt(-2 * log(u)) * cos(6.283185307179586 * v);
+}
+
+struct recorded {
+    double *t, *y;
+    struct series series;
+};
+
+/* Every `every`th step of a run of the scene, with noise and an offset. variable: which one is recorded. */
+static inline struct recorded record(const struct scene *scene, int variable, double rate, double span, double noise,
+                                     double offset)
+{
+    enum { FINER = 8 };
+    struct error error = {0};
+    const struct run_settings settings = {.dt = 1 / rate / FINER, .record = {RECORD_EVERY, FINER, 0}};
+    struct run *run = run_create(scene, method_named("gauss6"), &settings, span, &error);
+    assert_non_null(run);
+    while (run_advance(run, &(struct run_target){.t = scene->value[scene_param(scene, "t0")] + span, .steps = -1}, 0,
+                       NULL))
+        continue;
+    const size_t n = trace_count(run->trace);
+    struct recorded r = {malloc(n * sizeof(double)), malloc(n * sizeof(double)), {0}};
+    assert_true(r.t && r.y && n > 100);
+    for (size_t i = 0; i < n; i++) {
+        r.t[i] = trace_time(run->trace, i);
+        r.y[i] = trace_state(run->trace, i)[variable] + offset + noise * random_normal();
+    }
+    r.series = (struct series){r.t, r.y, n, system_variable(&run->system, variable).quantity};
+    run_destroy(run);
+    return r;
+}
+
+static inline void forget(struct recorded *r)
+{
+    free(r->t);
+    free(r->y);
+}
+
+struct fitted {
+    struct arena arena;
+    struct scene_fit fit;
+    struct error error;
+    bool ok;
+};
+
+/* names: "k gamma y0 v0", NULL: the usual ones. */
+static inline struct fitted fit_to(const struct scene *scene, const struct series *series, const char *names,
+                                   bool robust)
+{
+    struct fitted f = {.ok = false};
+    int place[PARAM_MAX], held[PARAM_MAX], helds, count = 0;
+    struct text rest = text_of(names ? names : ""), name;
+    if (!names)
+        count = scene_fit_usual(scene, place, held, &helds);
+    while (names && text_split(&rest, ' ', &name) && name.len) {
+        char word[LIMIT_NAME + 1] = "";
+        memcpy(word, name.at, name.len);
+        place[count] = scene_param(scene, word);
+        assert_true(place[count++] >= 0);
+    }
+    const struct scene_fit_request request = {
+        .scene = scene, .series = series, .free = place, .frees = count, .offset = true, .robust = robust};
+    f.ok = study_fit_scene(&request, &f.arena, &f.fit, &f.error);
+    return f;
+}
+
+static inline struct measured fitted_value(const struct fitted *f, const char *name)
+{
+    for (int j = 0; j < f->fit.curve.parameters; j++)
+        if (strcmp(f->fit.name[j], name) == 0)
+            return f->fit.curve.value[j];
+    fail_msg("%s was not fitted", name);
+    return (struct measured){NAN, NAN};
+}
+
+static inline void assert_converged(const struct fitted *f)
+{
+    if (!f->ok)
+        fail_msg("%s", f->error.text);
+    if (!f->fit.curve.converged)
+        fail_msg("%s", f->fit.curve.said);
+}
+
+/* Within four of its standard uncertainties, which are no more than `most` of the value. */
+static inline void assert_found(const struct fitted *f, const char *name, double truth, double most)
+{
+    const struct measured m = fitted_value(f, name);
+    if (!(fabs(m.value - truth) <= 4 * m.uncertainty) || (truth != 0 && !(m.uncertainty <= most * fabs(truth))))
+        fail_msg("%s = %.10g +- %.2g, truth %.10g", name, m.value, m.uncertainty, truth);
+}
+
+#endif

@@ -1,0 +1,147 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* order: slopes against claims, what a scene spoils, ranges, refusals, cancellation. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <string.h>
+
+#include "unit/study/testing.h"
+
+static struct order measure(const struct scene *scene, const char *name, enum drag drag, double duration)
+{
+    const struct order_request request = {
+        .scene = scene, .by = {method_named(name), drag}, .dt = {NAN, NAN}, .duration = duration};
+    struct order order;
+    struct error error = {0};
+    if (!study_order(&request, &order, &error))
+        fail_msg("%s: %s", name, error.text);
+    return order;
+}
+
+static void test_orders_as_claimed(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"euler", "verlet", "kutta3", "rk4", "radau5", "yoshida6", "yoshida8"};
+    const struct scene scene = scene_with("spring", NO_SETTINGS);
+    for (size_t i = 0; i < COUNT_OF(names); i++) {
+        const struct order order = measure(&scene, names[i], DRAG_DEFAULT, 3);
+        close_to(order.slope, order.claimed, ORDER_BAND);
+        assert_int_equal(order.verdict, ORDER_AGREES);
+        assert_in_range(order.fitted, 3, 5);
+        assert_true(order.r2 > 0.9999 && order.guard < 0.2);
+        assert_string_equal(order.words, "");
+    }
+}
+
+/* A row that claims more than it holds is found out. */
+static void test_a_wrong_claim(void **state)
+{
+    (void)state;
+    struct method boastful = *method_named("kutta3");
+    boastful.order = 4;
+    const struct scene scene = scene_with("spring", NO_SETTINGS);
+    const struct order_request request = {.scene = &scene, .by = {&boastful, 0}, .dt = {NAN, NAN}, .duration = 3};
+    struct order order;
+    struct error error;
+    assert_true(study_order(&request, &order, &error));
+    assert_int_equal(order.verdict, ORDER_LOWER);
+    close_to(order.slope, 3, ORDER_BAND);
+}
+
+static void test_explicit_drag_is_first_order(void **state)
+{
+    (void)state;
+    const struct scene scene = scene_with("damped", NO_SETTINGS);
+    const struct order exact = measure(&scene, "verlet", DRAG_DEFAULT, 3),
+                       lagged = measure(&scene, "verlet", DRAG_EXPLICIT, 3);
+    close_to(exact.slope, 2, ORDER_BAND);
+    close_to(lagged.slope, 1, ORDER_BAND);
+    assert_int_equal(lagged.claimed, 1);
+    assert_non_null(strstr(lagged.words, "drag=explicit"));
+}
+
+/* |v| v is smooth only up to its first derivative: high orders hold because steps end at the turning points. */
+static void test_quadratic_drag(void **state)
+{
+    (void)state;
+    const struct scene scene = scene_with("drag", NO_SETTINGS);
+    const struct order dop853 = measure(&scene, "dop853", DRAG_DEFAULT, 10),
+                       rk4 = measure(&scene, "rk4", DRAG_DEFAULT, 10);
+    close_to(dop853.slope, 8, 0.2);
+    close_to(rk4.slope, 4, ORDER_BAND);
+    assert_non_null(strstr(rk4.words, "turning points"));
+}
+
+static void test_stiffness_reduces_the_order(void **state)
+{
+    (void)state;
+    const struct scene scene = scene_with("prothero-robinson", NO_SETTINGS);
+    const struct order gauss = measure(&scene, "gauss4", DRAG_DEFAULT, 10),
+                       rk4 = measure(&scene, "rk4", DRAG_DEFAULT, 10);
+    assert_int_equal(gauss.verdict, ORDER_LOWER);
+    close_to(gauss.slope, 2, 0.1);
+    assert_non_null(strstr(gauss.words, "order reduction"));
+    assert_int_equal(rk4.verdict, ORDER_NO_RANGE);
+    assert_non_null(strstr(rk4.words, "implicit"));
+    assert_true(isnan(rk4.slope));
+}
+
+static void test_exact(void **state)
+{
+    (void)state;
+    const struct scene scene = scene_with("spring", NO_SETTINGS);
+    assert_int_equal(measure(&scene, "exact", DRAG_DEFAULT, 10).verdict, ORDER_EXACT);
+}
+
+static void test_a_given_range(void **state)
+{
+    (void)state;
+    const struct scene scene = scene_with("spring", NO_SETTINGS);
+    const struct order_request request = {
+        .scene = &scene, .by = {method_named("rk4"), 0}, .dt = {0.02, 0.001}, .duration = 2};
+    struct order order;
+    struct error error;
+    assert_true(study_order(&request, &order, &error));
+    assert_int_equal(order.points, 5);
+    close_to(order.point[0].dt, 0.02, 1e-12);
+    assert_int_equal(order.point[4].steps, 1600);
+    close_to(order.slope, 4, ORDER_BAND);
+}
+
+static void test_refusals(void **state)
+{
+    (void)state;
+    const struct scene damped = scene_with("damped", NO_SETTINGS), spring = scene_with("spring", NO_SETTINGS);
+    struct order_request request = {
+        .scene = &damped, .by = {method_named("nystrom4"), 0}, .dt = {NAN, NAN}, .duration = 1};
+    struct order order;
+    struct error error = {0};
+    struct cancel cancel = {1};
+    assert_false(study_order(&request, &order, &error));
+    assert_int_equal(error.code, ERROR_COMMAND);
+    request.scene = &spring;
+    request.cancel = &cancel;
+    assert_false(study_order(&request, &order, &error));
+    assert_int_equal(error.code, ERROR_CANCELLED);
+    request.duration = 0;
+    assert_false(study_order(&request, &order, &error));
+    assert_int_equal(error.code, ERROR_COMMAND);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_orders_as_claimed),
+        cmocka_unit_test(test_a_wrong_claim),
+        cmocka_unit_test(test_explicit_drag_is_first_order),
+        cmocka_unit_test(test_quadratic_drag),
+        cmocka_unit_test(test_stiffness_reduces_the_order),
+        cmocka_unit_test(test_exact),
+        cmocka_unit_test(test_a_given_range),
+        cmocka_unit_test(test_refusals),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,393 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Sweeps: the same numbers in lanes and alone, in shards and whole, whatever the number of threads; what is measured. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "unit/cpu_time.h"
+#include "unit/study/testing.h"
+
+#include <string.h>
+
+static struct sweep_axis axis_of(const struct scene *scene, const char *name, double from, double to, int count)
+{
+    struct sweep_axis axis = {.from = from, .to = to, .count = count};
+    assert_true(sweep_axis_find(scene, text_of(name), &axis));
+    return axis;
+}
+
+/* Measures separated by blanks. */
+static struct sweep_request request_of(const struct scene *scene, const char *method, double dt, double duration,
+                                       const char *measures)
+{
+    struct sweep_request request = {.scene = scene,
+                                    .method = method_named(method),
+                                    .settings = {.dt = dt, .kernel = KERNEL_SPECIALISED},
+                                    .duration = duration,
+                                    .shard = 1,
+                                    .shards = 1};
+    struct text rest = text_of(measures), name;
+    struct error error = {0};
+    while (text_split(&rest, ' ', &name))
+        if (request.measures == SWEEP_MEASURES || !sweep_measure_find(scene->model, name, &request.measure[request.measures++], &error))
+            fail_msg("%s", error.text);
+    return request;
+}
+
+static struct sweep sweep_of(const struct sweep_request *request)
+{
+    struct sweep sweep;
+    struct error error = {0};
+    if (!study_sweep(request, &sweep, &error))
+        fail_msg("%s", error.text);
+    return sweep;
+}
+
+static void assert_same(const struct sweep *a, const struct sweep *b, int64_t first, const char *what)
+{
+    for (int64_t i = 0; i < b->count; i++) {
+        const int64_t k = i + b->first - first;
+        if (a->status[k] != b->status[i])
+            fail_msg("%s, point %lld: status %d and %d", what, (long long)k, a->status[k], b->status[i]);
+        for (int m = 0; m < a->measures; m++)
+            if (memcmp(&a->value[k * a->measures + m], &b->value[i * b->measures + m], sizeof(double)) != 0)
+                fail_msg("%s, point %lld, measure %d: %.17g and %.17g", what, (long long)k, m,
+                         a->value[k * a->measures + m], b->value[i * b->measures + m]);
+    }
+}
+
+/* ---- lanes are the same numbers: every method that has them, every kind of oscillator, with and without a rest ---- */
+
+static void test_lanes_equal_runs(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *preset, *axis;
+        double from, to;
+    } cases[] = {{"spring", "k", 2, 40},          {"damped", "gamma", 0, 3},     {"drag", "C", 0, 4},
+                 {"driven", "omega", 6, 12},      {"driven", "gamma", 0.1, 1},   {"duffing", "y0", 0.1, 3},
+                 {"duffing-driven", "F0", 0, 1},  {"vanderpol", "mu", -0.5, 3},  {"pendulum", "theta0", 0.1, 3},
+                 {"spring", "y0", -0.1, 0.1},     {"spring", "v0", -0.5, 0.5},   {"overdamped", "m", 0.1, 3},
+                 {"pendulum-driven", "F0", 0.3, 2}, {"pendulum-driven", "omega", 0.3, 2}};
+    int64_t side_by_side = 0;
+    for (size_t c = 0; c < COUNT_OF(cases); c++)
+        for (size_t m = 0; m < method_catalog.count; m++)
+            for (int rest = 0; rest < 2; rest++) {
+                const struct method *method = method_at(m);
+                if (!method->tableau && !method->splitting)
+                    continue;
+                const struct scene scene = scene_with(cases[c].preset, NO_SETTINGS);
+                struct sweep_request request = request_of(&scene, method->row.name, 0.01, rest ? 4.0037 : 4,
+                                                          "amplitude period max steps evals reached y v energy");
+                request.axis[0] = axis_of(&scene, cases[c].axis, cases[c].from, cases[c].to,
+                                          scene.model == &oscillator_model ? 5 : 21); /* fewer go alone */
+                request.axes = 1;
+                struct sweep lanes, alone;
+                struct error error = {0};
+                const bool ok = study_sweep(&request, &lanes, &error);
+                request.settings.kernel = KERNEL_GENERAL; /* never in lanes */
+                assert_int_equal(study_sweep(&request, &alone, &error), ok);
+                assert_int_equal(alone.side_by_side, 0);
+                assert_same(&lanes, &alone, 0, method->row.name);
+                side_by_side += lanes.side_by_side;
+                sweep_free(&lanes);
+                sweep_free(&alone);
+            }
+    print_message("# %lld points went in lanes\n", (long long)side_by_side);
+    assert_true(side_by_side > 1500);
+}
+
+/* ---- what diverges is a result ---- */
+
+static void test_divergence(void **state)
+{
+    (void)state;
+    const struct scene scene = scene_with("inverted", NO_SETTINGS);
+    struct sweep_request request = request_of(&scene, "rk4", 0.01, 60, "y steps reached amplitude");
+    request.axis[0] = axis_of(&scene, "k", -15, 15, 101);
+    request.axes = 1;
+    struct sweep lanes = sweep_of(&request);
+    request.settings.kernel = KERNEL_GENERAL;
+    struct sweep alone = sweep_of(&request);
+    assert_same(&lanes, &alone, 0, "inverted");
+    assert_int_equal(lanes.status[0], STOP_DIVERGED);
+    assert_true(isnan(lanes.value[0]));
+    assert_true(lanes.value[1] > 1000 && lanes.value[1] < 6000);
+    close_to(lanes.value[2], lanes.value[1] * 0.01, 1e-9);
+    assert_int_equal(lanes.status[100], STOP_END);
+    assert_true(lanes.failed > 5 && lanes.failed < 95);
+    assert_true(lanes.side_by_side > 5);
+    assert_int_equal(lanes.finished, 101);
+    sweep_free(&lanes);
+    sweep_free(&alone);
+}
+
+/* ---- shards, threads ---- */
+
+static void test_shards_and_threads(void **state)
+{
+    (void)state;
+    const struct scene scene = scene_with("driven", NO_SETTINGS);
+    struct sweep_request request = request_of(&scene, "verlet", 0.01, 5, "amplitude y");
+    request.axis[0] = axis_of(&scene, "omega", 6, 12, 13);
+    request.axis[1] = axis_of(&scene, "gamma", 0, 1, 150);
+    request.axes = 2;
+    request.threads = 1;
+    struct sweep whole = sweep_of(&request);
+    assert_int_equal(whole.total, 13 * 150);
+    for (int threads = 2; threads <= 7; threads += 5) {
+        request.threads = threads;
+        struct sweep other = sweep_of(&request);
+        assert_same(&whole, &other, 0, "threads");
+        sweep_free(&other);
+    }
+    static const int64_t shards[] = {2, 7, 64, 1950, 3000};
+    for (size_t s = 0; s < COUNT_OF(shards); s++) {
+        int64_t next = 0;
+        request.shards = shards[s];
+        for (request.shard = 1; request.shard <= request.shards; request.shard++) {
+            if (s > 2 && request.shard % 97 != 1 && request.shard != request.shards)
+                continue;
+            struct sweep part = sweep_of(&request);
+            if (s <= 2)
+                assert_int_equal(part.first, next);
+            next = part.first + part.count;
+            assert_same(&whole, &part, 0, "shard");
+            sweep_free(&part);
+        }
+        assert_int_equal(next, whole.total);
+    }
+    /* Numbers: the last axis is the fastest. */
+    assert_int_equal(sweep_number(&whole, 0, 151), 1);
+    assert_int_equal(sweep_number(&whole, 1, 151), 1);
+    sweep_free(&whole);
+}
+
+/* ---- the measures ---- */
+
+/* Amplitude of the forced motion: F0/m / hypot(omega0^2 - omega^2, gamma omega). */
+static void test_resonance(void **state)
+{
+    (void)state;
+    const struct scene scene = scene_with("driven", SETTINGS({"gamma", 1}));
+    struct sweep_request request = request_of(&scene, "rk4", 0.01, 60, "amplitude period");
+    request.axis[0] = axis_of(&scene, "omega", 5, 12, 71);
+    request.axes = 1;
+    struct sweep sweep = sweep_of(&request);
+    assert_int_equal(sweep.side_by_side, 71);
+    for (int i = 0; i < 71; i++) {
+        const double omega = sweep_axis_value(&request.axis[0], i);
+        const double wanted = 0.1 / hypot(75 - omega * omega, omega);
+        close_to(sweep.value[2 * i], wanted, 2e-5 * wanted);
+        close_to(sweep.value[2 * i + 1], 6.283185307179586 / omega, 2e-5);
+    }
+    sweep_free(&sweep);
+}
+
+/* Period of a pendulum: 2 pi sqrt(l/g) / agm(1, cos(theta0/2)); with large steps of an adaptive method, too. */
+static void test_pendulum_period(void **state)
+{
+    (void)state;
+    const struct scene scene = scene_with("pendulum", NO_SETTINGS);
+    const double g = scene.value[scene_param(&scene, "g")], l = scene.value[scene_param(&scene, "length")];
+    for (int adaptive = 0; adaptive < 2; adaptive++) {
+        struct sweep_request request = request_of(&scene, adaptive ? "dopri5" : "rk4", 0.01, 60, "period amplitude");
+        request.settings.tol = adaptive ? 1e-8 : 0;
+        request.axis[0] = axis_of(&scene, "theta0", 0.1, 3, 10);
+        request.axes = 1;
+        struct sweep sweep = sweep_of(&request);
+        for (int i = 0; i < 10; i++) {
+            const double theta = sweep_axis_value(&request.axis[0], i);
+            double a = 1, b = cos(theta / 2);
+            for (int k = 0; k < 8; k++) {
+                const double mean = (a + b) / 2;
+                b = sqrt(a * b);
+                a = mean;
+            }
+            const double wanted = 6.283185307179586 * sqrt(l / g) / a;
+            close_to(sweep.value[2 * i], wanted, (adaptive ? 2e-3 : 1e-5) * wanted);
+            close_to(sweep.value[2 * i + 1], theta, (adaptive ? 1e-3 : 1e-5) * theta);
+        }
+        sweep_free(&sweep);
+    }
+}
+
+/* The same as a run says of itself. */
+static void test_against_a_run(void **state)
+{
+    (void)state;
+    const struct scene scene = scene_with("damped", NO_SETTINGS);
+    struct sweep_request request =
+        request_of(&scene, "verlet", 0.01, 7, "error energy_error y energy steps evals phase-error work");
+    request.axis[0] = axis_of(&scene, "gamma", 0.25, 1, 2);
+    request.axes = 1;
+    struct sweep sweep = sweep_of(&request);
+    struct error error = {0};
+    const struct run_settings settings = {.dt = 0.01, .kernel = KERNEL_SPECIALISED};
+    struct run *run = run_create(&scene, method_named("verlet"), &settings, 7, &error);
+    const struct run_target target = {.t = 7, .steps = -1};
+    while (run_advance(run, &target, 0, NULL)) {
+    }
+    struct run_errors errors;
+    struct ledger ledger;
+    run_errors(run, &errors);
+    run_ledger(run, &ledger);
+    const double wanted[] = {errors.max, ledger.error_max, run->y[0], ledger.final, (double)run->steps,
+                             (double)run->cost.evals, errors.phase, ledger.work};
+    for (size_t m = 0; m < COUNT_OF(wanted); m++)
+        close_to(sweep.value[m], wanted[m], 1e-14);
+    run_destroy(run);
+    sweep_free(&sweep);
+}
+
+static void test_other_axes(void **state)
+{
+    (void)state;
+    const struct scene scene = scene_with("spring", NO_SETTINGS);
+    struct sweep_request request = request_of(&scene, "rk4", 0.01, 10, "error steps");
+    request.axis[0] = axis_of(&scene, "dt", 0.001, 0.1, 3);
+    request.axis[0].log = true;
+    request.axes = 1;
+    struct sweep sweep = sweep_of(&request);
+    close_to(sweep.value[1], 10000, 0);
+    close_to(sweep.value[3], 1000, 0);
+    close_to(sweep.value[5], 100, 0);
+    close_to(log10(sweep.value[4] / sweep.value[2]), 4, 0.1);
+    sweep_free(&sweep);
+    request.axis[0] = axis_of(&scene, "T0", 1, 2, 2);
+    request.duration = 20;
+    request.measures = 0;
+    struct error error = {0};
+    assert_true(sweep_measure_find(scene.model, TEXT("period"), &request.measure[request.measures++], &error));
+    sweep = sweep_of(&request);
+    close_to(sweep.value[0], 1, 1e-5);
+    close_to(sweep.value[1], 2, 1e-5);
+    sweep_free(&sweep);
+    request.method = method_named("dopri5");
+    request.settings.tol = 1e-6;
+    request.axis[0] = axis_of(&scene, "tol", 1e-9, 1e-5, 2);
+    assert_true(sweep_measure_find(scene.model, TEXT("steps"), &request.measure[0], &error));
+    sweep = sweep_of(&request);
+    assert_true(sweep.value[0] > 2 * sweep.value[1]);
+    sweep_free(&sweep);
+}
+
+/* ---- columns ---- */
+
+static void test_columns(void **state)
+{
+    (void)state;
+    const struct scene scene = scene_with("spring", NO_SETTINGS);
+    struct sweep_request request = request_of(&scene, "rk4", 0.002, 20,
+                                              "max(v) min(v) amplitude(v) period(v) min max(y) min(y) mean(potential) "
+                                              "amplitude(kinetic) max(kinetic) min(kinetic) period(potential)");
+    request.axis[0] = axis_of(&scene, "k", 5, 20, 2);
+    request.axes = 1;
+    struct sweep sweep = sweep_of(&request);
+    for (int i = 0; i < 2; i++) {
+        const double k = i ? 20 : 5, omega = sqrt(k / 0.2), y = 0.05, v = y * omega, e = k * y * y / 2;
+        const double wanted[] = {v, -v, v, 2 * M_PI / omega, -y, y, -y, e / 2, e / 2, e, 0, M_PI / omega};
+        for (size_t m = 0; m < COUNT_OF(wanted); m++)
+            close_to(sweep.value[(size_t)i * COUNT_OF(wanted) + m], wanted[m],
+                     m == 7 ? 0.1 * e /* not whole periods */ : m == 10 ? 1e-4 * e : 1e-4 * fabs(wanted[m]));
+    }
+    assert_int_equal(sweep.side_by_side, 0);
+    sweep_free(&sweep);
+    /* The means of a decay are known: of y over the last third. */
+    struct scene drifting = scene_with("spring", NO_SETTINGS);
+    struct error error = {0};
+    assert_true(scene_set(&drifting, scene_param(&drifting, "k"), (struct measured){1e-9, 0}, &error));
+    assert_true(scene_set(&drifting, scene_param(&drifting, "v0"), (struct measured){0.3, 0}, &error));
+    request = request_of(&drifting, "rk4", 0.01, 3, "mean mean(y) mean(v) max(y) amplitude");
+    request.axis[0] = axis_of(&drifting, "m", 1, 2, 2);
+    request.axes = 1;
+    sweep = sweep_of(&request);
+    const double wanted[] = {0.05 + 0.3 * 2.5, 0.05 + 0.3 * 2.5, 0.3, 0.05 + 0.3 * 3, 0.15};
+    for (size_t m = 0; m < COUNT_OF(wanted); m++)
+        close_to(sweep.value[m], wanted[m], 1e-2 * 0.3); /* the window opens at a step */
+    sweep_free(&sweep);
+}
+
+/* ---- refusals, cancelling ---- */
+
+static void test_refusals(void **state)
+{
+    (void)state;
+    struct scene scene = scene_with("spring", NO_SETTINGS);
+    struct sweep_axis axis;
+    struct sweep_measure measure;
+    struct error error = {0};
+    assert_false(sweep_axis_find(&scene, TEXT("energy"), &axis));
+    assert_false(sweep_axis_find(&scene, TEXT("nothing"), &axis));
+    assert_false(sweep_measure_find(scene.model, TEXT("amplitud"), &measure, &error));
+    assert_non_null(strstr(error.hint, "amplitude"));
+    /* Points that make no sense have a reason; the others are there. */
+    struct sweep_request request = request_of(&scene, "rk4", 0.01, 1, "y");
+    request.axis[0] = axis_of(&scene, "m", -0.1, 0.2, 4);
+    request.axes = 1;
+    struct sweep sweep = sweep_of(&request);
+    assert_int_equal(sweep.status[0], SWEEP_REFUSED);
+    assert_int_equal(sweep.status[1], SWEEP_REFUSED);
+    assert_int_equal(sweep.status[3], STOP_END);
+    assert_non_null(strstr(sweep.reason, "m must be"));
+    sweep_free(&sweep);
+    request.axis[0].to = -0.05;
+    assert_false(study_sweep(&request, &sweep, &error));
+    assert_non_null(strstr(error.text, "every point is refused: m must be"));
+    sweep_free(&sweep);
+    request.axis[0] = axis_of(&scene, "k", 1, 2, 100000);
+    request.axis[1] = axis_of(&scene, "m", 1, 2, 100000);
+    request.axes = 2;
+    assert_false(study_sweep(&request, &sweep, &error));
+    assert_non_null(strstr(error.hint, "--shard"));
+    sweep_free(&sweep);
+}
+
+static struct cancel stop;
+
+static void stop_after_a_while(void *context, double fraction)
+{
+    (void)context;
+    assert_true(fraction >= 0 && fraction <= 1);
+    atomic_store(&stop.requested, 1);
+}
+
+static void test_cancelling(void **state)
+{
+    (void)state;
+    const struct scene scene = scene_with("spring", NO_SETTINGS);
+    struct sweep_request request = request_of(&scene, "rk4", 1e-4, 10, "y");
+    struct sweep sweep;
+    struct error error = {0};
+    request.axis[0] = axis_of(&scene, "k", 1, 20, 1000000);
+    request.axes = 1;
+    request.cancel = &stop;
+    request.progress = stop_after_a_while;
+    const int64_t begin = cpu_ns();
+    assert_false(study_sweep(&request, &sweep, &error));
+    assert_true(cpu_ns() - begin < 20000000000);
+    assert_int_equal(error.code, ERROR_CANCELLED);
+    assert_true(sweep.finished < sweep.count);
+    for (int64_t i = 0, there = 0; i < sweep.count; i++) {
+        assert_int_equal(isnan(sweep.value[i]), sweep.status[i] == SWEEP_MISSING);
+        there += sweep.status[i] == STOP_END;
+        if (i == sweep.count - 1)
+            assert_int_equal(there, sweep.finished);
+    }
+    sweep_free(&sweep);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_lanes_equal_runs), cmocka_unit_test(test_divergence),
+        cmocka_unit_test(test_shards_and_threads), cmocka_unit_test(test_resonance),
+        cmocka_unit_test(test_pendulum_period),  cmocka_unit_test(test_against_a_run),
+        cmocka_unit_test(test_other_axes),       cmocka_unit_test(test_columns),
+        cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_cancelling),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
