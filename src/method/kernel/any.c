@@ -74,28 +74,36 @@ static void whole_drag(const void *of, double t, const double *y, double *a)
 /* Blocks of so many variables are summed up in registers; arrays of them are as long as whole blocks. */
 enum { BLOCK = 8 };
 
-#if defined(__x86_64__) && !defined(__clang__)
-#define CLONES __attribute__((target_clones("default", "avx2")))
-#else
-#define CLONES
-#endif
-
 static int stride_of(int n)
 {
     return (n + BLOCK - 1) / BLOCK * BLOCK;
 }
 
-typedef double block __attribute__((vector_size(BLOCK * 8), aligned(8), may_alias));
+/* As wide as any machine has: a wider type would live in memory where there are no such registers. */
+typedef double pair __attribute__((vector_size(16), aligned(8), may_alias));
+
+INLINE pair pair_at(const double *x)
+{
+    return *(const pair *)(const void *)x;
+}
 
 /* A combine_function. */
-CLONES static void combine_blocks(int n, int stride, const struct shares *shares, const double *k, const double *y,
-                                  double *z)
+static void combine_blocks(int n, int stride, const struct shares *shares, const double *k, const double *y, double *z)
 {
+    const int count = shares->count;
     for (int i = 0; i < n; i += BLOCK) {
-        block sum = {-0.0, -0.0, -0.0, -0.0, -0.0, -0.0, -0.0, -0.0};
-        for (int j = 0; j < shares->count; j++)
-            sum += shares->share[j] * *(const block *)(const void *)(k + shares->stage[j] * stride + i);
-        *(block *)(void *)(z + i) = *(const block *)(const void *)(y + i) + sum;
+        pair a = {-0.0, -0.0}, b = a, c = a, d = a;
+        for (int j = 0; j < count; j++) {
+            const double share = shares->share[j], *slope = k + shares->stage[j] * stride + i;
+            a += share * pair_at(slope);
+            b += share * pair_at(slope + 2);
+            c += share * pair_at(slope + 4);
+            d += share * pair_at(slope + 6);
+        }
+        *(pair *)(void *)(z + i) = pair_at(y + i) + a;
+        *(pair *)(void *)(z + i + 2) = pair_at(y + i + 2) + b;
+        *(pair *)(void *)(z + i + 4) = pair_at(y + i + 4) + c;
+        *(pair *)(void *)(z + i + 6) = pair_at(y + i + 6) + d;
     }
 }
 
