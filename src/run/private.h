@@ -339,10 +339,13 @@ bool run_in_bounds(const struct run *run, const double *y); /* all finite, and n
  * twice the step of its last look, so that it costs a share of the run. */
 bool run_creeps(struct run *run);
 
-/* sound.c: from y [n] at t to `end` by an accurate method for stiff equations, into `to` [n] or NULL. False: it did not
- * get there, or would take too long. */
+/* sound.c: from y [n] at t to `end` by an accurate method, into `to` [n] or NULL. False: it
+ * did not get there, or would take too long. */
 #define RUN_SOLVE_TOL 1e-7
-bool run_solve(const struct system *system, double t, const double *y, double end, double tol, double *to);
+#define RUN_SOLVE_STIFF "radau5"
+#define RUN_SOLVE_SMOOTH "dop853" /* in a few steps, or not at all */
+bool run_solve(const struct system *system, double t, const double *y, double end, const char *by, double tol,
+               double *to);
 /* Compares the step from recorded row i to the next with the solution from there: run->unsound. */
 void run_check_step(struct run *run, size_t i);
 

@@ -201,7 +201,7 @@ static struct singularity singular_before(const struct run *run, double t, doubl
         found = look_for(&run->system, trace_time(run->trace, near), trace_state(run->trace, near), end, most);
         /* Is it the solution, or only what the method had made of it? */
         if (!isnan(found.t) && run_solve(&run->system, from, trace_state(run->trace, first),
-                                         from + BEYOND * (found.t - from), RUN_SOLVE_TOL, NULL))
+                                         from + BEYOND * (found.t - from), RUN_SOLVE_STIFF, RUN_SOLVE_TOL, NULL))
             found.t = NAN;
     }
     return found;

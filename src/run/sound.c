@@ -10,14 +10,15 @@
 #include <stdlib.h>
 
 #define STEPS_MOST 2000
+#define STEPS_SMOOTH 32 /* by a method that is not for stiff equations */
 #define UNSOUND 1.2    /* times the values before and after it: such an error leaves nothing of them */
 #define STEPS_AHEAD 32 /* what is still small grows within so many */
 #define CHECKS 64      /* of steps one by one */
 
-bool run_solve(const struct system *system, double t, const double *y, double end, double tol, double *to)
+bool run_solve(const struct system *system, double t, const double *y, double end, const char *by, double tol,
+               double *to)
 {
-    const struct method *method =
-        (const struct method *)(const void *)catalog_find(&method_catalog, TEXT("radau5"));
+    const struct method *method = (const struct method *)(const void *)catalog_find(&method_catalog, text_of(by));
     double state[LIMIT_VARIABLES], *work = method ? malloc((method_work_size(method, system->n) + 1) * sizeof *work)
                                                   : NULL;
     struct step step = {.system = system, .y = state, .work = work, .t = t};
@@ -26,7 +27,8 @@ bool run_solve(const struct system *system, double t, const double *y, double en
         return false;
     copy_state(state, y, system->n);
     int64_t steps = 0;
-    while (step.t != end && steps++ < STEPS_MOST && method_adapt(method, &step, &controller, end) == STEP_OK) {
+    const int64_t most = method->flags & METHOD_IMPLICIT ? STEPS_MOST : STEPS_SMOOTH;
+    while (step.t != end && steps++ < most && method_adapt(method, &step, &controller, end) == STEP_OK) {
     }
     free(work);
     if (to)
@@ -39,11 +41,13 @@ bool run_solve(const struct system *system, double t, const double *y, double en
 static bool sizes(const struct system *system, double t, double h, const double *y, double *solution, double *size)
 {
     double next[LIMIT_VARIABLES];
-    if (!run_solve(system, t, y, t + h, RUN_SOLVE_TOL, solution))
+    if (!run_solve(system, t, y, t + h, RUN_SOLVE_STIFF, RUN_SOLVE_TOL, solution))
         return false;
     for (int k = 0; k < system->n; k++)
         size[k] = fmax(fabs(y[k]), fabs(solution[k]));
-    for (double ahead = 2; ahead <= STEPS_AHEAD && run_solve(system, t, y, t + ahead * h, RUN_SOLVE_TOL, next); ahead *= 4)
+    for (double ahead = 2;
+         ahead <= STEPS_AHEAD && run_solve(system, t, y, t + ahead * h, RUN_SOLVE_STIFF, RUN_SOLVE_TOL, next);
+         ahead *= 4)
         for (int k = 0; k < system->n; k++)
             size[k] = fmax(size[k], fabs(next[k]));
     return true;

@@ -9,6 +9,7 @@
  */
 #include "run/private.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -213,29 +214,33 @@ static int block_done(const struct run *run, const struct balance *balance, cons
     return work.count;
 }
 
-#define SUSPECT 1e-4   /* of the energy, missing after one step */
-#define OWN_SHARE 0.1  /* of what is missing */
-#define WORK_TOL 1e-11 /* of a solution that says what the work was */
+#define ROUNDED 64     /* rounding units of the energy */
+#define SUSPECT 1e-3   /* of the tolerance: such a share of the energy, missing after one step */
+#define FINER 1e-3     /* times the run's tolerance: that of a solution that says what the work was, */
+#define WORK_TOL 1e-12 /* or this */
+#define WORK_LEAST 1e-14
 
 /*
- * A long step of a method that adapts may pass over what the quintic between its ends cannot show: v that settles at
- * once, accelerations that are a small difference of large forces. Where much is missing after one step, the solution
- * from where it began says what the work was; it stands if the step itself is that much better.
+ * A long step of a method that adapts may pass over what the quintic between its ends cannot show: steps of an order
+ * above its own, v that settles at once, accelerations that are a small difference of large forces. Where more is
+ * missing after one step than an error far below the tolerance, the solution from where it began says what the work
+ * was.
  */
 static void check_work(const struct run *run, const struct balance *balance, const struct system *system,
                        const double *row, const double *time, size_t stride, int count, struct work_done *done)
 {
+    const double tol = fmax(fmin(WORK_TOL, FINER * run->settings.tol), WORK_LEAST);
+    const double suspect = fmax(SUSPECT * run->settings.tol, ROUNDED * DBL_EPSILON);
     double before = energy_now(run, system, balance->y), to[LIMIT_VARIABLES];
     for (int k = 0; k < count; before = done->energy[k++]) {
         const double missing = fabs(done->energy[k] - before - done->work[k]);
         const double *from = k ? row + (size_t)(k - 1) * stride : balance->y;
-        if (missing <= SUSPECT * fmax(fabs(balance->initial), fabs(done->energy[k])) ||
-            !run_solve(system, k ? time[(size_t)(k - 1) * stride] : balance->t, from, time[(size_t)k * stride],
-                       WORK_TOL, to))
+        const double t = k ? time[(size_t)(k - 1) * stride] : balance->t;
+        if (missing <= suspect * fmax(fabs(balance->initial), fabs(done->energy[k])) ||
+            (!run_solve(system, t, from, time[(size_t)k * stride], RUN_SOLVE_SMOOTH, tol, to) &&
+             !run_solve(system, t, from, time[(size_t)k * stride], RUN_SOLVE_STIFF, tol, to)))
             continue;
         const double end = energy_now(run, system, to), work = end - energy_now(run, system, from);
-        if (!(fabs(done->energy[k] - end) < OWN_SHARE * missing))
-            continue;
         if (memcmp(&done->drag[k], &done->work[k], sizeof done->work[k]) == 0)
             done->drag[k] = work;
         done->work[k] = work;

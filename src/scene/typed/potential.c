@@ -65,39 +65,89 @@ static double piece(const struct path *path, double from, double to, double *siz
 }
 
 #define ACCURACY 1e-11 /* of the difference between both rules, which is that of the coarser one */
-#define DEPTH 48       /* halvings: a jump is enclosed that closely */
+#define DEPTH 48       /* halvings of a stretch: a jump that nobody located is enclosed that closely */
 #define PIECES 400
+#define LOOKS 32     /* at switches, at even parts of what is left of a path */
+#define BEHIND 1e-12 /* of it: where a branch is told that begins at a switch */
 
-/* The integral over s from 0 to 1, and that of its magnitude; NAN: it does not converge. */
-static double integral(const struct path *path, double *size)
+/* False: others than *first, which are those behind `from`. */
+static bool same_branches(const struct path *path, double s, const double *first)
 {
-    double ends[DEPTH + 1], sum = 0, error, part;
-    double whole = piece(path, 0, 1, size, &error);
-    if (error <= ACCURACY * *size)
-        return whole;
-    double from = 0, total = *size;
-    int depth = 0;
-    *size = 0;
-    ends[0] = 1;
-    for (int pieces = 0; pieces < PIECES; pieces++) {
+    const struct typed_part *part = path->term->part;
+    double q[LIMIT_VARIABLES], along[LIMIT_VARIABLES], branch[LIMIT_TYPED_SWITCHES];
+    memset(q + path->rows, 0, (size_t)path->rows * sizeof *q);
+    path->at(path, s, q, along);
+    typed_branches_at(part, path->c, q, branch);
+    for (int i = 0; i < part->switches.count; i++)
+        if (branch[i] != first[i])
+            return false;
+    return true;
+}
+
+/* Where the first switch behind `from` is, to the last place; 1: there is none. */
+static double next_switch(const struct path *path, double from)
+{
+    const struct typed_part *part = path->term->part;
+    double q[LIMIT_VARIABLES], along[LIMIT_VARIABLES], first[LIMIT_TYPED_SWITCHES];
+    double a = from + (1 - from) * BEHIND, b = a;
+    if (part->switches.count == 0)
+        return 1;
+    memset(q + path->rows, 0, (size_t)path->rows * sizeof *q);
+    path->at(path, a, q, along);
+    typed_branches_at(part, path->c, q, first);
+    for (int k = 1; k <= LOOKS && a == b; k++) {
+        const double s = k < LOOKS ? from + (1 - from) * k / LOOKS : 1;
+        b = s;
+        if (same_branches(path, s, first))
+            a = s;
+    }
+    for (double s = a + (b - a) / 2; s > a && s < b; s = a + (b - a) / 2)
+        *(same_branches(path, s, first) ? &a : &b) = s;
+    return b;
+}
+
+struct sums {
+    double value, size; /* of the integral so far, and of its magnitude */
+    double total;       /* of the magnitude of all of it, about */
+    int pieces;
+};
+
+/* Adds the integral from `from` to `to`, between which the force is smooth. False: it does not converge. */
+static bool add_smooth(const struct path *path, double from, double to, struct sums *sums)
+{
+    double ends[DEPTH + 1] = {to}, part, error;
+    for (int depth = 0; sums->pieces < PIECES; sums->pieces++) {
         const double value = piece(path, from, ends[depth], &part, &error);
-        total = fmax(total, *size + part);
+        sums->total = fmax(sums->total, sums->size + part);
         if (!isfinite(value))
-            return NAN;
-        if (error <= ACCURACY * total) {
-            sum += value;
-            *size += part;
+            return false;
+        if (error <= ACCURACY * sums->total) {
+            sums->value += value;
+            sums->size += part;
             from = ends[depth];
             if (depth-- == 0)
-                return sum;
+                return true;
         } else if (depth == DEPTH) {
-            return NAN;
+            return false;
         } else {
             ends[depth + 1] = (from + ends[depth]) / 2;
             depth++;
         }
     }
-    return NAN;
+    return false;
+}
+
+/* The integral over s from 0 to 1, and that of its magnitude; NAN: it does not converge. */
+static double integral(const struct path *path, double *size)
+{
+    struct sums sums = {0};
+    for (double from = 0, to = 0; from < 1; from = to) {
+        to = next_switch(path, from);
+        if (!add_smooth(path, from, to, &sums))
+            return NAN;
+    }
+    *size = sums.size;
+    return sums.value;
 }
 
 /* ---- paths ---- */

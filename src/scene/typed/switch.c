@@ -206,16 +206,37 @@ int typed_switches(const struct system *system)
     return system->oscillator.whole ? 0 : part->switches.count;
 }
 
+/* The arguments of switches, and into c, of a frozen term, their branches, on which the arguments that follow depend.
+ */
+static void find_branches(const struct typed_part *part, double t, const double *y, double *c, double *argument)
+{
+    bool settled = false;
+    for (int k = 0; k < part->switches.count && !settled; k++) {
+        settled = true;
+        typed_evaluate(part->argument, c, t, y, argument);
+        for (int i = 0; i < part->switches.count; i++) {
+            double *branch = &c[1 + first_branch(part->frozen.typed) + i];
+            const double now = switch_branch(part->switches.kind[i], argument[i]);
+            settled = settled && *branch == now;
+            *branch = now;
+        }
+    }
+}
+
 void typed_unfrozen_arguments(const struct system *system, double t, const double *y, double *argument)
 {
     const struct typed_part *part = part_of(system);
-    const int count = part->switches.count;
     double c[TERM_VALUES];
     frozen_values(part, system->typed.c, c);
-    for (int i = 0; i < count; i++) {
-        typed_evaluate(part->argument, c, t, y, argument);
-        c[1 + first_branch(part->frozen.typed) + i] = switch_branch(part->switches.kind[i], argument[i]);
-    }
+    find_branches(part, t, y, c, argument);
+}
+
+void typed_branches_at(const struct typed_part *part, const double *bound, const double *y, double *branch)
+{
+    double c[TERM_VALUES], argument[LIMIT_TYPED_SWITCHES];
+    frozen_values(part, bound, c);
+    find_branches(part, 0, y, c, argument);
+    memcpy(branch, c + 1 + first_branch(part->frozen.typed), (size_t)part->switches.count * sizeof *branch);
 }
 
 void typed_branches_take(const struct system *system, const double *branch, int count, struct system *frozen)

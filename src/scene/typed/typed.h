@@ -124,6 +124,8 @@ enum switch_kind typed_switch_kind(const struct system *system, int i);
 void typed_arguments(const struct system *system, double t, const double *y, double *argument);
 void typed_unfrozen_arguments(const struct system *system, double t, const double *y, double *argument);
 double typed_branch(const struct system *frozen, int i);
+/* The branches [switches] of a bound term's part at time 0, of the whole equations. */
+void typed_branches_at(const struct typed_part *part, const double *bound, const double *y, double *branch);
 /* Puts the terms on these branches; the rest of *frozen is a copy of *system already. */
 void typed_branches_take(const struct system *system, const double *branch, int count, struct system *frozen);
 /* Guards of the switches along which it slides, into those of all; the branch that switch i goes to, NAN: not one. */

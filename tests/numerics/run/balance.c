@@ -57,6 +57,31 @@ static struct scene make_scene(size_t i)
 static const char *const methods[] = {"symplectic-euler", "verlet", "rk4",   "implicit-midpoint", "gauss4",
                                       "ab4",              "bdf3",   "ros3p", "newmark",           "wilson-theta"};
 
+/*
+ * What adaptive methods lose is of the size of their tolerance; the balance says no more than that, also where steps
+ * are longer than a quintic through their ends can follow.
+ */
+static void test_steps_of_high_order(void **state)
+{
+    (void)state;
+    static const char *const adaptive[] = {"dopri5", "tsit5", "dop853", "odex", "radau5", "rodas5p"};
+    for (size_t i = 0; i < COUNT_OF(adaptive); i++)
+        for (double tol = 1e-6; tol > 1e-12; tol /= 1e3) {
+            const struct run_settings settings = {.dt = 0.01, .kernel = KERNEL_SPECIALISED, .tol = tol};
+            struct scene scene = spring();
+            set(&scene, "k3", 300);
+            set(&scene, "gamma", 0.25);
+            set(&scene, "F0", 0.02);
+            set(&scene, "omega", 8.2);
+            struct run *run = start(&scene, adaptive[i], settings, 10);
+            go_to(run, 10);
+            const struct ledger ledger = ask(run);
+            if (!(ledger.error_max < 20 * tol))
+                fail_msg("%s at %g: %g", adaptive[i], tol, ledger.error_max);
+            run_destroy(run);
+        }
+}
+
 static void test_whatever_is_recorded(void **state)
 {
     (void)state;
@@ -328,11 +353,17 @@ static void test_cost_of_a_question(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_whatever_is_recorded),  cmocka_unit_test(test_adaptive),
-        cmocka_unit_test(test_however_it_is_cut),     cmocka_unit_test(test_back),
-        cmocka_unit_test(test_jumps_and_changes),     cmocka_unit_test(test_columns),
-        cmocka_unit_test(test_rows_inside_of_steps),  cmocka_unit_test(test_nobody_asks),
-        cmocka_unit_test(test_long_runs),             cmocka_unit_test(test_cost_of_a_question),
+        cmocka_unit_test(test_steps_of_high_order),
+        cmocka_unit_test(test_whatever_is_recorded),
+        cmocka_unit_test(test_adaptive),
+        cmocka_unit_test(test_however_it_is_cut),
+        cmocka_unit_test(test_back),
+        cmocka_unit_test(test_jumps_and_changes),
+        cmocka_unit_test(test_columns),
+        cmocka_unit_test(test_rows_inside_of_steps),
+        cmocka_unit_test(test_nobody_asks),
+        cmocka_unit_test(test_long_runs),
+        cmocka_unit_test(test_cost_of_a_question),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
