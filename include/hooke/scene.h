@@ -97,6 +97,14 @@ struct root_search {
     double last_touch;
 };
 
+/*
+ * The root between a and b, where the values fa and fb have different signs: inverse quadratic interpolation where that
+ * is safe, else bisection (Chandrupatla 1997, Adv. Eng. Software 28:145). It is known to `least`; where it returns, the
+ * value is 0 or has the sign of fb.
+ */
+double root_between(double (*value)(void *context, double x), void *context, double a, double fa, double b, double fb,
+                    double least);
+
 /* From a, where the value is fa, to b. */
 void roots_find(struct root_search *roots, double a, double fa, double b, double fb);
 

@@ -207,27 +207,22 @@ static double guard_at(const struct look *look, int i, double theta)
     return guard[i];
 }
 
-/* Where the guard is 0 between a, where it is above, and b, where it is below: false position (Illinois). */
+struct one_guard {
+    const struct look *look;
+    int i;
+};
+
+static double one_guard_at(void *context, double theta)
+{
+    const struct one_guard *one = context;
+    return guard_at(one->look, one->i, theta);
+}
+
+/* Where the guard is 0 between a, where it is above, and b, where it is below. */
 static double root(const struct look *look, int i, double a, double fa, double b, double fb)
 {
-    for (int k = 0; k < 100 && b - a > DBL_EPSILON; k++) {
-        double x = k % 3 == 2 ? a + (b - a) / 2 : a + (b - a) * (fa / (fa - fb));
-        if (!(x > a && x < b))
-            x = a + (b - a) / 2;
-        if (!(x > a && x < b))
-            break;
-        const double f = guard_at(look, i, x);
-        if (f >= 0) {
-            a = x;
-            fa = f;
-            fb /= 2;
-        } else {
-            b = x;
-            fb = f;
-            fa /= 2;
-        }
-    }
-    return b;
+    struct one_guard one = {look, i};
+    return root_between(one_guard_at, &one, a, fa, b, fb, DBL_EPSILON);
 }
 
 /* A point before `theta` where guard i is above 0; `theta` itself: there is none. */

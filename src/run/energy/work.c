@@ -58,27 +58,20 @@ static void quintic_at(const struct quintic *p, double s, double *q, double *v)
 #define FINE 1e-11     /* tolerance of the steps in which a body turns under dry friction; */
 #define PARTS 64       /* so many at most, */
 #define STEP_MEMORY 64 /* with so much memory */
-#define NEAR_REST 1e-9 /* of the velocities: the power there goes with their square or cube */
+#define NEAR_REST 1e-9 /* of the step: the power there goes with the square or cube of the velocity */
 
-/* Where the velocity, of different signs at the ends, is 0: by secants and bisections (Illinois). */
-static double turning_point(const struct quintic *p)
+static double velocity_at(void *context, double s)
 {
-    const double rest = NEAR_REST * (fabs(p->v0) + fabs(p->v1));
-    double a = 0, b = 1, fa = p->v0, fb = p->v1, s = 0.5, q, v = HUGE_VAL;
-    for (int i = 0; i < 60 && fabs(v) > rest; i++) {
-        s = i % 4 == 3 ? (a + b) / 2 : a + (b - a) * (fa / (fa - fb));
-        quintic_at(p, s, &q, &v);
-        if (signbit(v) == signbit(p->v0)) {
-            a = s;
-            fa = v;
-            fb /= 2;
-        } else {
-            b = s;
-            fb = v;
-            fa /= 2;
-        }
-    }
-    return s;
+    double q, v;
+    quintic_at(context, s, &q, &v);
+    return v;
+}
+
+/* Where the velocity, of different signs at the ends, is 0. */
+static double turning_point(struct quintic p)
+{
+    const double v0 = p.v0, v1 = p.v1;
+    return root_between(velocity_at, &p, 0, v0, 1, v1, NEAR_REST);
 }
 
 static void add_part(const struct system *system, bool drags, const struct quintic *p, double t, double from,
@@ -133,7 +126,7 @@ void work_across(const struct system *system, const struct quintic *p, double t,
         add_part(system, drags_only(system), p, t, 0, 1, work, drag);
         return;
     }
-    const double s = turning_point(p);
+    const double s = turning_point(*p);
     const bool drags = drags_only(system);
     *work = *drag = 0;
     add_part(system, drags, p, t, 0, s, work, drag);

@@ -34,33 +34,40 @@ static void found(struct root_search *roots, double x, int sign)
     roots->stopped = !roots->found(roots->context, x, sign) || roots->stopped;
 }
 
-/*
- * The point beyond the sign change of s: regula falsi with the Illinois rule, every third time a bisection. At a it is
- * r->sign.
- */
+double root_between(double (*value)(void *context, double x), void *context, double a, double fa, double b, double fb,
+                    double least)
+{
+    double x = b, f = fb, other = a, f_other = fa, t = 0.5; /* the root is between x and other */
+    for (int i = 0; i < 200 && f != 0; i++) {
+        const double at = x + t * (other - x), now = value(context, at);
+        double last = x, f_last = f;
+        if (!((at > x && at < other) || (at < x && at > other)))
+            break;
+        if ((now < 0) != (f < 0) || now == 0) {
+            last = other;
+            f_last = f_other;
+            other = x;
+            f_other = f;
+        }
+        x = at;
+        f = now;
+        const double width = fabs(other - x), share = width > 0 ? least / (2 * width) : 1;
+        if (share > 0.5)
+            break;
+        const double xi = (x - other) / (last - other), phi = (f - f_other) / (f_last - f_other);
+        t = 0.5;
+        if (1 - sqrt(1 - xi) < phi && phi < sqrt(xi))
+            t = f / (f_other - f) * (f_last / (f_other - f_last)) +
+                (last - x) / (other - x) * (f / (f_last - f)) * (f_other / (f_last - f_other));
+        t = fmin(fmax(t, share), 1 - share);
+    }
+    return f == 0 || (f < 0) == (fb < 0) ? x : other;
+}
+
+/* The point beyond the sign change of s. */
 static double locate(const struct root_search *roots, const struct stretch *s)
 {
-    double a = s->a, b = s->b, ga = s->fa, gb = s->fb, fb = s->fb;
-    if (s->fa == 0)
-        return a;
-    for (int i = 0; i < 200 && fb != 0 && b - a > roots->least; i++) {
-        double x = i % 3 == 2 ? a + (b - a) / 2 : a + (b - a) * (ga / (ga - gb));
-        if (!(x > a && x < b))
-            x = a + (b - a) / 2;
-        if (!(x > a && x < b))
-            break;
-        const double f = value_at(roots, x);
-        if ((f < 0) == (s->fa < 0) && f != 0) {
-            a = x;
-            ga = f;
-            gb /= 2;
-        } else {
-            b = x;
-            fb = gb = f;
-            ga /= 2;
-        }
-    }
-    return b;
+    return s->fa == 0 ? s->a : root_between(roots->value, roots->context, s->a, s->fa, s->b, s->fb, roots->least);
 }
 
 /* Its sign changes once at most. */
