@@ -217,7 +217,8 @@ struct event_doubt {
     double from, to; /* [s] the first of them and the last */
 };
 
-struct event_doubt run_event_doubt(const struct run *run, int event); /* place in the targets' lists */
+/* event: its place in the targets' lists; LIMIT_EVENTS: the condition. */
+struct event_doubt run_event_doubt(const struct run *run, int event);
 size_t run_happenings(const struct run *run);
 const struct happening *run_happening(const struct run *run, size_t i);
 const double *run_happening_state(const struct run *run, size_t i); /* [n] */
@@ -225,8 +226,9 @@ const double *run_happening_state(const struct run *run, size_t i); /* [n] */
 struct run_target {
     double t;                          /* [s] go there; HUGE_VAL: no end */
     int64_t steps;                     /* at most so many more steps, counted from this call; < 0: no limit */
-    const struct condition *condition; /* stop where it becomes true (located inside the step by steps of the method),
-                                          or NULL; true at the start, it must become false first */
+    const struct condition *condition; /* stop where it becomes true (looked for as events are, located by steps of the
+                                          method), or NULL; true at the start, it must become false first; with
+                                          <= and >= it is true where it touches, within the errors of the run */
     const struct expr_scope *scope;    /* of the condition; loads observables of this run's current state */
     const struct event *event;         /* [events] */
     int events;

@@ -92,6 +92,14 @@ void reply_event_doubts(struct held_run *held, struct reply *reply)
                       doubt.steps == 1 ? "" : "s");
         said = true;
     }
+    const struct event_doubt doubt = run_event_doubt(run, LIMIT_EVENTS);
+    if (doubt.steps > 0 && !run->warned_doubt) {
+        reply_warning(reply,
+                      "the condition may have been true before, from t = %.6g s to %.6g s (%lld step%s): the step was "
+                      "longer than its own time scale",
+                      doubt.from, doubt.to, (long long)doubt.steps, doubt.steps == 1 ? "" : "s");
+        said = true;
+    }
     run->warned_doubt = run->warned_doubt || said;
 }
 

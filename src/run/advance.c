@@ -83,38 +83,91 @@ static enum step_status step_cold(struct run *run, double t, double h)
     return method_turning_step(run->method, step);
 }
 
-/*
- * The condition became true in the step from t over h: bisects its length, each time with a real step of the method,
- * and leaves the state at the end where it holds. True if that is inside the step.
- */
-static bool locate(struct run *run, const struct leg *leg, double t, double h)
+/* Steps of the method from where one began, over less. */
+struct part {
+    struct run *run;
+    const struct leg *leg;
+    double t;
+    bool failed;
+};
+
+static double condition_after(void *context, double h)
 {
-    size_t size = (size_t)run->system.n * sizeof *run->y;
-    double low = 0, high = h, end = run->t, found[LIMIT_VARIABLES];
-    memcpy(found, run->y, size);
-    while (!(fabs(high - low) <= DBL_EPSILON * fmax(fabs(t), fabs(t + high)))) {
-        double middle = low + (high - low) / 2;
-        restore(run);
-        if (middle == low || middle == high || step_cold(run, t, middle) != STEP_OK)
+    struct part *part = context;
+    struct run *run = part->run;
+    restore(run);
+    part->failed = part->failed || (h != 0 && step_cold(run, part->t, h) != STEP_OK);
+    run->t = part->t + h;
+    return condition_value(part->leg->target->condition, part->leg->target->scope);
+}
+
+#define CLOSE 1e-9 /* of a step: how far from where an interpolant has it the condition becomes true, at first */
+
+/*
+ * A stretch about `at` of the step over h at whose ends the condition is false, then true; *low = *high: there is none.
+ */
+static void enclose(struct part *part, double at, double h, double *low, double *f_low, double *high, double *f_high)
+{
+    const struct condition *condition = part->leg->target->condition;
+    for (double apart = CLOSE;; apart *= 32) {
+        const double a = at / h - apart, b = at / h + apart;
+        *low = a > 0 ? a * h : 0;
+        *high = b < 1 ? b * h : h;
+        *f_low = condition_after(part, *low);
+        *f_high = condition_after(part, *high);
+        if (part->failed || (!condition_holds(condition, *f_low) && condition_holds(condition, *f_high)))
+            return;
+        if (apart > 1)
             break;
-        run->t = t + middle;
-        if (holds(leg)) {
-            high = middle;
-            end = run->t;
-            memcpy(found, run->y, size);
-        } else {
-            low = middle;
-        }
     }
-    if (run->trace->interval > 0) { /* rows inside are of this step */
-        restore(run);
-        step_cold(run, t, high);
+    *low = *high = at;
+}
+
+/*
+ * The condition became true in the step from t over h, by an interpolant at the share theta: steps of the method itself
+ * say where; the run is put there, where it holds. True if that is inside the step.
+ */
+static bool locate(struct run *run, const struct leg *leg, double t, double h, double theta)
+{
+    const size_t size = (size_t)run->system.n * sizeof *run->y;
+    const double end = run->t, ulp = DBL_EPSILON * fmax(fabs(t), fabs(end));
+    struct part part = {run, leg, t, false};
+    double found[LIMIT_VARIABLES], low, high, f_low, f_high, at = theta * h;
+    memcpy(found, run->y, size);
+    enclose(&part, at, h, &low, &f_low, &high, &f_high);
+    if (low != high && !part.failed) {
+        if (f_low != 0)
+            at = root_between(condition_after, &part, low, f_low, high, f_high, ulp);
+        else
+            at = low;
+        for (double more = ulp; !condition_holds(leg->target->condition, condition_after(&part, at)) && at != high;
+             more *= 2)
+            at = fabs(at + copysign(more, h)) < fabs(high) ? at + copysign(more, h) : high;
     }
-    memcpy(run->y, found, size);
-    run->t = end;
+    const bool whole = at == h || part.failed;
+    if (!whole)
+        condition_after(&part, at); /* rows inside are of this step */
+    else
+        memcpy(run->y, found, size);
+    run->t = whole ? end : t + at;
     forget_rounding(run->private_state, run->system.n);
     run->private_state->step.warm = false;
-    return high != h;
+    return !whole;
+}
+
+/* Does the run stop in the step because the condition became true? It is put there. */
+static bool meet(struct run *run, struct leg *leg, double t, double h, bool *inside)
+{
+    const bool now = holds(leg);
+    double theta = 1;
+    /* What no bounds can follow may be true all the same. */
+    const bool met = events_until(run, &theta) || (now && leg->armed && !events_stop(run));
+    if (met) {
+        *inside |= locate(run, leg, t, h, theta);
+        events_until_at(run, theta);
+    }
+    leg->armed |= !now;
+    return met;
 }
 
 /* One step of the method; *t, *h: where it began and how far it went, *end: the time to give its end. */
@@ -176,16 +229,11 @@ static enum stop advance_step(struct run *run, struct leg *leg)
     run->steps++;
     run->t = end;
     enum stop stop = STOP_NONE;
-    if (leg->target->events > 0)
+    if (leg->target->events > 0 || leg->target->condition)
         noticed = events_find(run, leg, t, h);
-    if (leg->target->condition) {
-        bool now = holds(leg);
-        if (now && leg->armed) {
-            off_grid |= locate(run, leg, t, h);
-            cold = true;
-            stop = STOP_CONDITION;
-        }
-        leg->armed |= !now;
+    if (leg->target->condition && noticed && meet(run, leg, t, h, &off_grid)) {
+        cold = true;
+        stop = STOP_CONDITION;
     }
     if (run->trace->interval > 0)
         refused = even_record(run, cold, t, stop == STOP_CONDITION ? run->t - t : h);

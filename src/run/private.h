@@ -229,7 +229,7 @@ struct run_private {
     struct happenings happenings;
     struct second *second; /* opinion.c; NULL: nobody asked */
     struct watch *watch; /* watch.h; NULL: there are no events */
-    struct event_doubt doubt[LIMIT_EVENTS];
+    struct event_doubt doubt[LIMIT_EVENTS + 1]; /* the last is that of the condition */
     struct kick *kick;
     size_t kicks, kick_room;
 };
@@ -301,6 +301,12 @@ bool events_begin(struct run *run, const struct leg *leg);
 bool events_find(struct run *run, const struct leg *leg, double t, double h);
 /* Keeps those up to the present time; ends at one that stops the run, and puts the run there. False: no memory. */
 bool events_keep(struct run *run, const struct leg *leg, double h, bool *stops);
+/* Did the condition become true in the step? *theta: the share of the step where, the first time. */
+bool events_until(const struct run *run, double *theta);
+/* Does another event stop the run in the step? */
+bool events_stop(const struct run *run);
+/* The state where it did is known better now: run->t and run->y, for the events at the same moment too. */
+void events_until_at(struct run *run, double theta);
 /* Drops those after the present step; of that step those ahead of the present time. */
 void happenings_truncate(struct run *run, double ahead);
 

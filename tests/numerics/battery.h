@@ -231,4 +231,38 @@ static inline void oscillator_lines(const struct swinging *o, char *lines, size_
     }
 }
 
+/* ---- closed forms of switched systems ---- */
+
+/* x'' = -x for x > 0, -100 x below, from rest at 1: half periods of pi and pi/10. */
+static inline double two_springs(double t)
+{
+    const double u = fmod(t + M_PI / 2, 1.1 * M_PI);
+    return u < M_PI ? sin(u) : -sin(10 * (u - M_PI)) / 10;
+}
+
+/* x'' = -x - sign(x')/2 from rest at 10, before it sticks: half periods about -+1/2 take 1 off the amplitude. */
+static inline double dry(double t)
+{
+    const double half = floor(t / M_PI), amplitude = 9.5 - half, sign = fmod(half, 2) == 0 ? 1 : -1;
+    return sign * (0.5 + amplitude * cos(t - half * M_PI));
+}
+
+/* x'' = -sign(x) from rest at 1: parabolas, quarter period sqrt(2). */
+static inline double wedge(double t)
+{
+    const double quarter = sqrt(2), u = fmod(t + quarter, 4 * quarter), v = fmod(u, 2 * quarter) - quarter;
+    return (u < 2 * quarter ? 1 : -1) * (1 - v * v / 2);
+}
+
+static inline double jump(double t)
+{
+    return t < 3.3 ? t : 3.3 - 2 * (t - 3.3);
+}
+
+static inline double rectified(double t)
+{
+    const double whole = floor(t);
+    return (2 * whole + 1 - cos(M_PI * (t - whole))) / M_PI;
+}
+
 #endif

@@ -23,10 +23,18 @@ static double share_of_error(const struct run *run)
 
 /* ---- where a leg begins ---- */
 
+/* The run stands where the condition became true, perhaps but for errors: not there again. */
+static void depart_from_condition(struct watch *watch, struct watched *watched)
+{
+    struct run *run = watch->run;
+    watched->departs = events_watch_is_zero(watch, watched, run->t, run->y, share_of_error(run));
+    watched->touched = watched->departs ? run->t : NAN;
+}
+
 bool events_begin(struct run *run, const struct leg *leg)
 {
     struct run_private *p = run->private_state;
-    if (leg->target->events == 0)
+    if (leg->target->events == 0 && !leg->target->condition)
         return true;
     if (!p->watch)
         p->watch = calloc(1, sizeof *p->watch);
@@ -40,6 +48,12 @@ bool events_begin(struct run *run, const struct leg *leg)
         watched->departs = watched->value == 0 ||
                            (run->steps == 0 && events_watch_is_zero(watch, watched, run->t, run->y, DBL_EPSILON));
         watched->sign = watched->departs ? 0 : sign_of(watched->value);
+        if (i == watch->until && run->stop == STOP_CONDITION)
+            depart_from_condition(watch, watched);
+        else if (i == watch->until && watched->value == 0) {
+            watched->departs = false;
+            watched->sign = watch->or_equal ? watched->event->direction : -watched->event->direction;
+        }
     }
     for (size_t i = run_happenings(run); i > 0 && run_happening(run, i - 1)->t == run->t; i--)
         if (run_happening(run, i - 1)->event < watch->events)
@@ -56,7 +70,13 @@ struct look {
     int event;
     double until; /* an event that stops the run is there: what comes after does not happen */
     bool failed;
+    const struct root_search *roots; /* that goes on */
 };
+
+static bool is_until(const struct look *look)
+{
+    return look->event == look->watch->until;
+}
 
 static double look_value(void *context, double theta)
 {
@@ -103,8 +123,10 @@ static bool look_found(void *context, double theta, int sign)
     struct look *look = context;
     const struct path *path = &look->watch->path;
     const struct event *event = look->watched->event;
-    const int direction = path->inside.h > 0 ? sign : -sign;
-    if (event->direction != 0 && event->direction != direction)
+    /* A condition becomes true on the way, an event rises with time. */
+    const int direction = path->inside.h > 0 || is_until(look) ? sign : -sign;
+    const bool touches = sign == 0 && event->touching && look->roots && look->roots->sign == -event->direction;
+    if (event->direction != 0 && event->direction != direction && !touches)
         return true;
     if (sign == 0 && fabs(path_time(path, theta) - look->watched->touched) <= TOUCH * fabs(path->inside.h))
         return true; /* at the end of the step before */
@@ -169,7 +191,7 @@ static bool is_due(const struct look *look, const struct run_target *target)
 
 static void doubt(struct run *run, const struct look *look, double from)
 {
-    struct event_doubt *doubt = &run->private_state->doubt[look->event];
+    struct event_doubt *doubt = &run->private_state->doubt[is_until(look) ? LIMIT_EVENTS : look->event];
     const struct path *path = &look->watch->path;
     doubt->from = doubt->steps == 0 ? path_time(path, from) : doubt->from;
     doubt->to = path->end_t;
@@ -187,7 +209,9 @@ static void search(struct look *look, double from, double value, double to)
                           .least = fmax(DBL_EPSILON * times / fabs(path->inside.h), DBL_EPSILON),
                           .budget = watched->budget, .sign = watched->sign};
     roots.nonzero = value != 0 || watched->value != 0;
+    look->roots = &roots;
     roots_find(&roots, from, value, to, to < 1 ? look_value(look, to) : watched->value);
+    look->roots = NULL;
     watched->sign = roots.sign;
     if (roots.unsure && roots.nonzero)
         doubt(watch->run, look, roots.unsure_from);
@@ -214,6 +238,12 @@ static void look_at(struct look *look, const struct run_target *target)
     if (to < 1 || look->until < 1)
         return;
     const int sign = watched->sign;
+    if (is_until(look) && watched->value == 0) { /* a strict one that is true beyond is found there */
+        watched->sign = look->watch->or_equal ? watched->event->direction : -watched->event->direction;
+        if (look->watch->or_equal && sign == -watched->sign)
+            look_found(look, 1, watched->sign);
+        return;
+    }
     if (watched->value == 0 && sign != 0) {
         watched->sign = sign_beyond(look, sign);
         if (watched->sign != sign)
@@ -302,6 +332,46 @@ static bool keep(struct run *run, const struct crossing *crossing, const double 
     return true;
 }
 
+bool events_until(const struct run *run, double *theta)
+{
+    const struct watch *watch = run->private_state->watch;
+    bool stopped = false; /* by another event before */
+    for (size_t i = 0; i < watch->count; i++) {
+        const struct crossing *crossing = &watch->found[i];
+        if (crossing->event == watch->until && (!stopped || crossing->theta == *theta)) {
+            *theta = crossing->theta;
+            return true;
+        }
+        if (watch->event[crossing->event].event->stop && !stopped) {
+            stopped = true;
+            *theta = crossing->theta;
+        }
+    }
+    return false;
+}
+
+bool events_stop(const struct run *run)
+{
+    const struct watch *watch = run->private_state->watch;
+    for (size_t i = 0; i < watch->count; i++)
+        if (watch->event[watch->found[i].event].event->stop)
+            return true;
+    return false;
+}
+
+void events_until_at(struct run *run, double theta)
+{
+    const struct watch *watch = run->private_state->watch;
+    for (size_t i = 0; i < watch->count; i++) {
+        struct crossing *crossing = &watch->found[i];
+        const bool before = (run->t - crossing->t) * watch->path.inside.h > 0;
+        if (crossing->theta > theta || (crossing->theta < theta && before))
+            continue;
+        crossing->t = run->t;
+        copy_state(watch->state + i * (size_t)run->system.n, run->y, run->system.n);
+    }
+}
+
 bool events_keep(struct run *run, const struct leg *leg, double h, bool *stops)
 {
     const struct watch *watch = run->private_state->watch;
@@ -311,6 +381,8 @@ bool events_keep(struct run *run, const struct leg *leg, double h, bool *stops)
         const double *state = watch->state + i * (size_t)n;
         if ((crossing->t - run->t) * h > 0)
             break;
+        if (crossing->event == watch->until)
+            continue;
         if (!keep(run, crossing, state))
             return false;
         if (!leg->target->event[crossing->event].stop || *stops)

@@ -40,15 +40,33 @@ static int column_of(void *context, int slot)
     return watch->columns++;
 }
 
+/* Where a condition becomes true is an event that stops the run. */
+static void take_condition(struct watch *watch, const struct run_target *target)
+{
+    const struct condition *condition = target->condition;
+    watch->or_equal = condition->or_equal;
+    watch->condition = (struct event){.left = condition->left,
+                                      .right = condition->right,
+                                      .left_factor = condition->left_factor,
+                                      .right_factor = condition->right_factor,
+                                      .direction = condition->less ? -1 : 1,
+                                      .touching = condition->or_equal,
+                                      .stop = true,
+                                      .scope = target->scope};
+}
+
 bool events_watch_begin(struct watch *watch, struct run *run, const struct run_target *target)
 {
     arena_reset(&watch->arena);
     watch->columns = watch->room = 0;
     watch->failed = false;
     watch->run = run;
-    watch->events = target->events;
-    for (int i = 0; i < target->events && !watch->failed; i++) {
-        const struct event *event = &target->event[i];
+    watch->events = target->events + (target->condition != NULL);
+    watch->until = target->condition ? target->events : -1;
+    if (target->condition)
+        take_condition(watch, target);
+    for (int i = 0; i < watch->events && !watch->failed; i++) {
+        const struct event *event = i == watch->until ? &watch->condition : &target->event[i];
         watch->scope = event->scope;
         struct watched made = {.event = event, .budget = BUDGET, .touched = NAN};
         made.left = expr_settle(event->left, event->scope, column_of, watch, &watch->arena);

@@ -63,8 +63,11 @@ struct watch {
     bool failed;
     struct run *run;
     const struct expr_scope *scope;
-    struct watched event[LIMIT_EVENTS];
-    int events;
+    struct watched event[LIMIT_EVENTS + 1];
+    int events; /* with the condition, if there is one: the last, and `until` is its place, else -1 */
+    int until;
+    struct event condition;
+    bool or_equal;
     struct path path;
     struct crossing *found; /* in the step just taken, in order */
     double *state;          /* [count][n] */

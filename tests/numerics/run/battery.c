@@ -123,38 +123,6 @@ static void test_smooth_scenes_of_radau(void **state)
 
 /* ---- switches ---- */
 
-/* x'' = -x for x > 0, -100 x below, from rest at 1: half periods of pi and pi/10. */
-static double two_springs(double t)
-{
-    const double u = fmod(t + M_PI / 2, 1.1 * M_PI);
-    return u < M_PI ? sin(u) : -sin(10 * (u - M_PI)) / 10;
-}
-
-/* x'' = -x - sign(x')/2 from rest at 10, before it sticks: half periods about -+1/2 take 1 off the amplitude. */
-static double dry(double t)
-{
-    const double half = floor(t / M_PI), amplitude = 9.5 - half, sign = fmod(half, 2) == 0 ? 1 : -1;
-    return sign * (0.5 + amplitude * cos(t - half * M_PI));
-}
-
-/* x'' = -sign(x) from rest at 1: parabolas, quarter period sqrt(2). */
-static double wedge(double t)
-{
-    const double quarter = sqrt(2), u = fmod(t + quarter, 4 * quarter), v = fmod(u, 2 * quarter) - quarter;
-    return (u < 2 * quarter ? 1 : -1) * (1 - v * v / 2);
-}
-
-static double jump(double t)
-{
-    return t < 3.3 ? t : 3.3 - 2 * (t - 3.3);
-}
-
-static double rectified(double t)
-{
-    const double whole = floor(t);
-    return (2 * whole + 1 - cos(M_PI * (t - whole))) / M_PI;
-}
-
 static double stairs(double t)
 {
     const double whole = floor(t);

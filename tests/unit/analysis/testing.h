@@ -5,24 +5,10 @@
 
 #include <hooke/analysis.h>
 
+#include "unit/random_testing.h"
+
 #include <math.h>
 #include <stdlib.h>
-
-static uint64_t random_state = 1;
-
-static inline double random_uniform(void) /* [0, 1): splitmix64 */
-{
-    uint64_t z = (random_state += 0x9E3779B97F4A7C15u);
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
-}
-
-static inline double random_normal(void) /* Box & Muller 1958 */
-{
-    double u = 1 - random_uniform(), v = random_uniform();
-    return sqrt(-2 * log(u)) * cos(6.283185307179586 * v);
-}
 
 static inline double random_between(double low, double high)
 {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What cleaning finds in recordings whose faults are known, and that it finds nothing where nothing is wrong. */
 #include "unit/data/fixture.h"
+#include "unit/random_testing.h"
 
 #define ROWS_MOST 8000
 #define PERIOD 0.7226 /* [s] */
@@ -13,26 +14,12 @@ struct made {
     uint64_t seed;
 };
 
-static double uniform(uint64_t *state)
-{
-    uint64_t z = (*state += 0x9E3779B97F4A7C15u);
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-    return ((double)((z ^ (z >> 31)) >> 11) + 0.5) / 9007199254740992.0;
-}
-
-static double normal(uint64_t *state)
-{
-    const double r = sqrt(-2 * log(uniform(state)));
-    return r * cos(6.283185307179586 * uniform(state));
-}
-
 static void make(struct made *m)
 {
     for (size_t i = 0; i < m->n; i++) {
         m->t[i] = (double)i / m->rate;
         m->y[i] = 21.6 + m->amplitude * exp(-0.5 * m->gamma * m->t[i]) * cos(6.283185307179586 / PERIOD * m->t[i] + 1) +
-                  m->noise * normal(&m->seed);
+                  m->noise * normal_from(&m->seed);
     }
 }
 
@@ -157,7 +144,7 @@ static void flat_tops_are_found_and_kept(void **state)
         size_t clipped = 0;
         for (size_t i = 0; i < m.n; i++) {
             clipped += m.y[i] > 25;
-            m.y[i] = fmin(m.y[i], 25) + noises[k] * normal(&m.seed);
+            m.y[i] = fmin(m.y[i], 25) + noises[k] * normal_from(&m.seed);
         }
         struct recording *recording = recorded(&m, 0.001);
         const struct findings *f = inspected(recording);
@@ -245,7 +232,7 @@ static void rest_and_release_give_a_window(void **state)
     make(&m);
     for (size_t i = 0; i < m.n; i++) {
         const double s = m.t[i] - 3, swing = 5.2 * exp(-0.01 * s) * cos(6.283185307179586 / PERIOD * s);
-        m.y[i] = 21.6 + (s < 0 ? 5.2 : m.t[i] < 25 ? swing : 0) + 0.02 * normal(&m.seed);
+        m.y[i] = 21.6 + (s < 0 ? 5.2 : m.t[i] < 25 ? swing : 0) + 0.02 * normal_from(&m.seed);
     }
     struct recording *recording = recorded(&m, 0.001);
     const struct findings *f = inspected(recording);

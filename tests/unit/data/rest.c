@@ -10,23 +10,11 @@
 
 #include <cmocka.h>
 
+#include "unit/random_testing.h"
+
 #define ROWS 2400
 #define SEEDS 40
 #define TWO_PI 6.283185307179586
-
-static double uniform(uint64_t *state)
-{
-    uint64_t z = (*state += 0x9E3779B97F4A7C15u);
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-    return ((double)((z ^ (z >> 31)) >> 11) + 0.5) / 9007199254740992.0;
-}
-
-static double normal(uint64_t *state)
-{
-    const double r = sqrt(-2 * log(uniform(state)));
-    return r * cos(TWO_PI * uniform(state));
-}
 
 static double y[ROWS], t[ROWS];
 static unsigned char mask[ROWS];
@@ -34,10 +22,10 @@ static unsigned char mask[ROWS];
 /* Damped sine of period 1 s, amplitude 1. */
 static void make(size_t n, double rate, double q, double noise, uint64_t seed)
 {
-    const double phase = TWO_PI * uniform(&seed);
+    const double phase = TWO_PI * uniform_from(&seed);
     for (size_t i = 0; i < n; i++) {
         t[i] = (double)i / rate;
-        y[i] = exp(-0.5 * TWO_PI / q * t[i]) * cos(TWO_PI * t[i] + phase) + noise * normal(&seed);
+        y[i] = exp(-0.5 * TWO_PI / q * t[i]) * cos(TWO_PI * t[i] + phase) + noise * normal_from(&seed);
     }
 }
 
@@ -69,7 +57,7 @@ static void few_samples_a_period_do_not_rest(void **state)
     (void)state;
     for (uint64_t seed = 0; seed < 200; seed++) {
         uint64_t s = seed + 1000;
-        const double rate = 2.05 + 0.35 * uniform(&s), q = seed % 2 ? 300 : 60;
+        const double rate = 2.05 + 0.35 * uniform_from(&s), q = seed % 2 ? 300 : 60;
         make(200, rate, q, 6e-3, seed);
         claimed += rests(200);
     }
@@ -84,12 +72,13 @@ static void dry_friction_rests(void **state)
     for (size_t j = 0; j < 4; j++)
         for (uint64_t seed = 0; seed < SEEDS; seed++) {
             uint64_t s = seed;
-            const double half = 0.5 / floor(8 + 40 * uniform(&s)), rate = 50; /* of the amplitude, each half swing */
+            const double half = 0.5 / floor(8 + 40 * uniform_from(&s)),
+                         rate = 50; /* of the amplitude, each half swing */
             for (size_t i = 0; i < ROWS; i++) {
                 t[i] = (double)i / rate;
                 const double k = floor(2 * t[i]), a = 1 - half - 2 * k * half;
                 const double side = fmod(k, 2) < 1 ? 1 : -1, swing = half + a * cos(TWO_PI * (t[i] - 0.5 * k));
-                y[i] = (a > 0 ? side * swing : 0) + noise[j] * normal(&s);
+                y[i] = (a > 0 ? side * swing : 0) + noise[j] * normal_from(&s);
             }
             assert_true(rests(ROWS));
         }
@@ -103,7 +92,7 @@ static void stopped_by_a_hand(void **state)
         uint64_t seed_of_rest = seed + 500;
         make(ROWS, 50, 60, 6e-3, seed);
         for (size_t i = 0; i < ROWS; i++)
-            y[i] = t[i] > 6 ? 0.02 + 6e-3 * normal(&seed_of_rest) : y[i];
+            y[i] = t[i] > 6 ? 0.02 + 6e-3 * normal_from(&seed_of_rest) : y[i];
         assert_true(rests(ROWS));
     }
 }

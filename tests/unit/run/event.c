@@ -384,9 +384,67 @@ static void test_text(void **state)
 
 #define TEST_CASE(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
 
+/* Until TEXT; true: it stopped there. */
+static bool until(struct fixture *f, const char *text, double t_end)
+{
+    struct condition condition;
+    size_t used;
+    if (!condition_compile(text_of(text), &f->scope, &f->arena, &condition, &used, &f->error))
+        fail_msg("%s: %s", text, f->error.text);
+    const struct run_target target = {
+        .t = t_end, .steps = -1, .condition = &condition, .scope = &f->scope, .event = f->event, .events = f->events};
+    while (run_advance(f->run, &target, 1, NULL))
+        continue;
+    return f->run->stop == STOP_CONDITION;
+}
+
+/* x = cos t: conditions that hold for a small part of a step, at once, never, at the end, where they touch. */
+static void test_conditions_are_met(void **state)
+{
+    struct fixture *f = *state;
+    static const struct {
+        const char *method;
+        double dt, tol, off;
+    } by[] = {{"dopri5", 0.1, 1e-10, 1e-8}, {"dop853", 0.1, 1e-10, 1e-8}, {"radau5", 0.1, 1e-10, 1e-8},
+              {"odex", 0.1, 1e-10, 1e-8},   {"tsit5", 0.1, 1e-10, 1e-8},  {"rodas5p", 0.1, 1e-9, 1e-7},
+              {"rk4", 0.01, 0, 1e-8},       {"gauss4", 0.01, 0, 1e-8},    {"verlet", 1e-3, 0, 1e-5}};
+    static const struct {
+        const char *text;
+        double at, again; /* NAN: never */
+    } rows[] = {
+        {"sin(200*t) > 0.9999", 0.0077832723, 0.0391991988},
+        {"sin(200*t) >= 1", 0.0078539816, 0.0392699082},
+        {"x < 0.5", 1.0471975512, 7.3303828584},
+        {"x > 0.5", 5.2359877560, 11.519173063},
+        {"(x - 0.5)^2 < 1e-10", 1.0471860042, 5.2359762090},
+        {"x < -1.001", NAN, NAN},
+        {"t >= 12", 12, NAN},
+        {"x <= -1", 3.1415926536, 9.4247779608},
+    };
+    for (size_t m = 0; m < COUNT_OF(by); m++)
+        for (size_t i = 0; i < COUNT_OF(rows); i++) {
+            start(f, by[m].method, by[m].dt, by[m].tol);
+            const bool tangent = strstr(rows[i].text, "<= -1") || strstr(rows[i].text, ">= 1");
+            const double off = tangent ? 2e-4 : by[m].off;
+            if (tangent && by[m].tol == 0)
+                continue; /* a fixed step knows no error within which it touches */
+            const bool met = until(f, rows[i].text, 12);
+            if (met != !isnan(rows[i].at) || (met && !(fabs(f->run->t - rows[i].at) <= off)))
+                fail_msg("%s, %s: %d at t = %.10g", by[m].method, rows[i].text, met, f->run->t);
+            if (!met)
+                assert_true(f->run->t == 12);
+            if (!met || f->run->t == 12 || tangent) /* it may truly be there a moment later */
+                continue;
+            const bool again = until(f, rows[i].text, 12);
+            if (again != !isnan(rows[i].again) || (again && !(fabs(f->run->t - rows[i].again) <= 2 * off)))
+                fail_msg("%s, %s, again: %d at t = %.10g", by[m].method, rows[i].text, again, f->run->t);
+        }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_conditions_are_met, set_up, tear_down),
         TEST_CASE(test_times),
         TEST_CASE(test_counts),
         TEST_CASE(test_slices_do_not_matter),
