@@ -215,7 +215,8 @@ struct one_guard {
 static double one_guard_at(void *context, double theta)
 {
     const struct one_guard *one = context;
-    return guard_at(one->look, one->i, theta);
+    const double guard = guard_at(one->look, one->i, theta);
+    return guard == 0 ? DBL_MIN : guard; /* a branch holds up to there */
 }
 
 /* Where the guard is 0 between a, where it is above, and b, where it is below. */

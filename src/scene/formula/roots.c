@@ -98,6 +98,42 @@ static double slope_at(const struct root_search *roots, double x)
     return slope.lo + (slope.hi - slope.lo) / 2;
 }
 
+#define GOLDEN 0.3819660112501051
+
+/*
+ * Slopes are known within their bounds only (of a step without a polynomial of its own): the extreme value, about *x,
+ * may be farther, with a second derivative of at least `bend`. By values alone then (golden section; Kiefer 1953).
+ */
+static bool reaches_near(const struct root_search *roots, const struct stretch *s, double bend, double *x)
+{
+    const struct interval slope = roots->bounds(roots->context, *x, *x).slope;
+    const double most = fmax(fabs(slope.lo), fabs(slope.hi)), off = 2 * most / bend;
+    double a = fmax(s->a, *x - off), b = fmin(s->b, *x + off);
+    double p = a + GOLDEN * (b - a), q = b - GOLDEN * (b - a);
+    double fp = roots->sign * value_at(roots, p), fq = roots->sign * value_at(roots, q);
+    if (roots->sign * value_at(roots, *x) > most * most / bend)
+        return false;
+    for (int i = 0; i < 100 && p > a && q > p && b > q && b - a > roots->least; i++) {
+        *x = fp < fq ? p : q;
+        if (fmin(fp, fq) < 0)
+            return true;
+        if (fp < fq) {
+            b = q;
+            q = p;
+            fq = fp;
+            p = a + GOLDEN * (b - a);
+            fp = roots->sign * value_at(roots, p);
+        } else {
+            a = p;
+            p = q;
+            fp = fq;
+            q = b - GOLDEN * (b - a);
+            fq = roots->sign * value_at(roots, q);
+        }
+    }
+    return false;
+}
+
 /*
  * Bent away from 0, with ends on one side of it: is the extreme value on the other? *x is where it was found to be, or
  * where the value is nearest to 0.
@@ -136,15 +172,16 @@ static bool reaches(const struct root_search *roots, const struct stretch *s, do
 }
 
 /* With a second derivative of one sign. */
-static void bent(struct root_search *roots, const struct stretch *s, bool up)
+static void bent(struct root_search *roots, const struct stretch *s, const struct interval *second)
 {
     const int after = sign_of(s->fb);
+    const bool up = second->lo > 0;
     if (roots->sign == 0 || after == -roots->sign || (roots->sign > 0) != up) {
         pass(roots, s);
         return;
     }
     double x;
-    const bool beyond = reaches(roots, s, &x);
+    const bool beyond = reaches(roots, s, &x) || reaches_near(roots, s, fmin(fabs(second->lo), fabs(second->hi)), &x);
     if (!beyond) {
         touch(roots, x);
         return;
@@ -192,7 +229,7 @@ static bool decided(struct root_search *roots, const struct stretch *s)
     else if (jet.slope.lo >= 0 || jet.slope.hi <= 0)
         pass(roots, s);
     else if (jet.bend.lo > 0 || jet.bend.hi < 0)
-        bent(roots, s, jet.bend.lo > 0);
+        bent(roots, s, &jet.bend);
     else
         return false;
     return true;

@@ -398,6 +398,23 @@ static bool until(struct fixture *f, const char *text, double t_end)
     return f->run->stop == STOP_CONDITION;
 }
 
+/* x = cos t passes 1/2 seven times in 20 s: so many pairs, however close, also where steps have no polynomial. */
+static void test_close_pairs(void **state)
+{
+    struct fixture *f = *state;
+    static const char *const methods[] = {"dopri5", "dop853", "radau5", "odex", "tsit5", "rk4"};
+    static const char *const pairs[] = {"(x - 0.5)*(x - 0.501)", "(x - 0.5)*(x - 0.50001)", "(x - 0.5)*(x - 0.5000001)",
+                                        "(x - 0.5)*(x - 0.500000001)"};
+    for (size_t m = 0; m < COUNT_OF(methods); m++)
+        for (size_t i = 0; i < COUNT_OF(pairs); i++) {
+            start(f, methods[m], 0.01, strcmp(methods[m], "rk4") == 0 ? 0 : 1e-8);
+            add(f, pairs[i], false);
+            go(f, 20, -1);
+            if (run_happenings(f->run) != 14 && run_event_doubt(f->run, 0).steps == 0)
+                fail_msg("%s, %s: %zu", methods[m], pairs[i], run_happenings(f->run));
+        }
+}
+
 /* x = cos t: conditions that hold for a small part of a step, at once, never, at the end, where they touch. */
 static void test_conditions_are_met(void **state)
 {
@@ -444,6 +461,7 @@ static void test_conditions_are_met(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_close_pairs, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_conditions_are_met, set_up, tear_down),
         TEST_CASE(test_times),
         TEST_CASE(test_counts),
