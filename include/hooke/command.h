@@ -40,6 +40,12 @@ bool script_end(struct script *script, struct session *session, struct reply *re
 /* A whole file, "-" is not special here. ERROR_USAGE if it cannot be read or holds a NUL byte. */
 bool script_file(struct session *session, const char *path, const struct source *parent, struct reply *reply);
 
+/*
+ * The path of a file that the line at `where` names: as it stands, or, where there is no such file, relative to the
+ * folder of the command file that the line is in, if it is there. Lives in the arena. NULL: no memory.
+ */
+char *script_path(const struct source *where, struct text name, struct arena *arena);
+
 /* ---- completion ---- */
 
 /*

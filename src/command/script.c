@@ -3,6 +3,7 @@
 #include "command/internal.h"
 
 #include <string.h>
+#include <unistd.h>
 
 #define SCRIPT_MOST (64u * LIMIT_LINE) /* [byte] */
 
@@ -83,6 +84,21 @@ bool script_end(struct script *script, struct session *session, struct reply *re
         buffer_free(&name);
     }
     return script->ok;
+}
+
+char *script_path(const struct source *where, struct text name, struct arena *arena)
+{
+    char *path = arena_text(arena, name);
+    const char *slash = where && where->name ? strrchr(where->name, '/') : NULL;
+    if (!path || !slash || *path == '/' || access(path, F_OK) == 0)
+        return path;
+    const size_t folder = (size_t)(slash + 1 - where->name);
+    char *beside = arena_alloc(arena, folder + name.len + 1);
+    if (!beside)
+        return NULL;
+    memcpy(beside, where->name, folder);
+    memcpy(beside + folder, path, name.len + 1);
+    return access(beside, F_OK) == 0 ? beside : path;
 }
 
 static bool check_nesting(const char *path, const struct source *parent, struct error *error)

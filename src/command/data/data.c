@@ -160,7 +160,7 @@ HANDLER(load)
     if (options.name.len > 0 && (options.name.len > LIMIT_NAME || peek_name(options.name).len != options.name.len))
         return error_at(error, options.name, "a name is a letter, then letters, digits, _ and -, at most %d of them",
                         LIMIT_NAME);
-    char *path = arena_text(given->arena, file->item->text);
+    char *path = script_path(given->where, file->item->text, given->arena);
     struct recording *recording = path ? recording_load(path, &options, error) : NULL;
     if (!recording) {
         if (!path)
@@ -328,7 +328,8 @@ COMMAND(load, .row = {"load", "", "read a recording from a file", "", NULL}, .gr
                 "every finding can be\n"
                 "overruled. A file without times needs rate=. A recording of the same name is replaced. Of several "
                 "tables in a file or archive\n"
-                "run= takes one. --preview shows the first rows as they were understood and loads nothing.",
+                "run= takes one. --preview shows the first rows as they were understood and loads nothing. In a command "
+                "file, what is not\nfound is looked for beside that file.",
         .examples = "load disk.txt --preview\nload disk.txt y=2 unit=cm as=disk", .see = "data fit measure plot",
         .flags = COMMAND_CHANGES,
         ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED), KEY("t", TYPE_TEXT), KEY("y", TYPE_TEXT),

@@ -7,7 +7,7 @@
 
 HANDLER(source)
 {
-    char *path = arena_text(given->arena, given_for(given, "FILE")->item->text);
+    char *path = script_path(given->where, given_for(given, "FILE")->item->text, given->arena);
     static const struct source prompt = {.name = NULL};
     if (!path)
         return error_memory(error);
@@ -107,7 +107,8 @@ HANDLER(quit)
 #endif
 
 COMMAND(source, .row = {"source", "", "run the commands of a file", "", NULL}, .group = "SESSION",
-        .text = "Stops at the first error and says where. Files may source files, 16 deep.",
+        .text = "Stops at the first error and says where. Files may source files, 16 deep; what is not found is "
+                "looked for\nbeside the file that names it.",
         .examples = "source lab1.hk\nsource lab1.hk; run", .see = "save record", .flags = COMMAND_NESTS,
         ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED)))
 

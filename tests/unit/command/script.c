@@ -5,6 +5,7 @@
 #include <setjmp.h>
 #include <stdint.h>
 #include <cmocka.h>
+#include <sys/stat.h>
 
 #include "unit/command/testing.h"
 
@@ -219,6 +220,36 @@ static void files_source_files(void **state)
     bench_close(&b);
 }
 
+/* Beside the file that names it, where the path as it stands leads nowhere. */
+static void a_script_finds_what_lies_beside_it(void **state)
+{
+    static const char step[] = "load swing.txt", outer[] = "source inner/step.hk\n";
+    static const char near[] = "t [s]\ty [cm]\n0\t1\n1\t2\n2\t3\n", far[] = "t [s]\ty [cm]\n0\t1\n1\t2\n";
+    (void)state;
+    struct bench b;
+    bench_open(&b, false);
+    assert_int_equal(mkdir("beside", 0700), 0);
+    assert_int_equal(mkdir("beside/inner", 0700), 0);
+    write_file("beside/inner/swing.txt", near, sizeof near - 1);
+    write_file("beside/inner/step.hk", step, sizeof step - 1);
+    assert_true(run_script(&b, "beside/outer.hk", outer, sizeof outer - 1));
+    assert_says(&b.out, "swing.txt: y [cm], 3 rows");
+    assert_string_equal(b.session->recording[0]->recording->path, "beside/inner/swing.txt");
+    write_file("swing.txt", far, sizeof far - 1); /* what the path says comes first */
+    assert_true(run_script(&b, "beside/outer.hk", outer, sizeof outer - 1));
+    assert_says(&b.out, "swing.txt: y [cm], 2 rows");
+    assert_false(run_script(&b, "beside/outer.hk", "load none.txt", 13));
+    assert_says(&b.err, "none.txt");
+    assert_null(strstr(said(&b.err), "beside/none.txt"));
+    assert_false(type(&b, "load inner/swing.txt")); /* a line that no file holds */
+    unlink("swing.txt");
+    unlink("beside/outer.hk");
+    unlink("beside/inner/step.hk");
+    unlink("beside/inner/swing.txt");
+    assert_int_equal(rmdir("beside/inner") | rmdir("beside"), 0);
+    bench_close(&b);
+}
+
 static void quit_ends_a_script_without_error(void **state)
 {
     (void)state;
@@ -317,6 +348,7 @@ int main(void)
         cmocka_unit_test(a_diverged_run_is_kept_and_explained),
         cmocka_unit_test(nul_bytes_and_long_lines_are_errors),
         cmocka_unit_test(files_source_files),
+        cmocka_unit_test(a_script_finds_what_lies_beside_it),
         cmocka_unit_test(quit_ends_a_script_without_error),
         cmocka_unit_test(a_full_output_ends_with_status_4),
         cmocka_unit_test(cancelling_stops_a_run_and_the_script),
