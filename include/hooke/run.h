@@ -134,7 +134,8 @@ struct unsound_step {
 #define OPINION_WRONG 100  /* tolerances: errors beyond deserve a warning */
 #define OPINION_BUDGET 4e5 /* evaluations and Jacobians, over the number of variables: some milliseconds */
 #define OPINION_SHARE 0.1  /* of the run's own, where that is more, */
-#define OPINION_DOUBT 0.45 /* where the first part says that the end may be wrong */
+#define OPINION_DOUBT 0.45 /* where the first part says that the end may be wrong, */
+#define OPINION_BUDGET_DOUBT 4e6 /* or this over the number of variables: a tenth of a second */
 
 struct opinion {
     double error; /* at the end, or in the mean over time if larger; where t is not the run's, what its growth makes of
@@ -143,7 +144,7 @@ struct opinion {
     double t;     /* [s] compared up to there */
     double lost;  /* [s] from there on it is as large as the motion, or will be by its growth; NAN: nowhere */
     double work;  /* evaluations and Jacobians of the second solution */
-    double end[LIMIT_VARIABLES]; /* [n] SI, at t */
+    double end[LIMIT_VARIABLES]; /* [n] distances at t [SI]; where t is not the run's, grown as `error` is */
     const struct method *by; /* NULL: the closed form */
     double tol;              /* of it */
 };
@@ -283,7 +284,7 @@ void run_explain(const struct run *run, struct buffer *text);
 /*
  * Fills run->opinion up to the present state of an adaptive run: nothing else of it changes. Compares recorded states,
  * at most 256 in a call. Not `whole`: stops where its work gets larger than OPINION_BUDGET and OPINION_SHARE of the
- * run's own, or OPINION_DOUBT where the error so far makes the rest doubtful. src/run/opinion.c has the way.
+ * run's own, or OPINION_BUDGET_DOUBT and OPINION_DOUBT where the error so far makes the rest doubtful. src/run/opinion.c has the way.
  */
 void run_second_opinion(struct run *run, bool whole, const struct cancel *cancel);
 /* below [n]: how small a variable of an adaptive run is next to the error that it allows, or has by its second opinion,

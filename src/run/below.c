@@ -9,11 +9,11 @@
 #define DIGIT 10       /* times the error: what is less has no first digit */
 #define PASSING 0.01 /* of the run: what would be above the tolerance within so long passes through 0 */
 
-/* What the error of variable i is known to be at the present state, 0: nothing. */
+/* What the error of variable i is known to be at the present state, or would be by its growth; 0: nothing. */
 static double known_error(const struct run *run, int i)
 {
     const struct opinion *opinion = &run->opinion;
-    return opinion->t == run->t && isnan(opinion->lost) ? opinion->end[i] : 0;
+    return !isnan(opinion->t) && isnan(opinion->lost) ? opinion->end[i] : 0;
 }
 
 int run_below_tolerance(const struct run *run, double *below)

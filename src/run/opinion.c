@@ -51,7 +51,8 @@ struct second {
     struct controller controller;
     double y[LIMIT_VARIABLES];
     size_t epoch, kick; /* the next ones */
-    double error;       /* as struct opinion's, so far */
+    double error;       /* as struct opinion's, so far, */
+    double end[LIMIT_VARIABLES]; /* and its distances */
     struct {
         double t, error;
     } past[PAST];
@@ -326,6 +327,7 @@ static bool second_follow(struct run *run, double most, bool lost, const struct 
             return false;
         second->at = trace_step(trace, row);
         compare(run, &second->distances, t, trace_state(trace, row), second->y);
+        copy_state(second->end, run->opinion.end, run->system.n);
         remember(second, t, run->opinion.error);
         if (lost && is_lost(run))
             return false;
@@ -392,6 +394,7 @@ static void against_second(struct run *run, bool whole, const struct cancel *can
     const struct run_private *p = run->private_state;
     if (p->second && p->second->count > 0) { /* not what was extrapolated */
         run->opinion.error = p->second->error;
+        copy_state(run->opinion.end, p->second->end, run->system.n);
         if (fabs(run->opinion.lost - run->system.t0) > fabs(run->opinion.t - run->system.t0))
             run->opinion.lost = NAN;
     }
@@ -400,9 +403,11 @@ static void against_second(struct run *run, bool whole, const struct cancel *can
     const double wrong = OPINION_WRONG * run->controller.tol;
     const bool spent = work_of(&p->second->step.cost) > most;
     if (spent && extrapolated(run, p->second) > wrong &&
-        second_follow(run, fmax(most, OPINION_DOUBT * own), true, cancel))
+        second_follow(run, fmax(OPINION_BUDGET_DOUBT / run->system.n, OPINION_DOUBT * own), true, cancel))
         return;
     run->opinion.error = extrapolated(run, p->second);
+    for (int i = 0; i < run->system.n && p->second->error > 0; i++)
+        run->opinion.end[i] = p->second->end[i] * (run->opinion.error / p->second->error);
     if (isnan(run->opinion.lost) && run->opinion.error > LOST_LATER)
         run->opinion.lost = lost_at(run, p->second);
 }
