@@ -47,9 +47,10 @@ struct cost {
  * y     [n]  in: state at t; out: at t + h. Unchanged unless STEP_OK, bit for bit.
  * h     [s]  any sign, not 0.
  * error [n]  optional: local error estimate in units of y (NULL: not wanted, or the method has none).
- * work       method_work_size() doubles, owned by the caller. `warm` says that it holds what the previous step of the
- *            same method left (first same as last, history). method_step() sets it; whoever changes y, the system or t
- *            (by more than rounding) between steps clears it.
+ * work       method_work_size() doubles, owned by the caller.
+ *
+ * `warm` says that work holds what the previous step of the same method left (first same as last, history).
+ * method_step() sets it; whoever changes y, the system or t (by more than rounding) between steps clears it.
  */
 struct switches_state;
 

@@ -501,15 +501,18 @@ void exact_table_free(struct exact_table *table);
 /* ---- typed scenes ----
  *
  * A model made of lines that a user types:
- *   var x = 2              a variable and its initial value; of a second-order one also: var y' = 0.5
+ *   var x = 2              a variable and its initial value
+ *   var y' = 0.5           of a second-order one also its velocity
  *   param mu = 1000        a parameter, used by name: changing it acts at once
  *   x' = EXPR              first order
- *   y'' = EXPR             second order: its velocity is y' in expressions, also vy, and vy in columns
- *   force EXPR             [N], divided by the mass: added to the first coordinate of a second-order scene; a potential
- *                          that was typed for the forces before goes
+ *   y'' = EXPR             second order: y' or vy in expressions is its velocity
+ *   force EXPR             [N], divided by the mass: added to the first coordinate
  *   force x = EXPR         the same for the coordinate x
- *   potential EXPR         [J], of the forces that depend on positions only (on a built-in scene: of those typed)
+ *   potential EXPR         [J], of the forces that depend on positions only
  *   observe E = EXPR       a quantity to look at, and a name for the lines below it
+ *
+ * A potential that was typed for the forces before goes when a force is added; on a built-in scene it is that of the
+ * typed forces.
  *
  * Names in expressions: t, variables, velocities, parameters, observed quantities. They have to be there when a line
  * uses them.

@@ -3,11 +3,12 @@
  * One step of any splitting, with the three ways in which drag can enter it:
  *
  * explicit  each kick uses the drag at the velocity it starts from.
- * implicit  each kick uses the drag at the velocity it ends with; in a symmetric step those before the middle at the
- *           velocity they start from, one in the middle at the mean of both. So the step stays symmetric: for Verlet
- *           this is the central difference scheme.
- * exact     Verlet has the exact flow of the drag over h/2 at both ends, around all drifts and kicks; the others solve
- *           v' = F - gamma v exactly in each kick, the force F standing still.
+ * implicit  each kick uses the drag at the velocity it ends with; in a symmetric step those
+ *           before the middle at the velocity they start from, one in the middle at the mean of
+ *           both. So the step stays symmetric: for Verlet this is the central difference scheme.
+ * exact     Verlet has the exact flow of the drag over h/2 at both ends, around all drifts
+ *           and kicks; the others solve v' = F - gamma v exactly in each kick, the force F
+ *           standing still.
  *
  * Orders above 2 survive only exact linear drag: their conditions hold for any two flows, and a kick that contains the
  * drag is one. (Compositions of Verlet with the drag at its ends keep their order too, but with zeta = 0.5 to 1 they

@@ -2,9 +2,12 @@
 /*
  * The methods of structural dynamics: one scheme for y'' = F(t, y, v) that carries the acceleration from step to step.
  *
- * Over tau = theta h:   y+ = y + tau v + tau^2 ((1/2 - beta) a + beta a+),  v+ = v + tau ((1 - gamma) a + gamma a+)
- * with                  (1 - alpha_m) a+ + alpha_m a = F at the fraction 1 - alpha_f of the way from y, v to y+, v+;
- * then                  a' = a + (a+ - a) / theta, and y', v' by the first line over h.
+ * Over tau = theta h
+ *
+ *   y+ = y + tau v + tau^2 ((1/2 - beta) a + beta a+)
+ *   v+ = v + tau ((1 - gamma) a + gamma a+)
+ *   (1 - alpha_m) a+ + alpha_m a = F at the fraction 1 - alpha_f of the way from y, v to y+, v+
+ *   a' = a + (a+ - a) / theta, and y', v' by the first lines over h.
  *
  * Source: Newmark 1959; Wilson 1973 (theta); Hilber, Hughes, Taylor 1977 (alpha_f); Chung, Hulbert 1993 (both alphas).
  */

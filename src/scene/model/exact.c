@@ -6,7 +6,7 @@
  * With the roots a, b of z^2 + gamma z + w2 every part of the solution is a divided difference of z -> exp(z t):
  *
  *   impulse response                 h(t) = E[a, b]
- *   from rest under exp(c t)         E[a, b, c]              (c = 0: a constant force, c = i omega: a drive)
+ *   from rest under exp(c t)         E[a, b, c]              (c = 0: constant, i omega: a drive)
  *   its velocity                     a E[a, b, c] + E[b, c]  (Leibniz)
  *
  * so that critical damping (a = b), resonance (c = a) and k = 0 (a = 0) are nothing but nodes that meet, for which

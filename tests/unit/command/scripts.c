@@ -1,9 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
  * Runs tests/cli/NAME.hk: one file is one test. Each line is executed as if it stood in a script; comments beside it
- * (or on lines of their own directly below) say what has to come of it: # expect: TEXT    some line of its output
- * contains TEXT # error: TEXT     it fails, and the message contains TEXT # warning: TEXT   a message that is no error
- * contains TEXT # never: TEXT     neither output nor messages contain TEXT A line without `# error:` has to succeed.
+ * (or on lines of their own directly below) say what has to come of it:
+ *
+ *   # expect: TEXT    some line of its output contains TEXT
+ *   # error: TEXT     it fails, and the message contains TEXT
+ *   # warning: TEXT   a message that is no error contains TEXT
+ *   # never: TEXT     neither output nor messages contain TEXT
+ *
+ * A line without `# error:` has to succeed.
  * Every line starts where the one before left the session. Files are written in a folder of their own. A file with the line `# needs: METHOD` is skipped where the
  * build is without that method.
  */
