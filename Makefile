@@ -208,6 +208,9 @@ fresh: ## both commands of the README in minimal Debian roots made for that (nee
 fuzz: ## run each fuzz target for FUZZ_SECONDS (default 60)
 	$(Q)scripts/fuzz $(or $(FUZZ_SECONDS),60) $(FUZZERS)
 
+house: all ## the sizes of the house: folders, files, functions, tags, words
+	$(Q)scripts/house
+
 lint: ## clang-tidy and cppcheck
 	$(Q)scripts/lint
 
@@ -237,7 +240,7 @@ clean: ## remove build/
 help: ## this list
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  %-16s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
-.PHONY: all optional tests-build check check-optional check-all check-asan check-valgrind coverage bench fresh fuzz lint format reference screens-update install uninstall clean help
+.PHONY: all optional tests-build check check-optional check-all check-asan check-valgrind coverage bench fresh fuzz house lint format reference screens-update install uninstall clean help
 .SECONDARY:
 
 -include $(LIBRARY_OBJECTS:.o=.d) $(PROGRAM_OBJECTS:.o=.d) $(patsubst %.o,%.d,$(call object,$(TEST_SOURCES)))
