@@ -5,56 +5,8 @@
 #ifndef HOOKE_SESSION_H
 #define HOOKE_SESSION_H
 
-#include <hooke/study.h>
-#include <hooke/result.h>
-
-/* ---- settings ---- */
-
-enum charset_choice { CHOOSE_AUTO, CHOOSE_ASCII, CHOOSE_BLOCK, CHOOSE_BRAILLE };
-enum color_choice { COLOR_AUTO, COLOR_ALWAYS, COLOR_NEVER };
-enum phase_axes { PHASE_SCALED, PHASE_RAW };
-enum sync_choice { SYNC_AUTO, SYNC_ON, SYNC_OFF }; /* whether the next frame waits until the terminal has answered */
-enum view_choice { VIEW_PAGE, VIEW_SCROLL };       /* the live view sweeps, then pages; or scrolls by whole cells */
-
-enum sums { SUMS_PLAIN, SUMS_COMPENSATED };
-enum turning { TURNING_ON, TURNING_OFF };
-enum band { BAND_OFF, BAND_ON };
-enum opinion_choice { OPINIONS_AUTO, OPINIONS_FULL, OPINIONS_WARN, OPINIONS_OFF };
-
-struct settings {
-    double dt;       /* [s] */
-    double tol;      /* 0: off */
-    double duration; /* [s] */
-    struct recording_rule record;
-    int width, height;                              /* [cell] of plots, 0: the front end's */
-    int digits;                                     /* significant, in text */
-    int charset, color, format, timing, phase_axes; /* the enums above, enum output_format, enum timing */
-    int sync, view;
-    int kernel, sums, turning; /* enum kernel, enum sums, enum turning */
-    int band;                  /* BAND_ON: panes show that of an adopted fit */
-    int opinion;               /* enum opinion_choice */
-    bool dt_given, tol_given, duration_given; /* by the user: else tol and duration are those of the scene */
-    double fps; /* frames a second of the live view */
-};
-
-struct setting {
-    struct row row;
-    enum quantity quantity;
-    size_t offset, bytes;          /* of the field in struct settings */
-    size_t given;                  /* 0, or the offset of the bool that says the user has set it */
-    double (*natural)(const struct preset *preset); /* its value where he has not; NULL: a new session's */
-    bool display;                  /* how results look, not part of the experiment: neither saved nor undone */
-    const struct catalog *choices; /* the field is an int at the choice's place; NULL: a double */
-    double least, most;            /* of a number: allowed are least < x <= most; most 0: not a number */
-    /* For those that are neither; NULL otherwise. */
-    bool (*parse)(struct settings *settings, struct text value, struct error *error);
-    void (*show)(const struct settings *settings, struct buffer *text);
-};
-
-extern const struct catalog setting_catalog;
-extern const struct catalog format_choice_catalog; /* struct row at the enum's place: text, csv, json */
-
-#define FAR 1e300 /* [s] no run gets there; finite, so that what is left of the way is a number */
+#include <hooke/session/screen.h>
+#include <hooke/session/settings.h>
 
 /* ---- the session ---- */
 
@@ -134,115 +86,7 @@ struct kept_fit {
 
 struct session;
 
-/* ---- what the screen shows: changed by commands only, drawn by the view layer ---- */
-
-enum layout { LAYOUT_TRIO, LAYOUT_DUO, LAYOUT_SINGLE, LAYOUT_STACK, LAYOUT_QUAD, LAYOUT_PLOT, LAYOUT_LOG };
-
-extern const struct catalog layout_catalog; /* struct layout_row at the enum's place */
-
-struct layout_row {
-    struct row row;
-    int width, height;   /* [cell] of a screen that has room for it */
-    enum layout smaller; /* drawn on another one */
-};
-
-static inline const struct layout_row *layout_row(enum layout layout)
-{
-    return (const struct layout_row *)(const void *)catalog_row(&layout_catalog, (size_t)layout);
-}
-
-/* What a screen of that size shows of it. */
-enum layout layout_drawn(enum layout layout, int width, int height);
-
-enum pane {
-    PANE_POSITION,
-    PANE_ENERGY,
-    PANE_PHASE,
-    PANE_VELOCITY,
-    PANE_ERROR,
-    PANE_RESIDUAL,
-    PANE_SPECTRUM,
-    PANE_ORBIT,
-    PANE_COUNT
-};
-
-/* What a pane is drawn of. */
-enum pane_of {
-    PANE_OF_SERIES,    /* a run or a recording */
-    PANE_OF_MECHANICS, /* velocities */
-    PANE_OF_PHASE,
-    PANE_OF_ORBIT,    /* a second coordinate */
-    PANE_OF_EXACT,    /* an exact solution */
-    PANE_OF_RESIDUAL, /* a recording and what was fitted to it, or a run beside it */
-};
-
-/* A pane is a kind of plot. */
-struct pane_row {
-    struct row row; /* name, unit of the vertical axis, brief */
-    enum pane_of of;
-};
-
-
-extern const struct catalog pane_catalog; /* at the enum's place */
-
-enum snap { SNAP_CROSSING, SNAP_PEAK, SNAP_SAMPLE, SNAP_NONE };
-
-extern const struct catalog snap_catalog; /* struct row at the enum's place */
-
-struct cursors {
-    bool shown;   /* the two cursors stand on the plot */
-    bool on_data; /* they stand on the recording, else on the current run */
-    int active;   /* 0: A, 1: B */
-    bool locked;  /* both move together */
-    struct {
-        bool set;
-        double t, t_uncertainty, y; /* [s] [s] SI */
-        int crossing;               /* number of the up-crossing, 0: not on one */
-        double amplitude;           /* of the motion there; NAN: not known */
-    } at[2];
-    enum snap snap;
-    double periods;           /* between A and B, as counted; NAN: not known */
-    char of[LIMIT_NAME + 16]; /* what they stand on: "run 2", "data swing3" */
-    size_t samples;           /* it had then */
-    enum quantity quantity;   /* of y */
-};
-
-
-#define LIMIT_OVERLAY 4 /* as many as have marks of their own */
-
-struct view {
-    enum layout layout;
-    enum pane focus;            /* the pane that commands and zooming act on */
-    bool full;                  /* the focused pane alone */
-    double x[2], y[2];          /* fixed ranges of the focused pane (time [s], SI); NAN: automatic */
-    double window;              /* [s] of time shown; 0: automatic */
-    double trail;               /* periods of the phase trail; HUGE_VAL: all */
-    int scroll;                 /* rows the log is scrolled up */
-    bool paging;                /* the live view sweeps, then pages; otherwise it scrolls by whole cells */
-    int overlay[LIMIT_OVERLAY]; /* numbers of the runs drawn besides the present one; those that are gone are passed
-                                   over */
-    int overlays;
-    struct cursors cursors;
-};
-
-/* The last lines that commands said, for the log pane. A ring: line `first` is the oldest. */
-#define LIMIT_LOG 2000
-
-struct log {
-    char **line; /* [LIMIT_LOG], allocated when the first line comes; each made safe, without newline */
-    int first, count;
-};
-
-void log_add(struct log *log, struct text text);    /* one or more lines; without memory they are dropped */
-const char *log_line(const struct log *log, int i); /* i = 0: the newest */
-/*
- * The row of a line that begins at byte *from, as it stands in a pane of that width [cell]: whole words, unless one is
- * longer than a row. *indent [cell] goes before it; 0 in the first row. *from is then where the next row begins:
- * line.len after the last.
- */
-struct text log_row(struct text line, size_t *from, int width, int *indent);
-int log_rows(struct text line, int width); /* how many the line takes: 1 at least */
-void log_clear(struct log *log);
+/* ---- live runs and the front end ---- */
 
 /* A run that goes on while a person watches. */
 enum live_state { LIVE_IDLE, LIVE_RUNNING, LIVE_PAUSED, LIVE_DIVERGED };
@@ -479,13 +323,5 @@ bool live_kick(struct session *session, int variable, double value, struct error
 void buffer_since(struct buffer *text, double from);
 
 
-/* ---- values of settings ---- */
-
-void setting_show(const struct setting *setting, const struct settings *settings, struct buffer *text);
-/* As a command that reads back exactly. */
-void setting_exact(const struct setting *setting, const struct settings *settings, struct buffer *text);
-
-extern const struct catalog charset_choice_catalog, color_choice_catalog, phase_axes_catalog, turning_catalog;
-extern const struct catalog opinion_catalog;
 
 #endif

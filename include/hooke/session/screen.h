@@ -1,0 +1,119 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the screen shows: changed by commands only, drawn by the view layer. */
+#ifndef HOOKE_SESSION_SCREEN_H
+#define HOOKE_SESSION_SCREEN_H
+
+#include <hooke/result.h>
+#include <hooke/study.h>
+
+struct session;
+
+enum layout { LAYOUT_TRIO, LAYOUT_DUO, LAYOUT_SINGLE, LAYOUT_STACK, LAYOUT_QUAD, LAYOUT_PLOT, LAYOUT_LOG };
+
+extern const struct catalog layout_catalog; /* struct layout_row at the enum's place */
+
+struct layout_row {
+    struct row row;
+    int width, height;   /* [cell] of a screen that has room for it */
+    enum layout smaller; /* drawn on another one */
+};
+
+static inline const struct layout_row *layout_row(enum layout layout)
+{
+    return (const struct layout_row *)(const void *)catalog_row(&layout_catalog, (size_t)layout);
+}
+
+/* What a screen of that size shows of it. */
+enum layout layout_drawn(enum layout layout, int width, int height);
+
+enum pane {
+    PANE_POSITION,
+    PANE_ENERGY,
+    PANE_PHASE,
+    PANE_VELOCITY,
+    PANE_ERROR,
+    PANE_RESIDUAL,
+    PANE_SPECTRUM,
+    PANE_ORBIT,
+    PANE_COUNT
+};
+
+/* What a pane is drawn of. */
+enum pane_of {
+    PANE_OF_SERIES,    /* a run or a recording */
+    PANE_OF_MECHANICS, /* velocities */
+    PANE_OF_PHASE,
+    PANE_OF_ORBIT,    /* a second coordinate */
+    PANE_OF_EXACT,    /* an exact solution */
+    PANE_OF_RESIDUAL, /* a recording and what was fitted to it, or a run beside it */
+};
+
+/* A pane is a kind of plot. */
+struct pane_row {
+    struct row row; /* name, unit of the vertical axis, brief */
+    enum pane_of of;
+};
+
+
+extern const struct catalog pane_catalog; /* at the enum's place */
+
+enum snap { SNAP_CROSSING, SNAP_PEAK, SNAP_SAMPLE, SNAP_NONE };
+
+extern const struct catalog snap_catalog; /* struct row at the enum's place */
+
+struct cursors {
+    bool shown;   /* the two cursors stand on the plot */
+    bool on_data; /* they stand on the recording, else on the current run */
+    int active;   /* 0: A, 1: B */
+    bool locked;  /* both move together */
+    struct {
+        bool set;
+        double t, t_uncertainty, y; /* [s] [s] SI */
+        int crossing;               /* number of the up-crossing, 0: not on one */
+        double amplitude;           /* of the motion there; NAN: not known */
+    } at[2];
+    enum snap snap;
+    double periods;           /* between A and B, as counted; NAN: not known */
+    char of[LIMIT_NAME + 16]; /* what they stand on: "run 2", "data swing3" */
+    size_t samples;           /* it had then */
+    enum quantity quantity;   /* of y */
+};
+
+
+#define LIMIT_OVERLAY 4 /* as many as have marks of their own */
+
+struct view {
+    enum layout layout;
+    enum pane focus;            /* the pane that commands and zooming act on */
+    bool full;                  /* the focused pane alone */
+    double x[2], y[2];          /* fixed ranges of the focused pane (time [s], SI); NAN: automatic */
+    double window;              /* [s] of time shown; 0: automatic */
+    double trail;               /* periods of the phase trail; HUGE_VAL: all */
+    int scroll;                 /* rows the log is scrolled up */
+    bool paging;                /* the live view sweeps, then pages; otherwise it scrolls by whole cells */
+    int overlay[LIMIT_OVERLAY]; /* numbers of the runs drawn besides the present one; those that are gone are passed
+                                   over */
+    int overlays;
+    struct cursors cursors;
+};
+
+/* The last lines that commands said, for the log pane. A ring: line `first` is the oldest. */
+#define LIMIT_LOG 2000
+
+struct log {
+    char **line; /* [LIMIT_LOG], allocated when the first line comes; each made safe, without newline */
+    int first, count;
+};
+
+void log_add(struct log *log, struct text text);    /* one or more lines; without memory they are dropped */
+const char *log_line(const struct log *log, int i); /* i = 0: the newest */
+/*
+ * The row of a line that begins at byte *from, as it stands in a pane of that width [cell]: whole words, unless one is
+ * longer than a row. *indent [cell] goes before it; 0 in the first row. *from is then where the next row begins:
+ * line.len after the last.
+ */
+struct text log_row(struct text line, size_t *from, int width, int *indent);
+int log_rows(struct text line, int width); /* how many the line takes: 1 at least */
+void log_clear(struct log *log);
+
+#endif

@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Scenes fitted to recordings, and what their uncertainty means. */
+#ifndef HOOKE_STUDY_FIT_H
+#define HOOKE_STUDY_FIT_H
+
+#include <hooke/study/stability.h>
+
+/* ---- fit a scene: its equation of motion to a recording ----
+ *
+ * Integrated and fitted by sensitivities: y of the series is the first coordinate, its velocity or its acceleration (by
+ * quantity), plus an offset. Any parameters may be free, within their ranges.
+ */
+
+struct scene_fit_request {
+    const struct scene *scene; /* held values, and where the search begins */
+    const struct series *series;
+    const int *free; /* [frees] places of the parameters */
+    int frees;
+    bool offset;   /* of the series: one more unknown */
+    bool robust;   /* see struct curve_options */
+    int bootstrap; /* samples, 0: none */
+    uint64_t seed;
+    const struct cancel *cancel;
+};
+
+struct scene_fit {
+    struct scene scene; /* with what was fitted; t0 is the first sample where the whole start was free */
+    int place[CURVE_PARAMETERS];        /* of the curve's parameters; -1: the offset, the last */
+    const char *name[CURVE_PARAMETERS]; /* of the same */
+    struct curve_fit curve;             /* uncertainties with those of the held values (the mass) */
+    const struct method *method;        /* that integrated it */
+    size_t steps;
+};
+
+/* True: there is an answer, and curve.converged and said tell what it is worth; as curve_fit(). */
+bool study_fit_scene(const struct scene_fit_request *request, struct arena *arena, struct scene_fit *fit,
+                     struct error *error);
+/*
+ * What is free unless somebody says so: the start, and what a recording can tell of the equation (k, gamma, C of a drag
+ * that is there …). Returns how many; those of them that the user has given without an uncertainty are held instead.
+ * Both arrays [PARAM_MAX].
+ */
+int scene_fit_usual(const struct scene *scene, int *place, int *held, int *helds);
+
+/* ---- spread: how uncertain a motion is, for what is known of its parameters ---- */
+
+struct spread_request {
+    const struct scene *scene;
+    const int *place; /* [count] of the parameters that are uncertain */
+    int count;
+    const double *covariance; /* [count][count] SI */
+    int variable;             /* of the state */
+    const double *t;          /* [n] [s] ascending, none before the start */
+    size_t n;
+    const struct cancel *cancel;
+};
+
+/*
+ * Standard deviation [n] of the variable to first order: sqrt(s^T C s) with the derivatives s by
+ * the parameters of the equation of motion, solved to 1e-10 whatever method a run has (variational
+ * equations; Bock 1981). Where its field jumps they are differences of two runs.
+ */
+bool study_spread(const struct spread_request *request, struct arena *arena, double *deviation,
+                  struct error *error);
+
+#endif
