@@ -99,7 +99,11 @@ FUZZERS      := $(patsubst tests/fuzz/%.c,%,$(sort $(wildcard tests/fuzz/*.c)))
 .DELETE_ON_ERROR:
 .SUFFIXES:
 
-all: $(TOP)/libhooke.a $(TOP)/hooke $(TOP)/hooke.1 ## build the library, the program and its man page
+# Manual pages and completion, from the program's own rows.
+PAGES := $(patsubst scripts/pages/%,$(TOP)/pages/%,$(wildcard scripts/pages/*))
+EXAMPLES := $(sort $(wildcard examples/*.hk examples/*/*.hk))
+
+all: $(TOP)/libhooke.a $(TOP)/hooke $(PAGES) $(TOP)/pages/hooke.bash ## build the library, the program, its manual and completion
 
 $(TOP)/libhooke.a: $(LIBRARY_OBJECTS)
 	$(call say,AR,$@)
@@ -109,9 +113,15 @@ $(TOP)/hooke: $(PROGRAM_OBJECTS) $(TOP)/libhooke.a
 	$(call say,LINK,$@)
 	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LINE_LIBS) $(LIBS)
 
-$(TOP)/hooke.1: $(TOP)/hooke scripts/reference
-	$(call say,MAN,$@)
-	$(Q)scripts/reference man $(TOP)/hooke > $@
+$(PAGES): $(TOP)/pages/%: scripts/pages/% $(TOP)/hooke scripts/reference $(EXAMPLES)
+	$(call say,PAGE,$@)
+	@mkdir -p $(@D)
+	$(Q)scripts/reference page $* $(TOP)/hooke > $@
+
+$(TOP)/pages/hooke.bash: $(TOP)/hooke scripts/reference
+	$(call say,PAGE,$@)
+	@mkdir -p $(@D)
+	$(Q)scripts/reference completion $(TOP)/hooke > $@
 
 KERNELS := $(patsubst src/%.c,$(B)/%.o,$(wildcard src/method/kernel/*.c))
 # Loops over many steps: unrolled and vectorised where the configuration is for speed at all.
@@ -223,16 +233,23 @@ reference: all ## rewrite the generated parts of the README
 screens-update: all ## rewrite the expected screens from what the program draws now
 	$(Q)scripts/screens update
 
-install: all ## install the program, library, headers and man page under PREFIX
-	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib $(DESTDIR)$(PREFIX)/include/hooke $(DESTDIR)$(PREFIX)/share/man/man1
-	install -m 755 $(TOP)/hooke $(DESTDIR)$(PREFIX)/bin/hooke
-	install -m 644 $(TOP)/libhooke.a $(DESTDIR)$(PREFIX)/lib/libhooke.a
+MANUAL  = $(DESTDIR)$(PREFIX)/share/man
+SHARED  = $(DESTDIR)$(PREFIX)/share/hooke
+COMPLETION = $(DESTDIR)$(PREFIX)/share/bash-completion/completions/hooke
+
+install: all ## install program, library, headers, manual, examples and completion under PREFIX
+	install -D -m 755 $(TOP)/hooke $(DESTDIR)$(PREFIX)/bin/hooke
+	install -D -m 644 $(TOP)/libhooke.a $(DESTDIR)$(PREFIX)/lib/libhooke.a
 	cd include && find hooke -name '*.h' -exec install -D -m 644 {} $(DESTDIR)$(PREFIX)/include/{} \;
-	install -m 644 $(TOP)/hooke.1 $(DESTDIR)$(PREFIX)/share/man/man1/hooke.1
+	for page in $(PAGES); do install -D -m 644 $$page $(MANUAL)/man$${page##*.}/$${page##*/} || exit; done
+	install -D -m 644 $(TOP)/pages/hooke.bash $(COMPLETION)
+	for example in $(EXAMPLES); do install -D -m 644 $$example $(SHARED)/$$example || exit; done
+	scripts/make-recordings $(SHARED)/examples/lab
 
 uninstall: ## remove what install put there
-	rm -f $(DESTDIR)$(PREFIX)/bin/hooke $(DESTDIR)$(PREFIX)/lib/libhooke.a $(DESTDIR)$(PREFIX)/share/man/man1/hooke.1
-	rm -rf $(DESTDIR)$(PREFIX)/include/hooke
+	rm -f $(DESTDIR)$(PREFIX)/bin/hooke $(DESTDIR)$(PREFIX)/lib/libhooke.a $(COMPLETION)
+	rm -f $(foreach page,$(notdir $(PAGES)),$(MANUAL)/man$(subst .,,$(suffix $(page)))/$(page))
+	rm -rf $(DESTDIR)$(PREFIX)/include/hooke $(SHARED)
 
 clean: ## remove build/
 	rm -rf build
