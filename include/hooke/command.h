@@ -59,5 +59,7 @@ bool command_complete(struct session *session, struct text line, size_t cursor, 
 /* ---- the catalog of commands: the man page and the README are made from it ---- */
 
 extern const struct catalog command_catalog;
+/* The command that has this flag, which one has. */
+const struct command *command_with(enum command_flag flag);
 
 #endif

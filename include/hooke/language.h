@@ -65,8 +65,29 @@ enum command_flag {
     COMMAND_UNRECORDED = 2, /* not written by `record` */
     COMMAND_ANYTIME = 4,    /* also while a run goes on: it does not disturb it */
     COMMAND_NESTS = 8,      /* executes other statements, which stand in the story of the session themselves */
+    COMMAND_IN_EVENTS = 16, /* also what an event executes, although it changes the session */
+    COMMAND_STARTS = 32,    /* starts a run, into which its conditions look */
+    COMMAND_ASSIGNS = 64,   /* NAME = VALUE is short for it */
+    COMMAND_EQUATES = 128,  /* NAME' = EXPR is */
+    COMMAND_JUMPS = 256,    /* what NAME' = EXPR is while a run goes on: what moves gets another value */
 };
 
+/* What can stand after it, where its arguments do not say it. */
+enum completes {
+    COMPLETES_ARGUMENTS,
+    COMPLETES_SWEEP,    /* NAME=FROM:TO */
+    COMPLETES_TOPICS,   /* of help */
+    COMPLETES_ATOL,     /* variables, then values */
+    COMPLETES_SHOWN,    /* groups and names */
+    COMPLETES_VALUES,   /* a name, then its unit or choices */
+    COMPLETES_EQUATION, /* NAME' = EXPR */
+    COMPLETES_VARIABLE, /* NAME = VALUE [UNIT] */
+    COMPLETES_PARAMETER,
+    COMPLETES_OBSERVED, /* NAME = EXPR */
+    COMPLETES_FORCE,    /* EXPR, or `off` */
+    COMPLETES_POTENTIAL,
+    COMPLETES_EVENT,
+};
 
 struct arguments;
 
@@ -79,6 +100,7 @@ struct command {
     const struct argument *argument;
     int arguments;
     unsigned flags;
+    enum completes completes;
     bool (*handler)(struct session *session, const struct arguments *given, struct reply *reply, struct error *error);
 };
 

@@ -13,3 +13,11 @@ static const struct command commands[] = {
 };
 
 const struct catalog command_catalog = CATALOG("command", commands);
+
+const struct command *command_with(enum command_flag flag)
+{
+    const struct command *command = commands;
+    while (!(command->flags & flag))
+        command++;
+    return command;
+}

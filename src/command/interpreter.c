@@ -48,11 +48,11 @@ static bool find_command(struct session *session, struct parser *parser, const s
                          struct error *error)
 {
     if (is_assignment(parser->rest)) {
-        *command = (const struct command *)(const void *)catalog_find(&command_catalog, TEXT("set"));
+        *command = command_with(COMMAND_ASSIGNS);
         return true;
     }
     if (is_equation(parser->rest)) {
-        *command = (const struct command *)(const void *)catalog_find(&command_catalog, TEXT("equation"));
+        *command = command_with(COMMAND_EQUATES);
         return true;
     }
     const struct text word = peek_word(parser->rest, "");
@@ -152,8 +152,7 @@ static bool exec_statement(struct session *session, struct text statement, const
     if (session->reacting && !event_executes(arguments->command))
         return refuse_in_event(arguments->command, arguments->word, error);
     /* Only a condition looks into a run that is about to start. */
-    const bool starts = strcmp(arguments->command->row.name, "run") == 0;
-    names.expects_run = starts;
+    names.expects_run = (arguments->command->flags & COMMAND_STARTS) != 0;
     reply_command_begin(reply, (enum output_format)session->setup.settings.format);
     if (!parse_arguments(&parser, arguments->command, arguments, error))
         return false;

@@ -35,12 +35,17 @@ struct settings {
     double fps; /* frames a second of the live view */
 };
 
+/* What methods make of it: `set` says so. */
+enum setting_use { USE_ANY, USE_STEP, USE_TOLERANCE };
+
 struct setting {
     struct row row;
     enum quantity quantity;
     size_t offset, bytes;          /* of the field in struct settings */
     size_t given;                  /* 0, or the offset of the bool that says the user has set it */
     double (*natural)(const struct preset *preset); /* its value where he has not; NULL: a new session's */
+    bool plots;                    /* `show plot` shows it although it belongs to the experiment */
+    enum setting_use use;
     bool display;                  /* how results look, not part of the experiment: neither saved nor undone */
     const struct catalog *choices; /* the field is an int at the choice's place; NULL: a double */
     double least, most;            /* of a number: allowed are least < x <= most; most 0: not a number */

@@ -92,8 +92,7 @@ static bool goes_on(const struct command *command, struct text before)
 static void complete_arguments(struct completion *c, const struct command *command, struct text before)
 {
     const struct text last = last_word(before);
-    const char *name = command->row.name;
-    if (strcmp(name, "sweep") == 0) {
+    if (command->completes == COMPLETES_SWEEP) {
         complete_sweep(c, command, before);
         return;
     }
@@ -127,15 +126,14 @@ static void complete_arguments(struct completion *c, const struct command *comma
         complete_item(c, word, TEXT(""));
     else if (option && option->type != TYPE_NONE)
         complete_item(c, option, TEXT(""));
-    else if (strcmp(name, "help") == 0)
+    else if (command->completes == COMPLETES_TOPICS)
         complete_topics(c);
-    else if (strcmp(name, "atol") == 0)
+    else if (command->completes == COMPLETES_ATOL)
         complete_atol(c, count_words(before) > 0);
-    else if (strcmp(name, "show") == 0) {
+    else if (command->completes == COMPLETES_SHOWN) {
         complete_catalog(c, &show_catalog);
         complete_names(c);
-    } else if ((strcmp(name, "set") == 0 || strcmp(name, "let") == 0 || strcmp(name, "change") == 0) &&
-               count_words(before) > 0)
+    } else if (command->completes == COMPLETES_VALUES && count_words(before) > 0)
         complete_set(c, peek_name(text_trim(before)), before);
     else
         complete_next(c, command, before);
@@ -149,7 +147,7 @@ static const struct command *formula_command(struct text statement, struct text 
     const struct command *command = command_at(catalog_find(&command_catalog, name));
     *rest = (struct text){statement.at + name.len, statement.len - name.len};
     if (name.len > 0 && rest->len > 0 && rest->at[0] == '\'')
-        return command_at(catalog_find(&command_catalog, TEXT("equation")));
+        return command_with(COMMAND_EQUATES);
     const bool formula =
         command && command->arguments > 0 && command->argument[command->arguments - 1].type == TYPE_FORMULA;
     return formula && rest->len > 0 && strchr(" \t", rest->at[0]) ? command : NULL;

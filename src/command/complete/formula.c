@@ -168,15 +168,16 @@ static void complete_event(struct completion *c, struct text rest)
 
 void complete_formula(struct completion *c, const struct command *command, struct text rest)
 {
-    const char *name = command->row.name;
-    const bool var = strcmp(name, "var") == 0, param = strcmp(name, "param") == 0,
-               observe = strcmp(name, "observe") == 0;
-    const bool bare = strcmp(name, "force") == 0 || strcmp(name, "potential") == 0;
+    const bool var = command->completes == COMPLETES_VARIABLE,
+               param = command->completes == COMPLETES_PARAMETER,
+               observe = command->completes == COMPLETES_OBSERVED,
+               force = command->completes == COMPLETES_FORCE;
+    const bool bare = force || command->completes == COMPLETES_POTENTIAL;
     struct text value = rest;
-    if (strcmp(name, "event") == 0) {
+    if (command->completes == COMPLETES_EVENT) {
         complete_event(c, rest);
     } else if (behind_equals(rest, &value) || bare) {
-        if (bare && text_trim(rest).len == 0 && has_line(c, strcmp(name, "force") == 0 ? TYPED_FORCE : TYPED_POTENTIAL))
+        if (bare && text_trim(rest).len == 0 && has_line(c, force ? TYPED_FORCE : TYPED_POTENTIAL))
             complete_offer(c, "off", "take it away");
         complete_value(c, value, var || param ? QUANTITY_OTHER : QUANTITY_COUNT, offer_names);
     } else if (count_words(rest) == 0) {

@@ -74,5 +74,6 @@ COMMAND(change, .row = {"change", "", "change a parameter of the current run fro
                 "work. Exports say what was changed, and when.",
         .examples = "run to 3.2 s; change gamma 0.1 1/s; continue to 10 s\nrun 1 s; change v -0.5*v; continue 1 s",
         .see = "set continue run event",
-        .flags = COMMAND_CHANGES | COMMAND_ANYTIME,
+        .flags = COMMAND_JUMPS | COMMAND_CHANGES | COMMAND_ANYTIME,
+        .completes = COMPLETES_VALUES,
         ARGUMENTS(PLACE("NAME", TYPE_NAME, .flags = ARG_REQUIRED), PLACE("VALUE", TYPE_REST, .flags = ARG_REQUIRED)))

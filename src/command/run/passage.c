@@ -89,7 +89,7 @@ bool events_pass(struct session *session, const struct run_target *target, struc
 /* An equation there is not the law, but a jump of what moves. */
 bool event_executes(const struct command *command)
 {
-    return (command->flags & COMMAND_ANYTIME) || strcmp(command->row.name, "equation") == 0;
+    return (command->flags & (COMMAND_ANYTIME | COMMAND_IN_EVENTS)) != 0;
 }
 
 bool refuse_in_event(const struct command *command, struct text where, struct error *error)

@@ -502,7 +502,7 @@ COMMAND(run, .row = {"run", "", "start a new run at t0", "", "r"}, .group = "RUN
                 "--number is for saved\n"
                 "sessions: the number of the new run.",
         .examples = "run 10 s\nrun until y < 0", .see = "continue step back plan runs compare",
-        .flags = COMMAND_CHANGES,
+        .flags = COMMAND_STARTS | COMMAND_CHANGES,
         ARGUMENTS(PLACE("DURATION", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_TIME, .group = 1),
                   WORD("to", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_TIME, .group = 1),
                   WORD("until", TYPE_CONDITION, .group = 1), OPTION("steps", TYPE_INTEGER),

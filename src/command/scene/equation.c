@@ -172,7 +172,7 @@ HANDLER(param)
 static bool set_velocity(struct session *session, const struct arguments *given, const struct typed_line *line,
                          struct reply *reply, struct error *error)
 {
-    const struct command *change = command_at(catalog_find(&command_catalog, TEXT("change")));
+    const struct command *change = command_with(COMMAND_JUMPS);
     const char *end = line->expr.at + line->expr.len;
     struct item name = {.text = line->name}, rest = {.text = {.at = line->name.at + line->name.len}};
     rest.text.len = (size_t)(end - rest.text.at);
@@ -267,6 +267,7 @@ COMMAND(var, .row = {"var", "", "a variable of a scene of your own, and its init
                 "typed. 'var NAME off' takes\nthe variable and its equation away.",
         .examples = "var y = 1; var y' = 0.5; y'' = -y; run 1 s\nvar x = 5 cm; x' = -x; run 1 s",
         .see = "equation param observe event scene", .flags = COMMAND_CHANGES,
+        .completes = COMPLETES_VARIABLE,
         ARGUMENTS(PLACE("NAME", TYPE_NAME, .flags = ARG_REQUIRED),
                   PLACE("= VALUE", TYPE_FORMULA, .flags = ARG_REQUIRED)))
 
@@ -277,6 +278,7 @@ COMMAND(param, .row = {"param", "", "a parameter of a scene of your own", "", NU
         .examples =
             "var x = 1; param rate = 0.5 1/s; x' = -rate*x; run 1 s\nscene spring; param stiff = 40; force -stiff*y^3",
         .see = "var equation set", .flags = COMMAND_CHANGES,
+        .completes = COMPLETES_PARAMETER,
         ARGUMENTS(PLACE("NAME", TYPE_NAME, .flags = ARG_REQUIRED),
                   PLACE("= VALUE", TYPE_FORMULA, .flags = ARG_REQUIRED)))
 
@@ -288,8 +290,9 @@ COMMAND(
             "the same variable takes\n"
             "its place. 'list functions' shows the functions.",
     .examples = "var y = 1; y'' = -y - 0.1*y'; run 1 s\nvar x = 2; var z = 0; x' = z; z' = (1 - x^2)*z - x; run 1 s",
-    .see = "var param force scene", .flags = COMMAND_CHANGES,
-    ARGUMENTS(PLACE("NAME' = EXPR", TYPE_FORMULA, .flags = ARG_REQUIRED)))
+    .see = "var param force scene", .flags = COMMAND_EQUATES | COMMAND_IN_EVENTS | COMMAND_CHANGES,
+    .completes = COMPLETES_EQUATION,
+        ARGUMENTS(PLACE("NAME' = EXPR", TYPE_FORMULA, .flags = ARG_REQUIRED)))
 
 COMMAND(
     force, .row = {"force", "", "add a force of your own to the scene, or take it away", "", NULL},
@@ -301,7 +304,8 @@ COMMAND(
         "its energy.",
     .examples = "force -40*y^3 + 0.1*cos(2*t); run 1 s\nforce -40*y^3; force off",
     .see = "potential param equation plan", .flags = COMMAND_CHANGES,
-    ARGUMENTS(PLACE("EXPR|off", TYPE_FORMULA, .flags = ARG_REQUIRED)))
+    .completes = COMPLETES_FORCE,
+        ARGUMENTS(PLACE("EXPR|off", TYPE_FORMULA, .flags = ARG_REQUIRED)))
 
 COMMAND(potential, .row = {"potential", "", "the energy of the forces of your own", "", NULL}, .group = "EQUATIONS",
         .text = "In joules, of the forces that depend on positions only. It is checked against them. Without it they "
@@ -309,6 +313,7 @@ COMMAND(potential, .row = {"potential", "", "the energy of the forces of your ow
                 "energy balance.",
         .examples = "force -40*y^3; potential 10*y^4; run 1 s\nforce -y; potential y^2/2; potential off",
         .see = "force plan", .flags = COMMAND_CHANGES,
+        .completes = COMPLETES_POTENTIAL,
         ARGUMENTS(PLACE("EXPR|off", TYPE_FORMULA, .flags = ARG_REQUIRED)))
 
 COMMAND(observe, .row = {"observe", "", "a quantity to look at", "", NULL}, .group = "EQUATIONS",
@@ -317,5 +322,6 @@ COMMAND(observe, .row = {"observe", "", "a quantity to look at", "", NULL}, .gro
                 "it away.",
         .examples = "observe p = m*v; run 1 s; print p\nobserve double = 2*y; observe double off",
         .see = "var equation print export", .flags = COMMAND_CHANGES,
+        .completes = COMPLETES_OBSERVED,
         ARGUMENTS(PLACE("NAME", TYPE_NAME, .flags = ARG_REQUIRED),
                   PLACE("= EXPR", TYPE_FORMULA, .flags = ARG_REQUIRED)))

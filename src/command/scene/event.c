@@ -163,4 +163,5 @@ COMMAND(event, .row = {"event", "", "watch for a moment on the way of runs", "",
             "event top when v falling do record; run 5 s; list events\nevent wall when y < -1 cm do 'v = -0.9*v; "
             "continue'; run 5 s",
         .see = "run list export equation", .flags = COMMAND_CHANGES,
+        .completes = COMPLETES_EVENT,
         ARGUMENTS(PLACE("NAME", TYPE_NAME), PLACE("when EXPR do stop|record|COMMANDS", TYPE_FORMULA)))

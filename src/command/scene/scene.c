@@ -263,9 +263,9 @@ static void reply_setting(const struct session *session, const struct setting *s
     setting_show(setting, &session->setup.settings, &text);
     const struct method *method = session->setup.method;
     const struct run_settings now = session_run_settings(session);
-    if (strcmp(setting->row.name, "dt") == 0 && now.tol > 0)
+    if (setting->use == USE_STEP && now.tol > 0)
         buffer_format(&text, " (the first step: %s chooses its own; 'tol = off' for fixed steps)", method->row.name);
-    if (strcmp(setting->row.name, "tol") == 0) {
+    if (setting->use == USE_TOLERANCE) {
         put_tol_floor(&text, now.tol);
         if (!(method->flags & METHOD_ADAPTIVE))
             buffer_format(&text, " (for methods that adapt; %s has fixed steps)", method->row.name);
@@ -450,7 +450,8 @@ COMMAND(set, .row = {"set", "", "set a parameter or a setting", "", NULL}, .grou
                 "unit. Setting omega0,\n"
                 "T0 or f0 of a spring sets k. 'show all' lists the names; which there are depends on the scene.",
         .examples = "set m 199.9 +- 0.1 g\nT0 = 0.73 s", .see = "unset show let",
-        .flags = COMMAND_CHANGES | COMMAND_ANYTIME,
+        .flags = COMMAND_ASSIGNS | COMMAND_CHANGES | COMMAND_ANYTIME,
+        .completes = COMPLETES_VALUES,
         ARGUMENTS(PLACE("NAME", TYPE_NAME, .flags = ARG_REQUIRED), PLACE("VALUE", TYPE_REST, .flags = ARG_REQUIRED)))
 
 COMMAND(
@@ -463,6 +464,7 @@ COMMAND(let, .row = {"let", "", "make a variable", "", NULL}, .group = "SCENE",
         .text = "The value is computed at once. Variables can be used wherever a number can.",
         .examples = "let A = 4.2 cm\nlet n = 10; run n*T0", .see = "set print",
         .flags = COMMAND_CHANGES | COMMAND_ANYTIME,
+        .completes = COMPLETES_VALUES,
         ARGUMENTS(PLACE("NAME", TYPE_NAME, .flags = ARG_REQUIRED), PLACE("VALUE", TYPE_REST, .flags = ARG_REQUIRED)))
 
 COMMAND(plan, .row = {"plan", "", "what will be computed for this scene and method, and what is left out", "", NULL},

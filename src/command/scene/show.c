@@ -71,8 +71,7 @@ static void show_settings(const struct session *session, bool display_only, stru
 {
     for (size_t i = 0; i < setting_catalog.count; i++) {
         const struct setting *setting = (const struct setting *)(const void *)catalog_row(&setting_catalog, i);
-        if (!display_only || setting->display || strcmp(setting->row.name, "digits") == 0 ||
-            strcmp(setting->row.name, "phase-axes") == 0)
+        if (!display_only || setting->display || setting->plots)
             show_setting(session, setting, reply);
     }
 }
@@ -246,4 +245,5 @@ HANDLER(show)
 
 COMMAND(show, .row = {"show", "", "show values: of a name, a group, or a summary", "", NULL}, .group = "SCENE",
         .text = "Groups are all, scene, run, data, plot and files.", .examples = "show k\nshow all",
-        .see = "set print list help", .flags = COMMAND_ANYTIME, ARGUMENTS(PLACE("NAME", TYPE_NAME)))
+        .see = "set print list help", .flags = COMMAND_ANYTIME, .completes = COMPLETES_SHOWN,
+        ARGUMENTS(PLACE("NAME", TYPE_NAME)))

@@ -89,4 +89,5 @@ COMMAND(atol,
                 "matter. It belongs to the\nscene, and holds for runs from then on. 'atol' lists them, 'atol NAME off' "
                 "and 'atol off' take them back.",
         .examples = "atol y = 0.001 mm; method dopri5; run 1 s\natol off", .see = "method set run",
-        .flags = COMMAND_CHANGES, ARGUMENTS(PLACE("NAME", TYPE_NAME), PLACE("VALUE", TYPE_REST)))
+        .flags = COMMAND_CHANGES, .completes = COMPLETES_ATOL,
+        ARGUMENTS(PLACE("NAME", TYPE_NAME), PLACE("VALUE", TYPE_REST)))

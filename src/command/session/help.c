@@ -400,7 +400,8 @@ HANDLER(apropos)
 COMMAND(help, .row = {"help", "", "explain a word, or list the commands", "", "h ?"}, .group = "SESSION",
         .text = "WORD is a command, parameter, setting, method, scene, observable, unit or function.",
         .examples = "help run\nhelp symplectic-euler", .see = "apropos list",
-        .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME, ARGUMENTS(PLACE("WORD", TYPE_REST)))
+        .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME, .completes = COMPLETES_TOPICS,
+        ARGUMENTS(PLACE("WORD", TYPE_REST)))
 
 COMMAND(apropos, .row = {"apropos", "", "search names and explanations", "", NULL}, .group = "SESSION",
         .text = "Finds the word in names, one-line explanations and sources.",

@@ -319,5 +319,6 @@ COMMAND(
     .examples = "scene driven; method rk4; duration = 60 s; sweep omega=6:12:0.1\n"
                 "scene damped; sweep gamma=0.1:10:x2 k=10:20:5 measure=period,energy",
     .see = "compare precision export plot",
-    ARGUMENTS(PLACE("NAME=RANGE", TYPE_REST, .flags = ARG_REQUIRED), KEY("measure", TYPE_TEXT, .flags = ARG_MANY),
+    .completes = COMPLETES_SWEEP,
+        ARGUMENTS(PLACE("NAME=RANGE", TYPE_REST, .flags = ARG_REQUIRED), KEY("measure", TYPE_TEXT, .flags = ARG_MANY),
               OPTION("threads", TYPE_INTEGER), OPTION("shard", TYPE_TEXT), OPTION("force", TYPE_NONE)))
