@@ -244,7 +244,7 @@ install: all ## install program, library, headers, manual, examples and completi
 	for page in $(PAGES); do install -D -m 644 $$page $(MANUAL)/man$${page##*.}/$${page##*/} || exit; done
 	install -D -m 644 $(TOP)/pages/hooke.bash $(COMPLETION)
 	for example in $(EXAMPLES); do install -D -m 644 $$example $(SHARED)/$$example || exit; done
-	scripts/make-recordings $(SHARED)/examples/lab
+	scripts/make-recordings $(SHARED)/examples/lab && chmod 644 $(SHARED)/examples/lab/*.txt
 
 uninstall: ## remove what install put there
 	rm -f $(DESTDIR)$(PREFIX)/bin/hooke $(DESTDIR)$(PREFIX)/lib/libhooke.a $(COMPLETION)

@@ -1,10 +1,18 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# The manual: everything that can be chosen by name is in a page, what the pages show was run, no heading stands twice.
+# The manual: everything that can be chosen by name is in a page, what the pages show was run, no
+# heading stands twice.
 set -u
 hooke=${HOOKE:-build/hooke}
 n=0 bad=0
-ok() { n=$((n + 1)); if [ "$2" -eq 0 ]; then echo "ok $n - $1"; else bad=1; echo "not ok $n - $1"; [ -n "${3:-}" ] && printf '%s\n' "$3" | head -15 | sed 's/^/#   /'; fi; }
+ok() { # name condition-status [detail]
+    n=$((n + 1))
+    if [ "$2" -eq 0 ]; then echo "ok $n - $1"; return; fi
+    bad=1
+    echo "not ok $n - $1"
+    [ -z "${3:-}" ] || printf '%s\n' "$3" | head -15 | sed 's/^/#   /'
+}
+names() { "$hooke" --format json -c "$1" | sed -nE 's/^\{"kind":"[^"]*","name":"([^"]*)".*/\1/p'; }
 folder=$(mktemp -d) || exit 2
 trap 'rm -rf "$folder"' EXIT
 
@@ -26,28 +34,35 @@ for page in hooke.1 hooke-language.7 hooke-methods.7 hooke-lab.7; do
 done
 mkdir "$folder/broken" && cp -R scripts examples "$folder/broken"
 printf '@run\nset gama 1\n@end\n' >"$folder/broken/scripts/pages/hooke.1"
-! "$folder/broken/scripts/reference" page hooke.1 "$hooke" >"$folder/out" 2>&1 && grep -q 'status 1, wanted 0' "$folder/out"
+! "$folder/broken/scripts/reference" page hooke.1 "$hooke" >"$folder/out" 2>&1 &&
+    grep -q 'status 1, wanted 0' "$folder/out"
 ok "an example that fails is noticed" $? "$(cat "$folder/out")"
 
 # What the tags of the pages say in bold: as a whole, and up to the first blank or parenthesis.
-sed -n '/^\.TP/{n;p;}' "$folder"/hooke*.[17] | grep -oE '\\fB([^\\]|\\[^f])*' | sed -E 's/\\fB//; s/\\\(ha/^/g; s/\\-/-/g' |
+sed -n '/^\.TP/{n;p;}' "$folder"/hooke*.[17] | grep -oE '\\fB([^\\]|\\[^f])*' |
+    sed -E 's/\\fB//; s/\\\(ha/^/g; s/\\-/-/g' |
     awk '{print; if (sub(/[ (].*/, "")) print}' >"$folder/tags"
 lists=0
-for kind in commands scenes methods parameters derived observables settings units functions formats limits; do
+for kind in commands scenes methods parameters derived observables settings units functions \
+    formats limits; do
     missing=
-    names=$("$hooke" --format json -c "list $kind" | sed -E 's/^\{"kind":"[^"]*","name":"([^"]*)".*/\1/')
-    while read -r name; do grep -qxFe "$name" "$folder/tags" || missing+="$name "; done <<<"$names"
-    [ -n "$names" ] && [ -z "$missing" ]
+    names "list $kind" >"$folder/names"
+    while read -r name; do
+        grep -qxFe "$name" "$folder/tags" || missing+="$name "
+    done <"$folder/names"
+    [ -s "$folder/names" ] && [ -z "$missing" ]
     ok "every one of the $kind is in a page" $? "missing: $missing"
     lists=$((lists + 1))
 done
-offered=$("$hooke" -c 'list nothing' 2>&1 | grep -oE 'one of: .*' | tr ',' '\n' | grep -cvE 'measurements|events|runs|recordings') # those are the session's
+# Measurements, events, runs and recordings are the session's.
+offered=$("$hooke" -c 'list nothing' 2>&1 | grep -oE 'one of: .*' | tr ',' '\n' |
+    grep -cvE 'measurements|events|runs|recordings')
 [ "$offered" -eq "$lists" ]
 ok "there are no other lists" $? "$offered lists, $lists looked for"
 
 without=
-for scene in $("$hooke" --format json -c 'list scenes' | sed -E 's/^\{"kind":"scene","name":"([^"]*)".*/\1/'); do
-    for name in $("$hooke" --format json -c "scene $scene; list parameters" | sed -nE 's/^\{"kind":"parameter","name":"([^"]*)".*/\1/p'); do
+for scene in $(names 'list scenes'); do
+    for name in $(names "scene $scene; list parameters"); do
         grep -qxFe "$name" "$folder/tags" || without+="$scene.$name "
     done
 done
@@ -61,9 +76,12 @@ without=$(awk '
     within && /^(order|orders up to|exact)/ {seen[name] = seen[name] "o"}
     within && /^stability:/ {seen[name] = seen[name] "s"}
     within && /^source:/ {seen[name] = seen[name] "c"}
-    END {for (i = 1; i <= count; i++) if (seen[names[i]] != "osc" && names[i] !~ /exact|cvode/) print names[i], seen[names[i]]; print count > "/dev/stderr"}
-    ' "$folder/hooke-methods.7" 2>"$folder/count")
-[ -z "$without" ] && [ "$(cat "$folder/count")" -ge 60 ]
+    END {
+        for (i = 1; i <= count; i++)
+            if (seen[names[i]] != "osc" && names[i] !~ /exact|cvode/) print names[i], seen[names[i]]
+        if (count < 60) print count " methods"
+    }' "$folder/hooke-methods.7")
+[ -z "$without" ]
 ok "each method has its order, stability and source" $? "$without"
 echo "1..$n"
 exit "$bad"

@@ -12,6 +12,11 @@ ok "README.md is what the program writes (make reference)" $? "$difference"
 [ "$(wc -l <README.md)" -le 250 ]
 ok "README.md is a front door: at most 250 lines" $? "$(wc -l <README.md) lines"
 
+# Numbers that the text states.
+count() { "$hooke" --format json -c "list $1" | grep -vc '"yardstick":true'; }
+grep -q "all $(count methods) integrators" README.md && grep -q " $(count formats) instruments' formats" README.md
+ok "README.md counts the methods and formats that there are" $? "$(count methods), $(count formats)"
+
 folder=$(mktemp -d) || exit 2
 trap 'rm -rf "$folder"' EXIT
 scripts/make-recordings "$folder"
