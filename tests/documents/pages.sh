@@ -42,6 +42,8 @@ ok "an example that fails is noticed" $? "$(cat "$folder/out")"
 sed -n '/^\.TP/{n;p;}' "$folder"/hooke*.[17] | grep -oE '\\fB([^\\]|\\[^f])*' |
     sed -E 's/\\fB//; s/\\\(ha/^/g; s/\\-/-/g' |
     awk '{print; if (sub(/[ (].*/, "")) print}' >"$folder/tags"
+sed -n '/^\.SS Plots/,/^\.SH EX/p; /^\.SS What/,/^\.SH/p' "$folder/hooke.1" |
+    sed -n '/^\.TP/{n;p;}' | sed -E 's/^\\fB(.*)\\fR$/\1/' >"$folder/choices"
 lists=0
 for kind in commands scenes methods parameters derived observables settings units functions \
     formats limits; do
@@ -59,6 +61,18 @@ offered=$("$hooke" -c 'list nothing' 2>&1 | grep -oE 'one of: .*' | tr ',' '\n' 
     grep -cvE 'measurements|events|runs|recordings')
 [ "$offered" -eq "$lists" ]
 ok "there are no other lists" $? "$offered lists, $lists looked for"
+
+without=
+for command in measure plot focus layout fit; do
+    offered=$("$hooke" -c "$command nothing" 2>&1 | sed -n 's/^  it is one of: //p' | tr -d ,)
+    [ -n "$offered" ] || without+="$command offers nothing "
+    for name in $offered; do
+        case $command.$name in fit.scene | fit.modes) continue ;; esac # the text of fit has them
+        grep -qxFe "$name" "$folder/choices" || without+="$command.$name "
+    done
+done
+[ -z "$without" ]
+ok "so is what can be measured, plotted, shown and fitted" $? "missing: $without"
 
 without=
 for scene in $(names 'list scenes'); do
