@@ -31,11 +31,12 @@ for file in bin/hooke lib/libhooke.a include/hooke/hooke.h share/bash-completion
     share/hooke/examples/lab/{bare,disk}.txt; do
     [ -s "$there/$file" ] || missing+="$file "
 done
-for file in $(find include -name '*.h'); do
+shopt -s globstar
+for file in include/hooke/**/*.h; do
     cmp -s "$file" "$there/$file" || missing+="$file "
 done
-for file in $(find examples -type f); do
-    cmp -s "$file" "$there/share/hooke/$file" || missing+="$file "
+for file in examples/**; do
+    [ -d "$file" ] || cmp -s "$file" "$there/share/hooke/$file" || missing+="$file "
 done
 [ -z "$missing" ]
 ok "everything is there" $? "missing: $missing"
