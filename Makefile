@@ -134,6 +134,8 @@ $(B)/scene/formula/program/lanes.o: CFLAGS += $(if $(filter -O2,$(OPT_$(CONFIG))
 $(KERNELS): CFLAGS += $(if $(findstring sanitize,$(OPT_$(CONFIG))),-fno-sanitize=all)
 # Packing position and velocity into one register lengthens the chain from step to step.
 $(KERNELS): CFLAGS += $(call probe,-fno-tree-slp-vectorize)
+# Roots without a way out to a library that would say what is wrong with them: nothing reads that.
+$(KERNELS): CFLAGS += -fno-math-errno
 
 compile_source = $(CC) $(CPPFLAGS) $(if $(findstring /terminal/,$@),$(LINE_CFLAGS)) $(GSL_CFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
 

@@ -12,6 +12,7 @@
 
 struct method;
 struct step;
+struct controller;
 
 enum step_status {
     STEP_OK,
@@ -21,6 +22,9 @@ enum step_status {
 };
 
 typedef enum step_status step_function(const struct method *method, struct step *step);
+/* One accepted step, as method_adapt(). */
+typedef enum step_status controlled_function(const struct method *method, struct step *step,
+                                             struct controller *controller, double t_end);
 
 /* The force at a displacement: towards rest, none, away from it. */
 enum stiffness_sign { STIFFNESS_POSITIVE, STIFFNESS_ZERO, STIFFNESS_NEGATIVE };
@@ -63,6 +67,7 @@ struct step {
     bool warm;
     void *library; /* of a yardstick: what method_begin() made */
     step_function *kernel; /* the method's step made for this system, by method_step_kernel(); NULL: the general one */
+    controlled_function *controlled; /* and an accepted one, by method_controlled_kernel(); NULL: there is none */
     /* By method_adapt(): */
     bool again; /* the last step was taken back: what was evaluated at t and y before it still holds */
     double tol; /* accepts an error with an RMS of tol max(scale_i, |y_i|): a measure for iterations. 0: a fixed step */
@@ -87,6 +92,7 @@ enum method_flag {
     METHOD_MULTISTEP = 2048,   /* remembers steps before: starts by a one-step method, wants a constant step */
     METHOD_YARDSTICK = 4096,   /* somebody else's library, for comparison: adaptive only, last in the catalogue */
     METHOD_UNROLLED = 8192,    /* has kernels of its own: people wait for it, or rank others by it */
+    METHOD_CONTROLLED = 16384, /* has kernels of its own for accepted steps: people solve with it */
 };
 
 /* Coefficients, private to the layer: each family of methods has one kind. */
@@ -206,6 +212,10 @@ typedef int64_t march_function(const struct method *method, const struct march *
 march_function *method_kernel(const struct method *method, const struct system *system, enum drag drag); /* or NULL */
 /* The same for single steps with an error estimate, whatever the drag variant. */
 step_function *method_step_kernel(const struct method *method, const struct system *system); /* or NULL */
+/* And for accepted steps of rows that are METHOD_CONTROLLED. */
+controlled_function *method_controlled_kernel(const struct method *method, const struct system *system); /* or NULL */
+/* Both for step->system, where `special`. */
+void method_choose_kernels(const struct method *method, struct step *step, bool special);
 /* As method_march(), by method_turning_step() where the method turns; a kernel takes the steps between. */
 int64_t method_turning_march(const struct method *method, march_function *kernel, const struct march *march,
                              enum step_status *status);

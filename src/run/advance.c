@@ -31,7 +31,7 @@ static enum stop leg_begin(struct run *run, const struct run_target *target, str
     }
     if (!trace_reserve_grids(run->trace, 3)) /* a turn now, a partial step at the end, going back into a step */
         return STOP_FULL;
-    p->step.kernel = run->settings.kernel == KERNEL_GENERAL ? NULL : method_step_kernel(run->method, &run->system);
+    method_choose_kernels(run->method, &p->step, run->settings.kernel != KERNEL_GENERAL);
     double h = copysign(run->settings.dt, target->t - run->t);
     if (run->plan.adaptive) {
         run->controller.h = copysign(run->controller.h, h);

@@ -214,7 +214,7 @@ static bool second_begin(struct run *run, bool other)
     system_turn_at_kinks(&second->system);
     memcpy(second->y, trace_state(run->trace, 0), (size_t)n * sizeof *second->y);
     second->step = (struct step){.system = &second->system, .y = second->y, .work = work, .t = epoch->t};
-    second->step.kernel = method_step_kernel(method, &second->system);
+    method_choose_kernels(method, &second->step, true);
     const bool stiff = method->flags & METHOD_IMPLICIT || method->rosenbrock;
     second->controller.tol = stiff ? fmax(TIGHTER_STIFF * run->controller.tol, TOL_IMPLICIT)
                                    : fmax(TIGHTER * run->controller.tol, TOL_EXPLICIT);
@@ -276,7 +276,7 @@ static bool second_cross(const struct run *run, struct second *second, int64_t s
         if (first) {
             second->system = epoch->system;
             system_turn_at_kinks(&second->system);
-            second->step.kernel = method_step_kernel(second->method, &second->system);
+            method_choose_kernels(second->method, &second->step, true);
             second->epoch++;
         } else {
             second_kick(run, second, kick);

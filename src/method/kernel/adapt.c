@@ -5,7 +5,7 @@
  * hide the call: steps with the forces of one scene inlined were not faster.
  */
 #if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC optimize("no-tree-vectorize") /* pairs of numbers: packing and unpacking them takes longer than it saves   \
+#pragma GCC optimize("no-tree-vectorize", "no-tree-loop-distribute-patterns") /* pairs of numbers: packing and unpacking them takes longer than it saves   \
                                            */
 #endif
 #define UNROLL _Pragma("GCC unroll 32")

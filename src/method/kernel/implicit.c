@@ -135,7 +135,7 @@ INLINE int64_t diagonal_march(const struct method *method, stage_function *stage
     {                                                                                                                  \
         const struct system *system = march->step->system;                                                             \
         struct known known = {.oscillator = system->oscillator, .system = system};                                     \
-        forces_take(&known.forces, system);                                                                            \
+        forces_take(&known.forces, system, SHAPE_TERMS);                                                                            \
         return diagonal_march(method, shape##_stage, shape##_known_slope, &known, march);                              \
     }
 CLOSED_SHAPES(ANY_KERNEL)
@@ -151,7 +151,7 @@ NEWTON_SHAPES(ANY_KERNEL)
         struct known known = {.oscillator = system->oscillator, .system = system};                                     \
         if (!(IRK_ROW.flags & METHOD_UNROLLED))                                                                        \
             return shape##_irk(method, march);                                                                         \
-        forces_take(&known.forces, system);                                                                            \
+        forces_take(&known.forces, system, SHAPE_TERMS);                                                                            \
         return diagonal_march(&IRK_ROW, shape##_stage, shape##_known_slope, &known, march);                            \
     }
 #define IMPLICIT_RUNGE_KUTTA(...)                                                                                      \

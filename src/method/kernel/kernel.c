@@ -27,7 +27,7 @@ INLINE bool unrolled(const struct method *method, int shape)
         struct forces forces;                                                                                          \
         if (!unrolled(&RK_ROW, SHAPE_##shape))                                                                         \
             return typed_kernel(method, march->step->system, DRAG_DEFAULT)(method, march);                             \
-        forces_take(&forces, march->step->system);                                                                     \
+        forces_take(&forces, march->step->system, 0 TERMS_OF_##shape(ONE_MORE));                                                                     \
         return rk_march(&RK_ROW, SIZE_##shape, shape##_slope, &forces, march);                                         \
     }
 #define RUNGE_KUTTA(...)                                                                                               \
@@ -47,7 +47,7 @@ INLINE bool unrolled(const struct method *method, int shape)
         struct forces forces;                                                                                          \
         if (!(SPLIT_ROW.flags & METHOD_UNROLLED))                                                                      \
             return shape_split(SHAPE_##shape)(method, march);                                                          \
-        forces_take(&forces, march->step->system);                                                                     \
+        forces_take(&forces, march->step->system, 0 TERMS_OF_##shape(ONE_MORE));                                                                     \
         if (!velocity)                                                                                                 \
             DRAG_VARIANT(shape, DRAG_DEFAULT)                                                                          \
         DRAG_VARIANT(shape, DRAG_EXACT)                                                                                \

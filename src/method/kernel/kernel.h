@@ -22,9 +22,9 @@ struct forces {
     double c[SHAPE_TERMS][TERM_COEFFICIENTS];
 };
 
-INLINE void forces_take(struct forces *forces, const struct system *system)
+INLINE void forces_take(struct forces *forces, const struct system *system, int terms)
 {
-    for (int i = 0; i < SHAPE_TERMS; i++)
+    UNROLL for (int i = 0; i < terms; i++)
         memcpy(forces->c[i], system->term[i].c, sizeof forces->c[i]);
 }
 
@@ -86,6 +86,7 @@ enum { SHAPES(SHAPE_SIZE) LINEAR_SHAPES(SHAPE_SIZE) SIZE_pendulum = 2, SIZE_driv
         name##_add(forces->c[i], t, y, a);
 #define TERM_NAME(i, name) #name,
 
+#define ONE_MORE(i, name) +1
 #define HAS_VELOCITY(i, name) | (name##_flags & TERM_VELOCITY)
 
 #define SHAPE_FUNCTIONS(shape)                                                                                         \

@@ -54,7 +54,6 @@ FLOWS(FLOW_FUNCTIONS)
 
 #define ROW JOIN(rosenbrock_, __LINE__)
 #define NAME(shape) JOIN(shape##_rosenbrock_, __LINE__)
-#define ONE_MORE(i, name) +1
 #define STEP(shape, n)                                                                             \
     static enum step_status NAME(shape)(const struct method *method, struct step *step)            \
     {                                                                                              \

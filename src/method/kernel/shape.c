@@ -50,7 +50,7 @@ static bool built_in_take(const struct system *system, struct part *part, double
     if (shape < 0)
         memcpy(frame, &system, sizeof(const struct system *));
     else
-        forces_take((struct forces *)(void *)frame, system);
+        forces_take((struct forces *)(void *)frame, system, SHAPE_TERMS);
     return true;
 }
 
@@ -148,7 +148,7 @@ int typed_shape(const struct system *system, bool splits)
         const bool velocity = (0 TERMS_OF_##shape(HAS_VELOCITY)) != 0;                                                 \
         const enum drag drag = velocity ? march->step->drag : DRAG_DEFAULT;                                            \
         struct forces forces;                                                                                          \
-        forces_take(&forces, march->step->system);                                                                     \
+        forces_take(&forces, march->step->system, 0 TERMS_OF_##shape(ONE_MORE));                                                                     \
         return split_march(method, SIZE_##shape, drag, shape##_force, shape##_drag, &forces, march);                   \
     }
 ALL_SHAPES(SHAPE_SPLIT)

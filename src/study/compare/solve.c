@@ -48,8 +48,7 @@ bool solver_init(struct solver *solver, const struct system *system, const struc
     solver->kernel = march_of(system, method, settings);
     solver->side = work + size;
     solver->step = (struct step){.system = system, .drag = settings->drag, .work = work};
-    if (settings->kernel != KERNEL_GENERAL)
-        solver->step.kernel = method_step_kernel(method, system);
+    method_choose_kernels(method, &solver->step, settings->kernel != KERNEL_GENERAL);
     solver_start(solver);
     if (method_begin(method, &solver->step))
         return true;
