@@ -2,6 +2,8 @@
 /* Numbers in and out, tables in and out, against what the C library does. */
 #include "bench/bench.h"
 
+#include <hooke/result.h>
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <unistd.h>
