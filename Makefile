@@ -125,9 +125,12 @@ $(TOP)/pages/hooke.bash: $(TOP)/hooke scripts/reference
 
 KERNELS := $(patsubst src/%.c,$(B)/%.o,$(wildcard src/method/kernel/*.c))
 # Loops over many steps: unrolled and vectorised where the configuration is for speed at all.
-$(addprefix $(B)/,run/many.o run/propagate.o run/energy/work.o run/energy/work_terms.o run/energy/ledger.o analysis/law/equation.o) \
+$(addprefix $(B)/,run/many.o run/propagate.o run/energy/work.o run/energy/ledger.o analysis/law/equation.o) \
   $(KERNELS): \
   CFLAGS += $(if $(filter -O2,$(OPT_$(CONFIG))),-O3)
+# In vectors, three times; loops for what remains of a block are not worth their length.
+$(B)/run/energy/work_terms.o: CFLAGS += $(if $(filter -O2,$(OPT_$(CONFIG))),-ftree-vectorize \
+  $(call probe,-fvect-cost-model=dynamic) $(call probe,--param=vect-epilogues-nomask=0))
 $(B)/scene/formula/program/lanes.o: CFLAGS += $(if $(filter -O2,$(OPT_$(CONFIG))),-O3) -fno-math-errno
 # Hundreds of unrolled bodies: under the sanitizers they would take minutes to compile. The general path, which gives the
 # same bits, is instrumented.

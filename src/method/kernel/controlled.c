@@ -179,7 +179,7 @@ INLINE enum step_status controlled_step(const struct method *method, int n, slop
 
 /* Of all methods that are METHOD_CONTROLLED, and of those that are METHOD_UNROLLED, too: the rest would be long. */
 #define ALWAYS_SHAPES(S) S(spring) S(duffing) S(driven) S(pendulum) S(kepler)
-#define OFTEN_SHAPES(S) S(damped) S(vanderpol) S(henon_heiles)
+#define OFTEN_SHAPES(S) S(damped) S(vanderpol)
 #define SOLVED_SHAPES(S) ALWAYS_SHAPES(S) OFTEN_SHAPES(S)
 
 INLINE bool solved(const struct method *method, int shape)
