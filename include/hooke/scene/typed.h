@@ -104,7 +104,9 @@ void system_guards(const struct system *frozen, double t, const double *y, doubl
 /*
  * Sliding along `count` switches at once: the field that keeps all their arguments where they are, between those on the
  * two sides of each (Filippov 1988; with more than one switch the equivalent control of Utkin 1992, to which each adds
- * its own part). The guard of such a switch is above 0 as long as the share of either side is.
+ * its own part). The guard of such a switch is above 0 as long as the share of either side is. Where
+ * jumps change the rate of an argument only, as forces do that of a position, its second derivative
+ * is kept 0.
  */
 #define LIMIT_SLIDING 4
 struct sliding {
@@ -120,6 +122,11 @@ bool system_slide(const struct system *system, const double *branch, const bool 
                   struct sliding *sliding, struct system *frozen);
 /* Puts the state back on the switches from which it is off by what steps leave; false: it is there. */
 bool sliding_return(const struct sliding *sliding, double t, double *y);
+/*
+ * Is switch i one that it may slide along? No: where jumps change the rate of its argument only,
+ * this rate is more than they change in `within` [s], or the forces of both sides do not lead back.
+ */
+bool sliding_keeps(const struct sliding *sliding, int i, double t, const double *y, double within);
 
 /* A state that is on switch i but for rounding is put there, where it is known how: where dry friction turns. */
 void system_end_at_switch(const struct system *frozen, int i, double *y);

@@ -15,6 +15,9 @@
 #define PROBE 1e-4    /* of the planned step: how far ahead a guard's direction is looked for */
 #define AT 1e-4       /* of the probe: a guard so near to 0 is at its switch */
 #define NEARBY 1e-6   /* of the sizes of variables: arguments are differentiated over no less */
+#define WIDER 10      /* times as long for second derivatives, */
+#define STILL 1e-5    /* of what these change then: a rate that changes less is 0 */
+#define ULPS 1e5      /* of t: at least */
 #define SLACK 1e-9    /* of a share: what its differences leave */
 #define BLOCK 16       /* switches; they pile up where each of */
 #define BLOCKS 4       /* blocks of them takes but */
@@ -26,16 +29,53 @@
 
 /* ---- where branches begin ---- */
 
-/* The guards of frozen branches a moment after t, by Euler. */
-static void look_ahead(struct step *step, const struct system *frozen, double by, double *guard)
+/* y after h by the midpoint rule; f: the derivative there. */
+static void look_from(const struct step *step, const struct system *frozen, const double *f,
+                      double h, double *guard)
+{
+    double middle[LIMIT_VARIABLES], y[LIMIT_VARIABLES];
+    for (int i = 0; i < frozen->n; i++)
+        middle[i] = step->y[i] + h / 2 * f[i];
+    system_derivative(frozen, step->t + h / 2, middle, y);
+    for (int i = 0; i < frozen->n; i++)
+        y[i] = step->y[i] + h * y[i];
+    system_guards(frozen, step->t + h, y, guard);
+}
+
+/* [s] in which the motion goes a millionth of the sizes of variables; 0: it does not move. */
+static double moment(const struct step *step, int n, const double *f)
+{
+    const double rate = sqrt(scaled_square(n, step_scale(step), f, step->y, step->y) / n);
+    return rate > 0 ? NEARBY / rate : 0;
+}
+
+/*
+ * The guards of frozen branches, now and a moment later: by Euler, or where their rates are 0 by
+ * their second derivatives.
+ */
+static void look_ahead(struct step *step, const struct system *frozen, double by, double *now,
+                       double *soon)
 {
     const int n = frozen->n;
-    double f[LIMIT_VARIABLES], y[LIMIT_VARIABLES];
+    double f[LIMIT_VARIABLES], y[LIMIT_VARIABLES], before[LIMIT_SWITCHES], after[LIMIT_SWITCHES];
+    system_guards(frozen, step->t, step->y, now);
     system_derivative(frozen, step->t, step->y, f);
-    step->cost.evals++;
     for (int i = 0; i < n; i++)
         y[i] = step->y[i] + by * f[i];
-    system_guards(frozen, step->t + by, y, guard);
+    system_guards(frozen, step->t + by, y, soon);
+    step->cost.evals++;
+    if (frozen->sliding)
+        return;
+    const double farther =
+        copysign(fmax(WIDER * moment(step, n, f), ULPS * DBL_EPSILON * fabs(step->t)), by);
+    look_from(step, frozen, f, -farther, before);
+    look_from(step, frozen, f, farther, after);
+    step->cost.evals += 2;
+    for (int i = 0; i < frozen->switches; i++) {
+        const double second = (after[i] - now[i]) - (now[i] - before[i]);
+        if (fabs(after[i] - before[i]) <= STILL * fabs(second))
+            soon[i] = now[i] + second / 2;
+    }
 }
 
 /* Frozen on its branches, or sliding along switches. */
@@ -54,14 +94,35 @@ static void slide(struct step *step, struct switches_state *state, const struct 
     double f[LIMIT_VARIABLES];
     system_derivative(frozen->sliding ? &frozen->sliding->side[0] : frozen, step->t, step->y, f);
     step->cost.evals++;
-    const double rate = sqrt(scaled_square(frozen->n, step_scale(step), f, step->y, step->y) / frozen->n);
     state->branch[i] = system_lower_branch(frozen, i, step->t, step->y);
     state->along[i] = true;
-    state->by = fmax(state->by, rate > 0 ? NEARBY / rate : 0);
+    state->by = fmax(state->by, moment(step, frozen->n, f));
     if (state->slides++ == 0) {
         state->slid = step->t;
         state->first = i;
     }
+}
+
+/* One along which it does not slide: one side pushes harder than the other draws back; -1: none. */
+static int not_held(const struct switches_state *state, const double *guard, int count)
+{
+    for (int i = 0; i < count; i++)
+        if (state->along[i] && !(guard[i] >= -SLACK))
+            return i;
+    return -1;
+}
+
+/* It is no slide then, but goes to that side. False: it has slid before. */
+static bool let_go(const struct step *step, struct switches_state *state,
+                   const struct system *sliding, int i)
+{
+    const double branch = system_next_branch(sliding, i, step->t, step->y);
+    if (state->slid_along[i] || state->slides == 0 || isnan(branch))
+        return false;
+    state->branch[i] = branch;
+    state->along[i] = false;
+    state->slides--;
+    return true;
 }
 
 /*
@@ -80,17 +141,18 @@ static bool settle(struct step *step, struct switches_state *state, double by, s
         double now[LIMIT_SWITCHES], soon[LIMIT_SWITCHES];
         if (!freeze(step, state, sliding, frozen))
             return false;
-        system_guards(frozen, step->t, step->y, now);
-        look_ahead(step, frozen, by, soon);
+        look_ahead(step, frozen, by, now, soon);
         int wrong = 0;
         while (wrong < count && !(soon[wrong] < 0 && wrong != state->released &&
                                   fabs(now[wrong]) <= AT * fabs(soon[wrong] - now[wrong])))
             wrong++;
         if (wrong == count) {
-            for (int i = 0; i < count; i++)
-                if (state->along[i] && !(now[i] >= -SLACK))
-                    return false;
-            return true;
+            const int pushed = not_held(state, now, count);
+            if (pushed < 0)
+                return true;
+            if (!let_go(step, state, frozen, pushed) || ++changed[pushed] > 3)
+                return false;
+            continue;
         }
         const bool slid = state->along[wrong];
         if (++changed[wrong] > 3)
@@ -112,12 +174,22 @@ static bool settle(struct step *step, struct switches_state *state, double by, s
 /* All that has changed of late, at once. */
 static void pile_up(struct step *step, struct switches_state *state, double by)
 {
-    struct system frozen;
+    const struct switches_state was = *state;
+    struct system frozen, sliding_frozen;
+    struct sliding sliding;
     system_freeze(step->system, state->branch, &frozen);
     state->by = fabs(by);
     for (int i = 0; i < frozen.switches; i++)
         if (state->recent[i] && !state->along[i])
             slide(step, state, &frozen, i);
+    const bool fine = system_slide(step->system, state->branch, state->along, state->by, &sliding,
+                                   &sliding_frozen);
+    for (int i = 0; i < frozen.switches && fine; i++)
+        if (state->along[i] && !was.along[i] &&
+            !sliding_keeps(&sliding, i, step->t, step->y, was.block)) {
+            state->along[i] = false;
+            state->branch[i] = was.branch[i];
+        }
     state->piles++;
     state->piled = state->begins = false;
     state->shorter = 0;

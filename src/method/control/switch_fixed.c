@@ -7,6 +7,7 @@
 
 #define PIECES 64   /* of a step at most */
 #define PROBE 1e-4  /* of what is left of the step: how far ahead a guard's direction is looked for */
+#define ROUNDING 1e-14 /* of sizes: a state that is so near is at its switch */
 
 /* A motion that slides along a typed switch says so by a piece of rounding. Where the velocity is not 0 its sign says all, and what the last step left in memory still holds. */
 static void know(struct step *step, struct switches_state *state)
@@ -23,12 +24,18 @@ static void know(struct step *step, struct switches_state *state)
     }
     system_branches(step->system, step->t, step->y, state->branch);
     if (step->system->switches > step->system->dry) {
-        double argument[LIMIT_SWITCHES];
+        double at[LIMIT_VARIABLES], argument[LIMIT_SWITCHES], beside[LIMIT_SWITCHES];
         struct system frozen;
         system_freeze(step->system, state->branch, &frozen);
         system_guards(&frozen, step->t, step->y, argument);
+        for (int i = 0; i < frozen.n; i++) {
+            const double size = fmax(fabs(step->y[i]), step->system->scale[i]);
+            at[i] = step->y[i] + ROUNDING * (1 + 0.3 * (i % 4)) *
+                                     size; /* not all alike: they may be subtracted */
+        }
+        system_guards(&frozen, step->t * (1 + 0.7 * ROUNDING), at, beside);
         for (int i = 0; i < frozen.switches; i++)
-            state->begins = state->begins || argument[i] == 0;
+            state->begins = state->begins || fabs(argument[i]) <= fabs(beside[i] - argument[i]);
     }
     step->warm = step->warm && !state->begins;
 }

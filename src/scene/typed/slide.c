@@ -11,6 +11,12 @@
 
 #define DEPENDENT 1e-12 /* a row that adds this part of its square to those before says nothing new */
 #define BESIDE 1e-5     /* of a variable's size: for differences */
+#define RETURNS                                                                                    \
+    3 /* steps to where rates have to be 0, too: from there the motion is to go on at rest */
+#define FAR                                                                                        \
+    1e-2 /* of all variables' sizes: for differences of arguments, most of which are linear, and   \
+          */
+#define FAR_FIELD 1e-4 /* of fields; both of the fourth order */
 
 static const struct sliding *sliding_of(const double *c)
 {
@@ -34,28 +40,118 @@ static void rates(const struct sliding *s, double t, const double *y, const doub
         rate[k] = (after[s->at[k]] - before[s->at[k]]) / (2 * s->near);
 }
 
-/* The fields around a point. */
+/* [s] in which a motion by `direction` goes as far as variables are large; `otherwise`: it does
+ * not. */
+static double moment(const struct system *system, const double *y, const double *direction,
+                     double otherwise)
+{
+    double sum = 0;
+    for (int i = 0; i < system->n; i++) {
+        const double by = direction[i] / fmax(system->scale[i], fabs(y[i]));
+        sum += by * by;
+    }
+    return sum > 0 ? sqrt(system->n / sum) : otherwise;
+}
+
+/* First and second derivatives of the arguments along (time, direction): differences of the fourth
+ * order. */
+static void differences(const struct sliding *s, double t, double time, const double *y,
+                        const double *direction, double *first, double *second)
+{
+    const struct system *side = &s->side[0];
+    const double h = FAR * moment(side, y, direction, s->near / FAR);
+    double at[LIMIT_VARIABLES], a[5][LIMIT_SWITCHES];
+    for (int k = 0; k < 5; k++) {
+        for (int i = 0; i < side->n; i++)
+            at[i] = y[i] + (k - 2) * h * direction[i];
+        switch_arguments(side, t + (k - 2) * h * time, at, a[k]);
+    }
+    for (int i = 0; i < s->count; i++) {
+        const int k = s->at[i];
+        first[i] = (8 * (a[3][k] - a[1][k]) - (a[4][k] - a[0][k])) / (12 * h);
+        second[i] = (16 * (a[3][k] - 2 * a[2][k] + a[1][k]) - (a[4][k] - 2 * a[2][k] + a[0][k])) /
+                    (12 * h * h);
+    }
+}
+
+/* How each argument changes along the motion on one side: its rate, and the rate of that. */
+static void changes(const struct sliding *s, const struct system *side, double t, const double *y,
+                    double *rate, double *second)
+{
+    static const double weight[] = {1. / 12, -8. / 12, 0, 8. / 12, -1. / 12};
+    double f[LIMIT_VARIABLES], at[LIMIT_VARIABLES], beside[LIMIT_VARIABLES],
+        bend[LIMIT_VARIABLES] = {0};
+    double more[LIMIT_SLIDING], ignored[LIMIT_SLIDING];
+    system_derivative(side, t, y, f);
+    const double h = FAR_FIELD * moment(side, y, f, s->near / FAR_FIELD);
+    for (int k = -2; k <= 2; k++) {
+        for (int i = 0; i < side->n; i++)
+            at[i] = y[i] + k * h * f[i];
+        system_derivative(side, t + k * h, at, beside);
+        for (int i = 0; i < side->n; i++)
+            bend[i] += weight[k + 2] / h * beside[i];
+    }
+    differences(s, t, 1, y, f, rate, second);
+    differences(s, t, 0, y, bend, more, ignored);
+    for (int i = 0; i < s->count; i++)
+        second[i] += more[i];
+}
+
+/*
+ * The fields around a point. Where no jump changes the rate of an argument, as those of forces do
+ * not change that of a position, `rate` and `by` are of its second derivative (relative degree 2;
+ * Fridman, Levant 2002, Higher Order Sliding Modes, in Sliding Mode Control in Engineering, 3): it
+ * stays where both are 0.
+ */
 struct around {
     double field[LIMIT_VARIABLES];               /* below all switches */
     double jump[LIMIT_SLIDING][LIMIT_VARIABLES]; /* what each adds above */
     double rate[LIMIT_SLIDING];                  /* of the arguments along `field`, */
     double by[LIMIT_SLIDING][LIMIT_SLIDING];     /* and what each jump adds to that of argument [i] */
+    bool second[LIMIT_SLIDING];
+    double first[LIMIT_SLIDING]; /* rate of those whose second derivative it is */
 };
+
+static void look_twice(const struct sliding *s, double t, const double *y, struct around *around)
+{
+    double rate[LIMIT_SLIDING], first[LIMIT_SLIDING], below[LIMIT_SLIDING], above[LIMIT_SLIDING];
+    changes(s, &s->side[0], t, y, first, below);
+    for (int j = 0; j < s->count; j++) {
+        changes(s, &s->side[1 + j], t, y, rate, above);
+        for (int i = 0; i < s->count; i++)
+            if (around->second[i])
+                around->by[i][j] = above[i] - below[i];
+    }
+    for (int i = 0; i < s->count; i++)
+        if (around->second[i]) {
+            around->rate[i] = below[i];
+            around->first[i] = first[i];
+        }
+}
 
 static void look_around(const struct sliding *s, double t, const double *y, struct around *around)
 {
     const int n = s->side[0].n;
+    bool any = false;
     system_derivative(&s->side[0], t, y, around->field);
     rates(s, t, y, around->field, around->rate);
+    for (int i = 0; i < s->count; i++)
+        around->second[i] = true;
     for (int j = 0; j < s->count; j++) {
         double rate[LIMIT_SLIDING];
         system_derivative(&s->side[1 + j], t, y, around->jump[j]);
         rates(s, t, y, around->jump[j], rate);
         for (int i = 0; i < n; i++)
             around->jump[j][i] -= around->field[i];
-        for (int i = 0; i < s->count; i++)
+        for (int i = 0; i < s->count; i++) {
             around->by[i][j] = rate[i] - around->rate[i];
+            around->second[i] = around->second[i] && around->by[i][j] == 0;
+        }
     }
+    for (int i = 0; i < s->count; i++)
+        any = any || around->second[i];
+    if (any)
+        look_twice(s, t, y, around);
 }
 
 /* The x nearest to x that has by x = right; rows that depend on those before are left out. */
@@ -170,28 +266,122 @@ bool system_slide(const struct system *system, const double *branch, const bool 
     return true;
 }
 
-bool sliding_return(const struct sliding *s, double t, double *y)
+/* y moves by so much of each direction. */
+static void move(const struct sliding *s, const double *by, double (*direction)[LIMIT_VARIABLES],
+                 double *y)
 {
-    struct around around;
-    double argument[LIMIT_SWITCHES], miss[LIMIT_SLIDING], by[LIMIT_SLIDING] = {0};
-    bool off = false;
-    if (sliding_rests(s)) {
-        off = y[1] != 0;
-        y[1] = 0;
-        return off;
+    for (int j = 0; j < s->count; j++)
+        for (int i = 0; i < s->side[0].n && isfinite(by[j]); i++)
+            y[i] += by[j] * direction[j][i];
+}
+
+/* What the field makes of each jump in a moment: [1/s] times it. */
+static void follow_jumps(const struct sliding *s, const struct around *around, double t,
+                         const double *y, double (*direction)[LIMIT_VARIABLES])
+{
+    const int n = s->side[0].n;
+    const double h = s->near;
+    for (int j = 0; j < s->count; j++) {
+        double a[LIMIT_VARIABLES], b[LIMIT_VARIABLES], before[LIMIT_VARIABLES],
+            after[LIMIT_VARIABLES];
+        for (int i = 0; i < n; i++) {
+            a[i] = y[i] - h * around->jump[j][i];
+            b[i] = y[i] + h * around->jump[j][i];
+        }
+        system_derivative(&s->side[0], t, a, before);
+        system_derivative(&s->side[0], t, b, after);
+        for (int i = 0; i < n; i++)
+            direction[j][i] = (after[i] - before[i]) / (2 * h);
     }
-    switch_arguments(&s->side[0], t, y, argument);
-    for (int k = 0; k < s->count; k++) {
-        miss[k] = s->level[k] - argument[s->at[k]];
-        off = off || miss[k] != 0;
+}
+
+/* Arguments whose rates alone the jumps change are put back by what follows from these. False: they
+ * are there. */
+static bool return_twice(const struct sliding *s, const struct around *around, double t,
+                         const double *miss, double *y)
+{
+    double right[LIMIT_SLIDING] = {0}, by[LIMIT_SLIDING] = {0},
+           rows[LIMIT_SLIDING][LIMIT_SLIDING] = {{0}};
+    double direction[LIMIT_SLIDING][LIMIT_VARIABLES];
+    bool off = false;
+    for (int i = 0; i < s->count; i++) {
+        if (!around->second[i])
+            continue;
+        right[i] = miss[i];
+        memcpy(rows[i], around->by[i], sizeof rows[i]);
+        off = off || miss[i] != 0;
     }
     if (!off)
         return false;
-    look_around(s, t, y, &around);
-    solve(s->count, around.by, miss, by);
-    for (int j = 0; j < s->count; j++)
-        for (int i = 0; i < s->side[0].n && isfinite(by[j]); i++)
-            y[i] += by[j] * around.jump[j][i];
+    follow_jumps(s, around, t, y, direction);
+    solve(s->count, rows, right, by);
+    move(s, by, direction, y);
+    return true;
+}
+
+/* How far each argument is from its switch. True: one is, or its rate is not 0 where it has to be.
+ */
+static bool look_off(const struct sliding *s, double t, const double *y, struct around *around,
+                     double *miss)
+{
+    double argument[LIMIT_SWITCHES];
+    bool off = false;
+    look_around(s, t, y, around);
+    switch_arguments(&s->side[0], t, y, argument);
+    for (int k = 0; k < s->count; k++) {
+        miss[k] = s->level[k] - argument[s->at[k]];
+        off = off || miss[k] != 0 || (around->second[k] && around->first[k] != 0);
+    }
+    return off;
+}
+
+/* By a step of Newton's iteration. */
+static void step_back(const struct sliding *s, struct around *around, double t, double *miss,
+                      double *y)
+{
+    double by[LIMIT_SLIDING] = {0};
+    if (return_twice(s, around, t, miss, y))
+        look_off(s, t, y, around, miss);
+    for (int k = 0; k < s->count; k++)
+        miss[k] = around->second[k] ? -around->first[k] : miss[k];
+    solve(s->count, around->by, miss, by);
+    move(s, by, around->jump, y);
+}
+
+bool sliding_return(const struct sliding *s, double t, double *y)
+{
+    struct around around;
+    double miss[LIMIT_SLIDING];
+    bool moved = false, twice = true;
+    if (sliding_rests(s)) {
+        moved = y[1] != 0;
+        y[1] = 0;
+        return moved;
+    }
+    for (int k = 0; k < RETURNS && twice && look_off(s, t, y, &around, miss); k++) {
+        step_back(s, &around, t, miss, y);
+        moved = true;
+        twice = false;
+        for (int i = 0; i < s->count; i++)
+            twice = twice || around.second[i];
+    }
+    return moved;
+}
+
+bool sliding_keeps(const struct sliding *s, int i, double t, const double *y, double within)
+{
+    struct around around;
+    double share[LIMIT_SLIDING];
+    if (sliding_rests(s))
+        return true;
+    shares(s, t, y, &around, share);
+    for (int k = 0; k < s->count; k++) {
+        double most = 0;
+        for (int j = 0; j < s->count; j++)
+            most = fmax(most, fabs(around.by[k][j]));
+        if (s->at[k] == i && around.second[k])
+            return share[k] > 0 && share[k] < 1 && fabs(around.first[k]) <= most * within;
+    }
     return true;
 }
 

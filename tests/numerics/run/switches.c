@@ -170,6 +170,139 @@ static void test_slides(void **state)
 }
 
 /*
+ * Forces that draw to a switch from both sides change the velocity, not the position that the
+ * switch is in: at rest on it the motion stays there as long as they hold it.
+ */
+static void rest(double t, double *y)
+{
+    (void)t;
+    y[0] = 0;
+}
+
+static void rest_beside(double t, double *y)
+{
+    (void)t;
+    y[0] = 0.7;
+}
+
+/* The mean of the sign along y = 0 is 0.4 x. */
+static void rest_across(double t, double *y)
+{
+    y[0] = 0.28 * (1 - cos(t));
+    y[1] = 0.7 * sin(t);
+    y[2] = 0.7 * cos(t);
+    y[3] = y[4] = 0;
+}
+
+static void too_strong(double t, double *y)
+{
+    y[0] = 0.3 * (1 - cos(t));
+}
+
+static void breaks_away(double t, double *y)
+{
+    y[0] = t < 2.5 ? 0 : 0.2 * pow(t - 2.5, 3) / 6;
+}
+
+static void goes_along(double t, double *y)
+{
+    y[0] = t;
+}
+
+static void on_a_circle(double t, double *y)
+{
+    y[0] = cos(t);
+    y[1] = sin(t);
+    y[2] = -sin(t);
+    y[3] = cos(t);
+}
+
+#define RESTS(...)                                                                                 \
+    (const char *const[])                                                                          \
+    {                                                                                              \
+        __VA_ARGS__, NULL                                                                          \
+    }
+
+static const struct {
+    struct problem problem;
+    int compared;
+    bool slides;
+} resting[] = {
+    {{RESTS("var x = 0", "x'' = -x - 0.5*sign(x)"), 5, rest}, 1, true},
+    {{RESTS("var x = 0", "x'' = -x - 0.5*sign(x) + 0.2"), 5, rest}, 1, true},
+    {{RESTS("var x = 0", "var v = 0", "x' = v", "v' = -x - if(x > 0, 0.7, -0.3)"), 5, rest},
+     1,
+     true},
+    {{RESTS("var x = 0", "x'' = -x - 0.5*sign(x) + 0.2*cos(3*t)"), 5, rest}, 1, true},
+    {{RESTS("var x = 0.7", "x'' = -x - 0.5*sign(x - 0.7) + 0.6"), 5, rest_beside}, 1, true},
+    {{RESTS("var z = 0", "var x = 0", "var u = 0.7", "var y = 0", "var w = 0", "z' = sign(y)",
+            "x' = u", "u' = -x", "y' = w", "w' = -0.5*sign(y) + 0.2*x"),
+      5, rest_across},
+     5,
+     true},
+    {{RESTS("var x = 0", "x'' = -x - 0.5*sign(x) + 0.8"), 5, too_strong}, 1, false},
+    {{RESTS("var x = 0", "x'' = -0.5*sign(x) + 0.2*t"), 5, breaks_away}, 1, true},
+    {{RESTS("var x = 0", "var x' = 1", "x'' = 0.2 - 0.5*sign(x - t)"), 5, goes_along}, 1, true},
+    {{RESTS("var x = 1", "var y = 0", "var u = 0", "var w = 1", "x' = u", "y' = w",
+            "u' = -20*x*sign(x^2 + y^2 - 1)", "w' = -20*y*sign(x^2 + y^2 - 1)"),
+      5, on_a_circle},
+     4,
+     true},
+    {{RESTS("var x = 0", "var x' = 1", "x'' = -sign(x) - 0.5*sign(x')"), 5, rest}, 1, true},
+};
+
+static int test_rest(struct typed_models *models, const struct method *method, size_t k, double tol)
+{
+    const struct problem *problem = &resting[k].problem;
+    const struct run_settings fixed = {.dt = problem->span / 200},
+                              adaptive = {.dt = 0.01, .tol = tol};
+    struct run *run = begin(models, problem, method, tol > 0 ? adaptive : fixed, false);
+    const struct run_target target = {.t = problem->span, .steps = 20000};
+    double y[LIMIT_VARIABLES], off = 0;
+    if (!run)
+        return 0;
+    run_advance(run, &target, 0, NULL);
+    problem->truth(problem->span, y);
+    for (int i = 0; i < resting[k].compared; i++)
+        off = fmax(off, fabs(run->y[i] - y[i]));
+    const double h = problem->span / 200,
+                 most = tol > 0 ? 100 * tol
+                                : fmax((method->order == 1 ? 10 : 2) * pow(h, method->order), 1e-9);
+    const struct switches_state *switches = &run->controller.switches;
+    const bool slides = switches->slides + switches->piles > 0, piles = k + 1 == COUNT_OF(resting);
+    const bool said = slides == resting[k].slides ||
+                      (piles && method->order == 1); /* whose paths are no parabolas */
+    const bool bad = run->stop != STOP_END || !(off < most) || !said || switches->across > 0;
+    if (bad || getenv("VERBOSE"))
+        print_message("%s, tol %g, scene %zu: t = %g s after %lld steps, off by %.3g, slides %lld, "
+                      "across %lld\n",
+                      method->row.name, tol, k, run->t, (long long)run->steps, off,
+                      (long long)switches->slides, (long long)switches->across);
+    run_destroy(run);
+    return bad;
+}
+
+/* LONG=1: at more tolerances. */
+static void test_rests(void **state)
+{
+    static const char *const fixed[] = {"rk4", "euler",  "dopri5", "gauss4", "backward-euler",
+                                        "ab4", "rodas5p"};
+    static const double tols[] = {1e-7, 1e-4, 1e-10};
+    int wrong = 0;
+    for (size_t k = 0; k < COUNT_OF(resting); k++) {
+        for (size_t m = 0; m < method_catalog.count; m++)
+            for (size_t i = 0; i < (getenv("LONG") ? COUNT_OF(tols) : 1); i++)
+                if (method_at(m)->flags & METHOD_ADAPTIVE &&
+                    !(method_at(m)->flags & METHOD_NO_VELOCITY) &&
+                    (method_at(m)->order > 2 || tols[i] > 1e-8))
+                    wrong += test_rest(*state, method_at(m), k, tols[i]);
+        for (size_t m = 0; m < COUNT_OF(fixed); m++)
+            wrong += test_rest(*state, method_of(fixed[m]), k, 0);
+    }
+    assert_int_equal(wrong, 0);
+}
+
+/*
  * First steps far too long or too short: what a step that is wrong as a whole says about a switch inside it counts
  * for nothing. The first scene, by dop853 with 30 s, was taken for over at once in each of 200 000 steps; its end is
  * by DOP853 of SciPy from switch to switch, at 1e-12.
@@ -253,6 +386,7 @@ int main(void)
         cmocka_unit_test(test_methods_keep_their_order),
         cmocka_unit_test(test_across),
         cmocka_unit_test(test_slides),
+        cmocka_unit_test(test_rests),
         cmocka_unit_test(test_first_steps),
         cmocka_unit_test(test_calls),
     };
