@@ -123,10 +123,10 @@ bool system_slide(const struct system *system, const double *branch, const bool 
 /* Puts the state back on the switches from which it is off by what steps leave; false: it is there. */
 bool sliding_return(const struct sliding *sliding, double t, double *y);
 /*
- * Is switch i one that it may slide along? No: where jumps change the rate of its argument only,
- * this rate is more than they change in `within` [s], or the forces of both sides do not lead back.
+ * Is the motion on its way across switch i, along which it was to slide? Yes, where jumps change
+ * the rate of its argument only and this rate is more than they change in `within` [s].
  */
-bool sliding_keeps(const struct sliding *sliding, int i, double t, const double *y, double within);
+bool sliding_passes(const struct sliding *sliding, int i, double t, const double *y, double within);
 
 /* A state that is on switch i but for rounding is put there, where it is known how: where dry friction turns. */
 void system_end_at_switch(const struct system *frozen, int i, double *y);

@@ -262,7 +262,8 @@ void reply_vanished(const struct run *run, struct reply *reply)
         size = fmax(size, fabs(run->y[i]));
         start = fmax(start, fabs(run->system.start[i]));
     }
-    if (start >= DBL_MIN && size < DBL_MIN && run->steps > 0)
+    const bool rests = run->controller.switches.slides > 0; /* where forces hold it: it is at 0 */
+    if (start >= DBL_MIN && size < DBL_MIN && run->steps > 0 && !rests)
         reply_warning(reply, "the motion has vanished: every value is below the smallest number, %.3g", DBL_MIN);
 }
 

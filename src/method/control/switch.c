@@ -14,6 +14,7 @@
 #define NEAR 1e-3     /* of the tolerance times the step: a switch so near is where the step ends */
 #define PROBE 1e-4    /* of the planned step: how far ahead a guard's direction is looked for */
 #define AT 1e-4       /* of the probe: a guard so near to 0 is at its switch */
+#define AT_ONCE 1e-9  /* of the probe: as near as another one is that the motion meets at once */
 #define NEARBY 1e-6   /* of the sizes of variables: arguments are differentiated over no less */
 #define WIDER 10      /* times as long for second derivatives, */
 #define STILL 1e-5    /* of what these change then: a rate that changes less is 0 */
@@ -50,11 +51,11 @@ static double moment(const struct step *step, int n, const double *f)
 }
 
 /*
- * The guards of frozen branches, now and a moment later: by Euler, or where their rates are 0 by
- * their second derivatives.
+ * The guards of frozen branches, now and a moment later: by Euler, or where their rates are 0
+ * (`still`) by their second derivatives.
  */
 static void look_ahead(struct step *step, const struct system *frozen, double by, double *now,
-                       double *soon)
+                       double *soon, bool *still)
 {
     const int n = frozen->n;
     double f[LIMIT_VARIABLES], y[LIMIT_VARIABLES], before[LIMIT_SWITCHES], after[LIMIT_SWITCHES];
@@ -64,16 +65,19 @@ static void look_ahead(struct step *step, const struct system *frozen, double by
         y[i] = step->y[i] + by * f[i];
     system_guards(frozen, step->t + by, y, soon);
     step->cost.evals++;
+    for (int i = 0; i < frozen->switches; i++)
+        still[i] = false;
     if (frozen->sliding)
         return;
-    const double farther =
-        copysign(fmax(WIDER * moment(step, n, f), ULPS * DBL_EPSILON * fabs(step->t)), by);
+    const double least = ULPS * DBL_EPSILON * fabs(step->t);
+    const double farther = copysign(fmax(WIDER * moment(step, n, f), least), by);
     look_from(step, frozen, f, -farther, before);
     look_from(step, frozen, f, farther, after);
     step->cost.evals += 2;
     for (int i = 0; i < frozen->switches; i++) {
         const double second = (after[i] - now[i]) - (now[i] - before[i]);
-        if (fabs(after[i] - before[i]) <= STILL * fabs(second))
+        still[i] = fabs(after[i] - before[i]) <= STILL * fabs(second);
+        if (still[i])
             soon[i] = now[i] + second / 2;
     }
 }
@@ -101,6 +105,27 @@ static void slide(struct step *step, struct switches_state *state, const struct 
         state->slid = step->t;
         state->first = i;
     }
+}
+
+/* As slide(); false: it is on its way across, as one in time alone always is. */
+static bool slide_along(struct step *step, struct switches_state *state,
+                        const struct system *frozen, int i)
+{
+    const struct switches_state was = *state;
+    struct sliding sliding;
+    struct system between;
+    slide(step, state, frozen, i);
+    const bool passes = freeze(step, state, &sliding, &between) &&
+                        sliding_passes(&sliding, i, step->t, step->y, state->by);
+    if (passes)
+        *state = was;
+    return !passes;
+}
+
+/* A guard at 0 that falls: at the end of the step before, or at rest, or by chance. */
+static bool falls(double now, double soon, bool ends)
+{
+    return soon < 0 && fabs(now) <= (ends ? AT : AT_ONCE) * fabs(soon - now);
 }
 
 /* One along which it does not slide: one side pushes harder than the other draws back; -1: none. */
@@ -134,17 +159,20 @@ static bool settle(struct step *step, struct switches_state *state, double by, s
 {
     const int count = step->system->switches;
     int changed[LIMIT_SWITCHES] = {0};
+    bool passes[LIMIT_SWITCHES] = {false};
     for (int i = 0; i < count; i++)
         changed[i] = state->fresh == i;
     state->by = fabs(by);
     for (int round = 0; round <= 4 * count; round++) {
         double now[LIMIT_SWITCHES], soon[LIMIT_SWITCHES];
+        bool still[LIMIT_SWITCHES];
         if (!freeze(step, state, sliding, frozen))
             return false;
-        look_ahead(step, frozen, by, now, soon);
+        look_ahead(step, frozen, by, now, soon, still);
         int wrong = 0;
-        while (wrong < count && !(soon[wrong] < 0 && wrong != state->released &&
-                                  fabs(now[wrong]) <= AT * fabs(soon[wrong] - now[wrong])))
+        while (wrong < count &&
+               (passes[wrong] || wrong == state->released ||
+                !falls(now[wrong], soon[wrong], wrong == state->fresh || still[wrong])))
             wrong++;
         if (wrong == count) {
             const int pushed = not_held(state, now, count);
@@ -158,7 +186,7 @@ static bool settle(struct step *step, struct switches_state *state, double by, s
         if (++changed[wrong] > 3)
             return false;
         if (changed[wrong] > 1 && !slid) {
-            slide(step, state, frozen, wrong);
+            passes[wrong] = !slide_along(step, state, frozen, wrong);
             continue;
         }
         double y[LIMIT_VARIABLES], f[LIMIT_VARIABLES];
@@ -175,21 +203,23 @@ static bool settle(struct step *step, struct switches_state *state, double by, s
 static void pile_up(struct step *step, struct switches_state *state, double by)
 {
     const struct switches_state was = *state;
-    struct system frozen, sliding_frozen;
+    struct system frozen, between;
     struct sliding sliding;
     system_freeze(step->system, state->branch, &frozen);
     state->by = fabs(by);
     for (int i = 0; i < frozen.switches; i++)
         if (state->recent[i] && !state->along[i])
             slide(step, state, &frozen, i);
-    const bool fine = system_slide(step->system, state->branch, state->along, state->by, &sliding,
-                                   &sliding_frozen);
-    for (int i = 0; i < frozen.switches && fine; i++)
-        if (state->along[i] && !was.along[i] &&
-            !sliding_keeps(&sliding, i, step->t, step->y, was.block)) {
-            state->along[i] = false;
-            state->branch[i] = was.branch[i];
-        }
+    if (system_slide(step->system, state->branch, state->along, state->by, &sliding, &between)) {
+        double guard[LIMIT_SWITCHES];
+        system_guards(&between, step->t, step->y, guard);
+        for (int i = 0; i < frozen.switches; i++)
+            if (state->along[i] && !was.along[i] &&
+                (guard[i] < 0 || sliding_passes(&sliding, i, step->t, step->y, was.block))) {
+                state->along[i] = false;
+                state->branch[i] = was.branch[i];
+            }
+    }
     state->piles++;
     state->piled = state->begins = false;
     state->shorter = 0;

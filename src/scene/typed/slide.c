@@ -368,21 +368,20 @@ bool sliding_return(const struct sliding *s, double t, double *y)
     return moved;
 }
 
-bool sliding_keeps(const struct sliding *s, int i, double t, const double *y, double within)
+bool sliding_passes(const struct sliding *s, int i, double t, const double *y, double within)
 {
     struct around around;
-    double share[LIMIT_SLIDING];
     if (sliding_rests(s))
-        return true;
-    shares(s, t, y, &around, share);
+        return false;
+    look_around(s, t, y, &around);
     for (int k = 0; k < s->count; k++) {
         double most = 0;
         for (int j = 0; j < s->count; j++)
             most = fmax(most, fabs(around.by[k][j]));
         if (s->at[k] == i && around.second[k])
-            return share[k] > 0 && share[k] < 1 && fabs(around.first[k]) <= most * within;
+            return !(fabs(around.first[k]) <= most * within);
     }
-    return true;
+    return false;
 }
 
 /* Of the switches along which it slides: the product of both sides' shares. */
