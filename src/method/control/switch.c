@@ -69,10 +69,9 @@ static void look_ahead(struct step *step, const struct system *frozen, double by
         still[i] = false;
     if (frozen->sliding)
         return;
-    const double least = ULPS * DBL_EPSILON * fabs(step->t);
-    const double farther = copysign(fmax(WIDER * moment(step, n, f), least), by);
-    look_from(step, frozen, f, -farther, before);
-    look_from(step, frozen, f, farther, after);
+    const double least = ULPS * DBL_EPSILON * fabs(step->t), far = WIDER * moment(step, n, f);
+    look_from(step, frozen, f, -copysign(fmax(far, least), by), before);
+    look_from(step, frozen, f, copysign(fmax(far, least), by), after);
     step->cost.evals += 2;
     for (int i = 0; i < frozen->switches; i++) {
         const double second = (after[i] - now[i]) - (now[i] - before[i]);
@@ -158,14 +157,13 @@ static bool settle(struct step *step, struct switches_state *state, double by, s
                    struct system *frozen)
 {
     const int count = step->system->switches;
+    bool passes[LIMIT_SWITCHES] = {false}, still[LIMIT_SWITCHES];
     int changed[LIMIT_SWITCHES] = {0};
-    bool passes[LIMIT_SWITCHES] = {false};
     for (int i = 0; i < count; i++)
         changed[i] = state->fresh == i;
     state->by = fabs(by);
     for (int round = 0; round <= 4 * count; round++) {
         double now[LIMIT_SWITCHES], soon[LIMIT_SWITCHES];
-        bool still[LIMIT_SWITCHES];
         if (!freeze(step, state, sliding, frozen))
             return false;
         look_ahead(step, frozen, by, now, soon, still);
@@ -182,10 +180,9 @@ static bool settle(struct step *step, struct switches_state *state, double by, s
                 return false;
             continue;
         }
-        const bool slid = state->along[wrong];
         if (++changed[wrong] > 3)
             return false;
-        if (changed[wrong] > 1 && !slid) {
+        if (changed[wrong] > 1 && !state->along[wrong]) {
             passes[wrong] = !slide_along(step, state, frozen, wrong);
             continue;
         }

@@ -6,6 +6,7 @@
  */
 #include "scene/typed/typed.h"
 
+#include <float.h>
 #include <math.h>
 
 #include "scene/formula/jet.h"
@@ -16,6 +17,8 @@
 #define DEPTH_LEAST 6 /* halvings: longer stretches are no bursts */
 #define DEPTH_MOST 50
 #define ROUNDING 1e-12
+#define AT_ENDS 1e-6 /* of a way: where a step ended at a switch, what follows is not on it; */
+#define ULPS 16      /* of t, at least */
 #define LOOKS 3000 /* bounds of a row */
 #define STEEP 4    /* times the change: a derivative at an end that is no part of a smooth way */
 
@@ -168,15 +171,19 @@ static int keep(const struct way *way, double a, double b, struct burst *burst, 
     return count;
 }
 
-static int search_row(struct way *way, int row, double size, bool sure, struct burst *burst, int count, int most)
+static int search_row(struct way *way, int row, double size, bool sure, struct burst *burst,
+                      int count, int most)
 {
+    const double length = fabs(way->t[1] - way->t[0]);
+    const double ulps = ULPS * DBL_EPSILON * fmax(fabs(way->t[0]), fabs(way->t[1])) / length;
+    const double ends = sure ? fmin(fmax(AT_ENDS, ulps), 0.25) : 0;
     struct {
         double a, b;
         int depth;
     } stack[DEPTH_MOST + 2];
     int top = 0;
-    stack[top].a = 0;
-    stack[top].b = 1;
+    stack[top].a = ends;
+    stack[top].b = 1 - ends;
     stack[top++].depth = 0;
     for (int looks = 0; top > 0 && looks < LOOKS; looks++) {
         const double a = stack[--top].a, b = stack[top].b, middle = a + (b - a) / 2;
@@ -186,7 +193,7 @@ static int search_row(struct way *way, int row, double size, bool sure, struct b
             continue;
         const bool seen = at.hidden <= SEEN * at.seen;
         if (seen && depth >= DEPTH_LEAST && (!sure || stands_out(way, row, a, b, at.seen)))
-            count = keep(way, a, b, burst, count, most);
+            count = keep(way, a == ends ? 0 : a, b == 1 - ends ? 1 : b, burst, count, most);
         if (seen && (depth >= DEPTH_LEAST || !stands_out(way, row, a, b, at.seen)))
             continue; /* of a long stretch one sample may have met a burst by chance */
         if (depth == DEPTH_MOST)
