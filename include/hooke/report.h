@@ -83,10 +83,7 @@ void precision_tables(const struct precision *precision, int width, struct arena
 void precision_summary(const struct precision *precision, struct arena *arena, struct buffer *out);
 /* "a euler  b verlet …", in lines of that width. */
 void precision_legend(const struct precision *precision, int width, struct buffer *out);
-void reply_precision(const struct precision *precision, struct reply *reply);
-bool precision_table(const struct precision *precision, struct export *export, struct error *error);
-
-void buffer_step_time(struct buffer *text, const struct timing_result *time, int64_t steps); /* [ns], no unit */
+void reply_precision(const struct precision *precision, struct arena *arena, struct reply *reply);
 
 /* ---- a sweep as text ---- */
 

@@ -158,6 +158,66 @@ void cell_seconds(struct text_table *table, double seconds); /* with us below a 
 const char *cell_last(const struct text_table *table);       /* the cell just made */
 void text_table_put(const struct text_table *table, struct buffer *out);
 
+/* ---- columns: what a result consists of, described once beside its struct ----
+ *
+ * A result is an array of structs; a column says where a value of such a struct is, what it is called by programs and
+ * by people, and how people see it. Records, tables to files and tables for people are made of the same columns.
+ */
+
+enum column_kind {
+    COLUMN_REAL,  /* double; NAN: there is none */
+    COLUMN_INT,   /* int */
+    COLUMN_COUNT, /* int64_t */
+    COLUMN_BOOL,
+    COLUMN_NAME,  /* const char *; NULL: there is none */
+    COLUMN_CHARS, /* an array of char, ended by 0; empty: there is none */
+};
+
+enum column_flag {
+    COLUMN_NO_RECORD = 1,
+    COLUMN_NO_FILE = 2,
+    COLUMN_IF_ANY = 4, /* for people only where a row has a value, not 0 where it is a number of things */
+    COLUMN_WIDE = 8,   /* for people only where there is much room */
+};
+
+struct result_column {
+    const char *name;       /* key of records, column of files */
+    const char *heading;    /* for people */
+    const char *(*head)(const void *first); /* the same where it depends on the first row */
+    int place;              /* among the columns for people, from 1; 0: it is not there */
+    unsigned flags;
+    enum column_kind kind;
+    enum quantity quantity; /* of a real */
+    enum quantity (*quantity_of)(const void *row); /* where rows differ; files have the first row's unit */
+    size_t at;              /* offset in the struct */
+    double (*real)(const void *row);      /* or what gives the value: */
+    int64_t (*number)(const void *row);   /* COLUMN_COUNT */
+    const char *(*text)(const void *row); /* COLUMN_NAME */
+    bool (*any)(const void *row); /* COLUMN_IF_ANY: where that is more than a value */
+    int digits;                   /* for people, of a real; 0: 3 */
+    void (*look)(struct text_table *table, double value);    /* a real for people, cell_error for one */
+    void (*cell)(struct text_table *table, const void *row); /* or the whole cell */
+};
+
+struct result_columns {
+    const struct result_column *column;
+    int count;
+    size_t size; /* [byte] of a row's struct */
+};
+
+#define RESULT_COLUMNS(array, type) {array, (int)COUNT_OF(array), sizeof(type)}
+
+/* Fields of one row in the object that is open; reply_records(): each row as a record of that kind. */
+void reply_columns(struct reply *reply, const struct result_columns *columns, const void *row);
+void reply_records(struct reply *reply, const char *kind, const struct result_columns *columns, const void *rows,
+                   size_t count);
+/* The table to files, without keys, from the arena; text stays where it is in the rows. False: no memory. */
+bool columns_table(const struct result_columns *columns, const void *rows, size_t count, struct arena *arena,
+                   struct table *table);
+/* Adds heading and cells to a table that is empty; its `columns` is counted here. A failure is in table->failed. */
+void columns_text(const struct result_columns *columns, const void *rows, size_t count, bool wide,
+                  struct text_table *table);
+
 /* ---- documents ----
  *
  * A document written twice at once, as Markdown (CommonMark with tables) and as HTML5. Own words are escaped; what came

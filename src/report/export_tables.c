@@ -47,7 +47,10 @@ bool export_precision(const struct session *session, struct export *export, stru
     const struct precision *precision = session->precision;
     struct keys keys;
     struct buffer duration = {0}, reference = {0};
-    if (!keys_begin(&keys, export, error) || !precision_table(precision, export, error))
+    const struct precision_row *rows = precision_rows(precision, export->arena);
+    if (!rows || !columns_table(&precision_columns, rows, (size_t)precision->points, export->arena, &export->table))
+        return error_memory(error);
+    if (!keys_begin(&keys, export, error))
         return false;
     buffer_exact(&duration, (struct measured){precision->duration, 0}, QUANTITY_TIME);
     reference_describe(&precision->reference, &reference);

@@ -9,133 +9,6 @@
 
 /* ---- a method ---- */
 
-/* Columns that say something of this curve. */
-struct columns {
-    bool solves, jacobians, rejected, energy, phase, wide, time, recording;
-};
-
-static struct columns columns_for(const struct precision *precision, const struct precision_curve *curve, bool wide)
-{
-    struct columns columns = {.wide = wide};
-    for (int i = curve->first; i < curve->first + curve->count; i++) {
-        const struct precision_point *point = &precision->point[i];
-        columns.solves |= point->cost.solves > 0;
-        columns.jacobians |= point->cost.jacobians > 0;
-        columns.rejected |= point->cost.rejected > 0;
-        columns.energy |= isfinite(point->errors.energy);
-        columns.phase |= isfinite(point->errors.phase);
-        columns.time |= isfinite(point->time.minimum);
-        columns.recording |= isfinite(point->recording);
-    }
-    return columns;
-}
-
-static void setting_cell(struct text_table *table, const struct precision_point *point)
-{
-    struct buffer text = {0};
-    if (point->tol > 0)
-        buffer_format(&text, "%.3g", point->tol);
-    else if (point->dt < 1e-3)
-        buffer_format(&text, "%.3g us", point->dt * 1e6);
-    else
-        buffer_quantity(&text, point->dt, QUANTITY_TIME, 3);
-    cell_take(table, &text);
-}
-
-static void step_time_cell(struct text_table *table, const struct precision_point *point)
-{
-    struct buffer text = {0};
-    buffer_step_time(&text, &point->time, point->steps);
-    cell_take(table, &text);
-}
-
-static void marks_cell(struct text_table *table, const struct precision_point *point)
-{
-    struct buffer text = {0};
-    if (point->refused)
-        buffer_put(&text, TEXT("refused"));
-    else if (point->stop != STOP_END)
-        buffer_put(&text, point->stop == STOP_FULL ? TEXT("too long") : text_of(stop_name(point->stop)));
-    else if (!precision_meaningful(point))
-        buffer_put(&text, TEXT("lost"));
-    if (point->asymptotic)
-        buffer_char(&text, '*');
-    if (point->below)
-        buffer_char(&text, '<');
-    if (point->time.spread > TIMING_SPREAD)
-        buffer_char(&text, '~');
-    if (point->time.few)
-        buffer_char(&text, '!');
-    if (point->timed_steps > 0)
-        buffer_char(&text, '+');
-    if (point->probed)
-        buffer_put(&text, TEXT(" probe"));
-    cell_take(table, &text);
-}
-
-static void point_cells(struct text_table *table, const struct columns *columns, const struct precision_point *point)
-{
-    setting_cell(table, point);
-    cell_count(table, point->steps);
-    cell_count(table, point->cost.evals);
-    if (columns->jacobians)
-        cell_count(table, point->cost.jacobians);
-    if (columns->solves)
-        cell_count(table, point->cost.solves);
-    if (columns->rejected)
-        cell_count(table, point->cost.rejected);
-    cell_error(table, point->errors.max);
-    if (columns->wide)
-        cell_error(table, point->errors.end);
-    if (columns->energy)
-        cell_error(table, point->errors.energy);
-    if (columns->wide && columns->phase) {
-        cell_error(table, point->errors.phase);
-        cell_error(table, point->errors.amplitude);
-    }
-    struct buffer order = {0};
-    buffer_format(&order, isfinite(point->order) ? "%.2f" : "-", point->order);
-    cell_take(table, &order);
-    if (columns->time)
-        cell_seconds(table, point->time.minimum);
-    if (columns->time && columns->wide)
-        cell_seconds(table, point->time.median);
-    if (columns->time)
-        step_time_cell(table, point);
-    if (columns->recording)
-        cell_seconds(table, point->recording);
-    marks_cell(table, point);
-}
-
-static void heading_cells(struct text_table *table, const struct columns *columns, bool adaptive)
-{
-    const struct {
-        const char *name;
-        bool shown;
-    } heading[] = {{adaptive ? "tol" : "dt", true},
-                   {"steps", true},
-                   {"evals", true},
-                   {"jac", columns->jacobians},
-                   {"solves", columns->solves},
-                   {"rej", columns->rejected},
-                   {"error", true},
-                   {"at end", columns->wide},
-                   {"energy", columns->energy},
-                   {"phase", columns->wide && columns->phase},
-                   {"ampl.", columns->wide && columns->phase},
-                   {adaptive ? "slope" : "order", true},
-                   {"time", columns->time},
-                   {"median", columns->time && columns->wide},
-                   {"ns/step", columns->time},
-                   {"recorded", columns->recording},
-                   {"", true}};
-    for (size_t i = 0; i < COUNT_OF(heading); i++)
-        if (heading[i].shown) {
-            cell_text(table, heading[i].name);
-            table->columns++;
-        }
-}
-
 static void put_slope(const struct precision_curve *curve, struct buffer *out)
 {
     if (curve->fitted == 0) {
@@ -158,6 +31,14 @@ static void put_slope(const struct precision_curve *curve, struct buffer *out)
     buffer_char(out, '\n');
 }
 
+static bool is_timed(const struct precision *precision, int first, int count)
+{
+    bool timed = false;
+    for (int i = first; i < first + count; i++)
+        timed |= isfinite(precision->point[i].time.minimum);
+    return timed;
+}
+
 /* Are some points timed by other code than the rest? */
 static bool is_mixed(const struct precision *precision)
 {
@@ -169,20 +50,18 @@ static bool is_mixed(const struct precision *precision)
 
 void precision_tables(const struct precision *precision, int width, struct arena *arena, struct buffer *out)
 {
-    for (int c = 0; c < precision->curves; c++) {
+    const struct precision_row *rows = precision_rows(precision, arena);
+    for (int c = 0; rows && c < precision->curves; c++) {
         const struct precision_curve *curve = &precision->curve[c];
-        const struct columns columns = columns_for(precision, curve, width >= WIDE);
         struct text_table table = {.arena = arena, .gap = 2, .indent = 2, .most = width};
         buffer_format(out, "%c  %s", precision_letter(c), curve->by.method->row.name);
         if (curve->by.drag != DRAG_DEFAULT && precision->system.velocity)
             buffer_format(out, " drag=%s", catalog_row(&drag_catalog, (size_t)curve->by.drag - 1)->name);
-        if (columns.time && is_mixed(precision))
+        if (is_timed(precision, curve->first, curve->count) && is_mixed(precision))
             buffer_format(out, " (timed by %s code)", path_name(precision->point[curve->first].path));
         buffer_put(out, TEXT(": "));
         put_slope(curve, out);
-        heading_cells(&table, &columns, curve->adaptive);
-        for (int i = 0; i < curve->count; i++)
-            point_cells(&table, &columns, &precision->point[curve->first + i]);
+        columns_text(&precision_columns, rows + curve->first, (size_t)curve->count, width >= WIDE, &table);
         text_table_put(&table, out);
         if (curve->cut)
             buffer_put(out, TEXT("  not swept further: its share of the time was used up\n"));
@@ -239,14 +118,6 @@ static void fewest_cell(const struct precision *precision, const struct precisio
     cell_take(table, &text);
 }
 
-static bool is_timed(const struct precision *precision)
-{
-    bool timed = false;
-    for (int i = 0; i < precision->points; i++)
-        timed |= isfinite(precision->point[i].time.minimum);
-    return timed;
-}
-
 /* Which methods were left out of a row, and why. */
 static void put_left_out(const struct precision *precision, const bool *left_out, struct buffer *out)
 {
@@ -264,7 +135,7 @@ static void put_left_out(const struct precision *precision, const bool *left_out
 
 static void put_fastest(const struct precision *precision, struct arena *arena, struct buffer *out)
 {
-    const bool timed = is_timed(precision);
+    const bool timed = is_timed(precision, 0, precision->points);
     struct text_table table = {.arena = arena, .columns = timed ? 5 : 2, .gap = 2, .indent = 2};
     struct precision_cost *cost = arena_array(arena, (size_t)precision->curves + 1, sizeof *cost);
     bool *left_out = arena_array(arena, (size_t)precision->curves + 1, sizeof *left_out);
@@ -334,10 +205,4 @@ void precision_summary(const struct precision *precision, struct arena *arena, s
 {
     put_fastest(precision, arena, out);
     put_predictions(precision, arena, out);
-}
-
-void buffer_step_time(struct buffer *text, const struct timing_result *time, int64_t steps)
-{
-    const double ns = timing_step_ns(time, steps);
-    buffer_format(text, isfinite(ns) ? ns < 1000 ? "%.3g" : "%.0f" : "-", ns);
 }

@@ -4,6 +4,7 @@
 #define HOOKE_STUDY_COMPARE_H
 
 #include <hooke/figure.h>
+#include <hooke/result.h>
 
 /* ---- timing: how long a solve takes, nothing recorded ----
  *
@@ -28,6 +29,7 @@ struct timing_result {
 #define TIMING_SPREAD 0.1 /* above it a time is flagged */
 
 double timing_step_ns(const struct timing_result *time, int64_t steps); /* [ns] of the minimum; NAN: not timed */
+void buffer_step_time(struct buffer *text, double ns);                  /* for people, without its unit */
 
 /*
  * The code that a study solves and times with: KERNEL_SPECIALISED, made for the method and these forces, or
@@ -183,6 +185,19 @@ struct precision {
  */
 bool study_precision(const struct precision_request *request, struct precision *precision, struct error *error);
 void precision_free(struct precision *precision);
+
+/* A point with what it belongs to: a row of its result. */
+struct precision_row {
+    struct precision_point point;
+    struct precision_curve curve;
+    double accuracy; /* of the reference */
+    bool kept;       /* the reference, by an earlier study */
+    const struct precision *precision;
+};
+
+/* One for each point, from the arena; they hold as long as `precision`. NULL: no memory. */
+const struct precision_row *precision_rows(const struct precision *precision, struct arena *arena);
+extern const struct result_columns precision_columns; /* of struct precision_row */
 
 /* A point that says something: it reached the end, with an error below 1. */
 bool precision_meaningful(const struct precision_point *point);

@@ -163,7 +163,7 @@ HANDLER(precision)
     ok = study_precision(&request, &precision, error);
     if (precision.curves > 0) {
         reply_study(session, given, &precision, &absentees.text, (double)(clock_ns() - begin) * 1e-9, reply);
-        reply_precision(&precision, reply);
+        reply_precision(&precision, given->arena, reply);
         keep_study(session, &precision);
     }
     buffer_free(&absentees.text);

@@ -61,7 +61,7 @@ static struct columns columns_for(const struct session *session, const struct co
 static void step_time_cell(struct text_table *table, const struct comparison *row, bool mixed)
 {
     struct buffer text = {0};
-    buffer_step_time(&text, &row->time, row->run->steps);
+    buffer_step_time(&text, timing_step_ns(&row->time, row->run->steps));
     if (mixed && row->path == KERNEL_GENERAL)
         buffer_put(&text, TEXT(" (!)"));
     cell_take(table, &text);

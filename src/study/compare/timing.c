@@ -18,6 +18,11 @@ double timing_step_ns(const struct timing_result *time, int64_t steps)
     return steps > 0 ? time->minimum / (double)steps * 1e9 : NAN;
 }
 
+void buffer_step_time(struct buffer *text, double ns)
+{
+    buffer_format(text, isfinite(ns) ? ns < 1000 ? "%.3g" : "%.0f" : "-", ns);
+}
+
 /* A sample lasts at least, all samples of one solve together at most, but one is always taken. */
 static const struct protocol {
     int samples;

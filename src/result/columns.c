@@ -1,0 +1,206 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A result as records, as a table to a file and as a table for people, from one description of its
+ * columns. */
+#include <hooke/result.h>
+
+#include <math.h>
+
+/* ---- values of a row ---- */
+
+static const void *row_at(const struct result_columns *columns, const void *rows, size_t i)
+{
+    return (const char *)rows + i * columns->size;
+}
+
+static const void *member(const struct result_column *column, const void *row)
+{
+    return (const char *)row + column->at;
+}
+
+static double real_of(const struct result_column *column, const void *row)
+{
+    return column->real ? column->real(row) : *(const double *)member(column, row);
+}
+
+static int64_t count_of(const struct result_column *column, const void *row)
+{
+    if (column->kind == COLUMN_INT)
+        return *(const int *)member(column, row);
+    return column->number ? column->number(row) : *(const int64_t *)member(column, row);
+}
+
+static bool bool_of(const struct result_column *column, const void *row)
+{
+    return *(const bool *)member(column, row);
+}
+
+static const char *text_in(const struct result_column *column, const void *row)
+{
+    if (column->kind == COLUMN_NAME)
+        return column->text ? column->text(row) : *(const char *const *)member(column, row);
+    const char *text = member(column, row);
+    return text[0] ? text : NULL;
+}
+
+static enum quantity quantity_in(const struct result_column *column, const void *row)
+{
+    return column->quantity_of ? column->quantity_of(row) : column->quantity;
+}
+
+/* ---- records ---- */
+
+void reply_columns(struct reply *reply, const struct result_columns *columns, const void *row)
+{
+    for (const struct result_column *c = columns->column; c < columns->column + columns->count;
+         c++) {
+        if (c->flags & COLUMN_NO_RECORD)
+            continue;
+        switch (c->kind) {
+        case COLUMN_REAL:
+            reply_real(reply, c->name, real_of(c, row));
+            break;
+        case COLUMN_INT:
+        case COLUMN_COUNT:
+            reply_int(reply, c->name, count_of(c, row));
+            break;
+        case COLUMN_BOOL:
+            reply_bool(reply, c->name, bool_of(c, row));
+            break;
+        case COLUMN_NAME:
+        case COLUMN_CHARS:
+            reply_string(reply, c->name, text_in(c, row));
+            break;
+        }
+    }
+}
+
+void reply_records(struct reply *reply, const char *kind, const struct result_columns *columns,
+                   const void *rows, size_t count)
+{
+    for (size_t i = 0; i < count && reply->format != FORMAT_TEXT; i++) {
+        reply_begin(reply, kind);
+        reply_columns(reply, columns, row_at(columns, rows, i));
+        reply_end(reply);
+    }
+}
+
+/* ---- a table to a file ---- */
+
+static bool fill_values(const struct result_columns *columns, const struct result_column *column,
+                        const void *rows, size_t count, struct arena *arena,
+                        struct table_column *out)
+{
+    const bool numbers = column->kind <= COLUMN_COUNT;
+    double *value = numbers ? arena_array(arena, count + 1, sizeof *value) : NULL;
+    const char **text = numbers ? NULL : arena_array(arena, count + 1, sizeof *text);
+    if (!value && !text)
+        return false;
+    for (size_t i = 0; i < count; i++) {
+        const void *row = row_at(columns, rows, i);
+        if (column->kind == COLUMN_REAL)
+            value[i] = real_of(column, row);
+        else if (numbers)
+            value[i] = (double)count_of(column, row);
+        else if (column->kind == COLUMN_BOOL)
+            text[i] = bool_of(column, row) ? "true" : "false";
+        else
+            text[i] = text_in(column, row);
+        if (!numbers && !text[i])
+            text[i] = "";
+    }
+    out->name = column->name;
+    out->unit =
+        column->kind == COLUMN_REAL && count > 0 ? quantity_unit(quantity_in(column, rows)) : "";
+    out->value = value;
+    out->text = text;
+    return true;
+}
+
+bool columns_table(const struct result_columns *columns, const void *rows, size_t count,
+                   struct arena *arena, struct table *table)
+{
+    struct table_column *out = arena_array(arena, (size_t)columns->count, sizeof *out);
+    int used = 0;
+    for (int i = 0; out && i < columns->count; i++) {
+        const struct result_column *column = &columns->column[i];
+        if (column->flags & COLUMN_NO_FILE)
+            continue;
+        if (!fill_values(columns, column, rows, count, arena, &out[used++]))
+            return false;
+    }
+    *table = (struct table){.column = out, .columns = used, .rows = count};
+    return out != NULL;
+}
+
+/* ---- a table for people ---- */
+
+static bool has_value(const struct result_column *column, const void *row)
+{
+    if (column->any)
+        return column->any(row);
+    switch (column->kind) {
+    case COLUMN_REAL:
+        return isfinite(real_of(column, row));
+    case COLUMN_INT:
+    case COLUMN_COUNT:
+        return count_of(column, row) != 0;
+    case COLUMN_BOOL:
+        return bool_of(column, row);
+    case COLUMN_NAME:
+    case COLUMN_CHARS:
+        break;
+    }
+    return text_in(column, row) != NULL;
+}
+
+static bool is_shown(const struct result_columns *columns, const struct result_column *column,
+                     const void *rows, size_t count, bool wide)
+{
+    bool any = !(column->flags & COLUMN_IF_ANY);
+    for (size_t i = 0; i < count && !any; i++)
+        any = has_value(column, row_at(columns, rows, i));
+    return any && (wide || !(column->flags & COLUMN_WIDE));
+}
+
+static void put_cell(const struct result_column *column, const void *row, struct text_table *table)
+{
+    if (column->cell)
+        column->cell(table, row);
+    else if (column->kind == COLUMN_REAL && column->look)
+        column->look(table, real_of(column, row));
+    else if (column->kind == COLUMN_REAL)
+        cell_quantity(table, real_of(column, row), quantity_in(column, row),
+                      column->digits ? column->digits : 3);
+    else if (column->kind <= COLUMN_COUNT)
+        cell_count(table, count_of(column, row));
+    else if (column->kind == COLUMN_BOOL)
+        cell_text(table, bool_of(column, row) ? "yes" : "no");
+    else
+        cell_text(table, text_in(column, row));
+}
+
+/* The columns for people in their order; places are small, and each is taken once. */
+static int columns_shown(const struct result_columns *columns, const void *rows, size_t count,
+                         bool wide, const struct result_column *shown[TABLE_COLUMNS_MOST])
+{
+    int used = 0;
+    for (int place = 1; place <= TABLE_COLUMNS_MOST; place++)
+        for (const struct result_column *c = columns->column; c < columns->column + columns->count;
+             c++)
+            if (c->place == place && used < TABLE_COLUMNS_MOST &&
+                is_shown(columns, c, rows, count, wide))
+                shown[used++] = c;
+    return used;
+}
+
+void columns_text(const struct result_columns *columns, const void *rows, size_t count, bool wide,
+                  struct text_table *table)
+{
+    const struct result_column *shown[TABLE_COLUMNS_MOST];
+    table->columns = columns_shown(columns, rows, count, wide, shown);
+    for (int c = 0; c < table->columns; c++)
+        cell_text(table, shown[c]->head && count > 0 ? shown[c]->head(rows) : shown[c]->heading);
+    for (size_t i = 0; i < count; i++)
+        for (int c = 0; c < table->columns; c++)
+            put_cell(shown[c], row_at(columns, rows, i), table);
+}

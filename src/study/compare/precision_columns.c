@@ -1,0 +1,198 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What a point of a precision study says: to programs, to files, to people. */
+#include <hooke/study.h>
+
+#include <math.h>
+#include <string.h>
+
+const struct precision_row *precision_rows(const struct precision *precision, struct arena *arena)
+{
+    struct precision_row *row = arena_array(arena, (size_t)precision->points + 1, sizeof *row);
+    for (int i = 0; row && i < precision->points; i++) {
+        const struct precision_point *point = &precision->point[i];
+        row[i] = (struct precision_row){.point = *point,
+                                        .curve = precision->curve[point->curve],
+                                        .accuracy = precision->reference.accuracy,
+                                        .kept = precision->reference.kept,
+                                        .precision = precision};
+    }
+    return row;
+}
+
+static const struct precision_point *point_of(const void *row)
+{
+    return &((const struct precision_row *)row)->point;
+}
+
+/* ---- values ---- */
+
+static const char *method_of(const void *row)
+{
+    return ((const struct precision_row *)row)->curve.by.method->row.name;
+}
+
+static double dt_of(const void *row)
+{
+    return point_of(row)->tol > 0 ? NAN : point_of(row)->dt;
+}
+
+static double tol_of(const void *row)
+{
+    return point_of(row)->tol > 0 ? point_of(row)->tol : NAN;
+}
+
+static double step_ns(const void *row)
+{
+    return timing_step_ns(&point_of(row)->time, point_of(row)->steps);
+}
+
+static const char *path_of(const void *row)
+{
+    return path_name(point_of(row)->path);
+}
+
+static const char *status_of(const void *row)
+{
+    const struct precision_point *point = point_of(row);
+    return point->refused             ? "refused"
+           : point->stop == STOP_FULL ? "too-long"
+                                      : stop_name(point->stop);
+}
+
+static double predicted_of(const void *row)
+{
+    const struct precision_point *point = point_of(row);
+    const bool fixed = point->tol == 0 && precision_meaningful(point);
+    return fixed ? precision_predict(((const struct precision_row *)row)->precision, point->curve,
+                                     point->errors.max)
+                 : NAN;
+}
+
+static bool has_phase(const void *row)
+{
+    return isfinite(point_of(row)->errors.phase);
+}
+
+static bool is_timed(const void *row)
+{
+    return isfinite(point_of(row)->time.minimum);
+}
+
+/* ---- for people ---- */
+
+static const char *setting_head(const void *first)
+{
+    return ((const struct precision_row *)first)->curve.adaptive ? "tol" : "dt";
+}
+
+static const char *order_head(const void *first)
+{
+    return ((const struct precision_row *)first)->curve.adaptive ? "slope" : "order";
+}
+
+static void setting_cell(struct text_table *table, const void *row)
+{
+    const struct precision_point *point = point_of(row);
+    struct buffer text = {0};
+    if (point->tol > 0)
+        buffer_format(&text, "%.3g", point->tol);
+    else if (point->dt < 1e-3)
+        buffer_format(&text, "%.3g us", point->dt * 1e6);
+    else
+        buffer_quantity(&text, point->dt, QUANTITY_TIME, 3);
+    cell_take(table, &text);
+}
+
+static void order_cell(struct text_table *table, double order)
+{
+    struct buffer text = {0};
+    buffer_format(&text, isfinite(order) ? "%.2f" : "-", order);
+    cell_take(table, &text);
+}
+
+static void step_time_cell(struct text_table *table, double ns)
+{
+    struct buffer text = {0};
+    buffer_step_time(&text, ns);
+    cell_take(table, &text);
+}
+
+static void marks_cell(struct text_table *table, const void *row)
+{
+    const struct precision_point *point = point_of(row);
+    struct buffer text = {0};
+    if (point->refused)
+        buffer_put(&text, TEXT("refused"));
+    else if (point->stop != STOP_END)
+        buffer_put(&text,
+                   point->stop == STOP_FULL ? TEXT("too long") : text_of(stop_name(point->stop)));
+    else if (!precision_meaningful(point))
+        buffer_put(&text, TEXT("lost"));
+    if (point->asymptotic)
+        buffer_char(&text, '*');
+    if (point->below)
+        buffer_char(&text, '<');
+    if (point->time.spread > TIMING_SPREAD)
+        buffer_char(&text, '~');
+    if (point->time.few)
+        buffer_char(&text, '!');
+    if (point->timed_steps > 0)
+        buffer_char(&text, '+');
+    if (point->probed)
+        buffer_put(&text, TEXT(" probe"));
+    cell_take(table, &text);
+}
+
+/* ---- the columns ---- */
+
+#define AT(member) .at = offsetof(struct precision_row, member)
+#define COUNTED(member) .kind = COLUMN_COUNT, AT(point.cost.member)
+
+/* clang-format off */
+static const struct result_column columns[] = {
+    {.name = "method", .kind = COLUMN_NAME, .text = method_of},
+    {.name = "dt", .real = dt_of, .quantity = QUANTITY_TIME,
+     .place = 1, .head = setting_head, .cell = setting_cell},
+    {.name = "tol", .real = tol_of},
+    {.name = "steps", .kind = COLUMN_COUNT, AT(point.steps), .place = 2, .heading = "steps"},
+    {.name = "evals", COUNTED(evals), .place = 3, .heading = "evals"},
+    {.name = "jacobians", COUNTED(jacobians), .place = 4, .heading = "jac", .flags = COLUMN_IF_ANY},
+    {.name = "solves", COUNTED(solves), .place = 5, .heading = "solves", .flags = COLUMN_IF_ANY},
+    {.name = "rejected", COUNTED(rejected), .place = 6, .heading = "rej", .flags = COLUMN_IF_ANY},
+    {.name = "error", AT(point.errors.max), .place = 7, .heading = "error", .look = cell_error},
+    {.name = "error_end", AT(point.errors.end), .place = 8, .heading = "at end", .look = cell_error,
+     .flags = COLUMN_WIDE},
+    {.name = "energy_error", AT(point.errors.energy), .place = 9, .heading = "energy",
+     .look = cell_error, .flags = COLUMN_IF_ANY},
+    {.name = "phase_error", AT(point.errors.phase), .quantity = QUANTITY_ANGLE,
+     .place = 10, .heading = "phase", .look = cell_error, .flags = COLUMN_IF_ANY | COLUMN_WIDE},
+    {.name = "amplitude_error", AT(point.errors.amplitude), .place = 11, .heading = "ampl.",
+     .look = cell_error, .flags = COLUMN_IF_ANY | COLUMN_WIDE, .any = has_phase},
+    {.name = "order", AT(point.order), .place = 12, .head = order_head, .look = order_cell},
+    {.name = "time_min", AT(point.time.minimum), .quantity = QUANTITY_TIME,
+     .place = 13, .heading = "time", .look = cell_seconds, .flags = COLUMN_IF_ANY},
+    {.name = "time_median", AT(point.time.median), .quantity = QUANTITY_TIME,
+     .place = 14, .heading = "median", .look = cell_seconds, .flags = COLUMN_IF_ANY | COLUMN_WIDE,
+     .any = is_timed},
+    {.name = "ns_per_step", .real = step_ns, .place = 15, .heading = "ns/step",
+     .look = step_time_cell, .flags = COLUMN_IF_ANY, .any = is_timed},
+    {.name = "path", .kind = COLUMN_NAME, .text = path_of},
+    {.name = "time_spread", AT(point.time.spread), .flags = COLUMN_NO_FILE},
+    {.name = "samples", .kind = COLUMN_INT, AT(point.time.samples), .flags = COLUMN_NO_FILE},
+    {.name = "time_recording", AT(point.recording), .place = 16, .heading = "recorded",
+     .look = cell_seconds, .flags = COLUMN_IF_ANY | COLUMN_NO_FILE},
+    {.name = "status", .kind = COLUMN_NAME, .text = status_of},
+    {.name = "below_reference", .kind = COLUMN_BOOL, AT(point.below), .flags = COLUMN_NO_FILE},
+    {.name = "asymptotic", .kind = COLUMN_BOOL, AT(point.asymptotic), .flags = COLUMN_NO_FILE},
+    {.name = "reference_accuracy", AT(accuracy), .flags = COLUMN_NO_FILE},
+    {.name = "reference_kept", .kind = COLUMN_BOOL, AT(kept), .flags = COLUMN_NO_FILE},
+    {.name = "slope", AT(curve.slope), .flags = COLUMN_NO_FILE},
+    {.name = "slope_expected", AT(curve.expected), .flags = COLUMN_NO_FILE},
+    {.name = "slope_differs", .kind = COLUMN_BOOL, AT(curve.differs), .flags = COLUMN_NO_FILE},
+    {.name = "evals_predicted", .real = predicted_of, .flags = COLUMN_NO_FILE},
+    {.name = "marks", .kind = COLUMN_NAME, .text = status_of, .place = 17, .heading = "",
+     .cell = marks_cell, .flags = COLUMN_NO_FILE | COLUMN_NO_RECORD},
+};
+/* clang-format on */
+
+const struct result_columns precision_columns = RESULT_COLUMNS(columns, struct precision_row);

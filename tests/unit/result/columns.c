@@ -1,0 +1,190 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* One description of columns gives the records, the table to files and the table for people. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <hooke/result.h>
+
+#include <math.h>
+
+struct pendulum {
+    const char *maker;
+    char note[8];
+    double length, period[2]; /* [m], [s] */
+    int swings;
+    int64_t samples;
+    bool damped;
+    enum quantity quantity;
+};
+
+static const struct pendulum pendulums[] = {
+    {"Foucault", "Paris", 67, {16.5, NAN}, 3, 12345678901, false, QUANTITY_LENGTH},
+    {NULL, "", 0.25, {1.003, NAN}, 0, 0, true, QUANTITY_LENGTH},
+};
+
+static double frequency(const void *row)
+{
+    return 1 / ((const struct pendulum *)row)->period[0];
+}
+
+static const char *maker(const void *row)
+{
+    return ((const struct pendulum *)row)->maker;
+}
+
+static int64_t twice(const void *row)
+{
+    return 2 * ((const struct pendulum *)row)->swings;
+}
+
+static enum quantity length_quantity(const void *row)
+{
+    return ((const struct pendulum *)row)->quantity;
+}
+
+static const char *swings_heading(const void *first)
+{
+    return ((const struct pendulum *)first)->damped ? "damped swings" : "swings";
+}
+
+static bool is_damped(const void *row)
+{
+    return ((const struct pendulum *)row)->damped;
+}
+
+static void note_cell(struct text_table *table, const void *row)
+{
+    cell_text(table, ((const struct pendulum *)row)->note[0] ? "noted" : "");
+}
+
+#define AT(member) .at = offsetof(struct pendulum, member)
+
+/* clang-format off */
+static const struct result_column rows[] = {
+    {.name = "maker", .kind = COLUMN_NAME, .text = maker, .heading = "by", .place = 2},
+    {.name = "length", AT(length), .quantity_of = length_quantity, .heading = "l", .place = 1},
+    {.name = "period", AT(period[0]), .quantity = QUANTITY_TIME, .look = cell_error,
+     .heading = "T", .place = 3},
+    {.name = "period_end", AT(period[1]), .quantity = QUANTITY_TIME,
+     .heading = "T end", .place = 4, .flags = COLUMN_IF_ANY},
+    {.name = "frequency", .real = frequency, .quantity = QUANTITY_FREQUENCY,
+     .heading = "f", .place = 5, .flags = COLUMN_IF_ANY | COLUMN_WIDE, .any = is_damped, .digits = 5},
+    {.name = "swings", .kind = COLUMN_INT, AT(swings), .head = swings_heading,
+     .place = 6, .flags = COLUMN_IF_ANY},
+    {.name = "half_swings", .kind = COLUMN_COUNT, .number = twice, .flags = COLUMN_NO_RECORD},
+    {.name = "samples", .kind = COLUMN_COUNT, AT(samples), .flags = COLUMN_NO_FILE},
+    {.name = "damped", .kind = COLUMN_BOOL, AT(damped)},
+    {.name = "note", .kind = COLUMN_CHARS, AT(note), .cell = note_cell, .place = 7,
+     .heading = "note"}};
+/* clang-format on */
+
+static const struct result_columns columns = RESULT_COLUMNS(rows, struct pendulum);
+
+/* ---- records ---- */
+
+static bool collect(void *context, struct text text)
+{
+    buffer_put(context, text);
+    return true;
+}
+
+static void records(enum output_format format, struct buffer *out)
+{
+    struct reply reply;
+    reply_init(&reply, (struct sink){collect, collect, out});
+    reply_command_begin(&reply, format);
+    reply_records(&reply, "pendulum", &columns, pendulums, COUNT_OF(pendulums));
+    reply_command_end(&reply, "pendulum");
+    reply_free(&reply);
+}
+
+static void records_have_every_key_and_null_for_what_is_missing(void **state)
+{
+    (void)state;
+    struct buffer out = {0};
+    records(FORMAT_JSON, &out);
+    assert_string_equal(buffer_view(&out),
+                        "{\"kind\":\"pendulum\",\"maker\":\"Foucault\",\"length\":67,\"period\":16."
+                        "5,\"period_end\":null,"
+                        "\"frequency\":0.06060606060606061,\"swings\":3,\"samples\":12345678901,"
+                        "\"damped\":false,\"note\":\"Paris\"}\n"
+                        "{\"kind\":\"pendulum\",\"maker\":null,\"length\":0.25,\"period\":1.003,"
+                        "\"period_end\":null,"
+                        "\"frequency\":0.9970089730807579,\"swings\":0,\"samples\":0,\"damped\":"
+                        "true,\"note\":null}\n");
+    buffer_clear(&out);
+    records(FORMAT_CSV, &out);
+    assert_string_equal(buffer_view(&out),
+                        "kind,maker,length,period,period_end,frequency,swings,samples,damped,note\n"
+                        "pendulum,Foucault,67,16.5,,0.06060606060606061,3,12345678901,false,Paris\n"
+                        "pendulum,,0.25,1.003,,0.9970089730807579,0,0,true,\n");
+    buffer_clear(&out);
+    records(FORMAT_TEXT, &out);
+    assert_int_equal(out.len, 0);
+    buffer_free(&out);
+}
+
+/* ---- files ---- */
+
+static void a_file_has_units_and_leaves_cells_empty(void **state)
+{
+    (void)state;
+    struct arena arena = {0};
+    struct buffer out = {0};
+    struct table table;
+    assert_true(columns_table(&columns, pendulums, COUNT_OF(pendulums), &arena, &table));
+    table_format(&table, TABLE_CSV, &out);
+    assert_string_equal(
+        buffer_view(&out),
+        "maker,length [m],period [s],period_end [s],frequency [Hz],swings,half_swings,damped,note\n"
+        "Foucault,67,16.5,,0.06060606060606061,3,6,false,Paris\n"
+        ",0.25,1.003,,0.9970089730807579,0,0,true,\n");
+    buffer_free(&out);
+    arena_reset(&arena);
+}
+
+/* ---- people ---- */
+
+static void seen(const struct pendulum *from, size_t count, bool wide, const char *expected)
+{
+    struct arena arena = {0};
+    struct buffer out = {0};
+    struct text_table table = {.arena = &arena, .gap = 2};
+    columns_text(&columns, from, count, wide, &table);
+    assert_false(table.failed);
+    text_table_put(&table, &out);
+    assert_string_equal(buffer_view(&out), expected);
+    buffer_free(&out);
+    arena_reset(&arena);
+}
+
+static void people_see_columns_in_their_places_where_a_row_has_a_value(void **state)
+{
+    (void)state;
+    seen(pendulums, 2, false,
+         "l      by        T        swings  note\n"
+         "67 m   Foucault  1.6e+01  3       noted\n"
+         "25 cm            1.0e+00  0\n");
+    /* The second alone has no swings, and is damped. */
+    seen(pendulums + 1, 1, true,
+         "l      by  T        f           note\n"
+         "25 cm      1.0e+00  997.01 mHz\n");
+    seen(pendulums, 1, true,
+         "l     by        T        swings  note\n"
+         "67 m  Foucault  1.6e+01  3       noted\n");
+    seen(pendulums, 0, true, "l  by  T  note\n");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(records_have_every_key_and_null_for_what_is_missing),
+        cmocka_unit_test(a_file_has_units_and_leaves_cells_empty),
+        cmocka_unit_test(people_see_columns_in_their_places_where_a_row_has_a_value),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
