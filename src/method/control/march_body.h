@@ -96,7 +96,7 @@ INLINE int64_t picked_march(const struct method *method, int n, int stride, comb
     const int stages = tableau->stages;
     const double h = step->h;
     struct shares shares[STAGES_MAX];
-    double k[STAGES_MAX * MOST], z[MOST], y[MOST];
+    double k[STAGES_MAX * MOST], state[2][MOST], *y = state[0], *z = state[1];
     double *const last = k + (stages - 1) * stride, *const kept = step->work + (stages - 1) * n;
     stages_take(shares, tableau, h);
     blocks_begin(stages, n, stride, k, y);
@@ -112,8 +112,10 @@ INLINE int64_t picked_march(const struct method *method, int n, int stride, comb
             copy_numbers(n, last, k);
         picked_stages(tableau, shares, n, stride, combine, slope, forces,
                       march->origin + (double)(march->first + i) * h, h, y, k, z, tableau->fsal);
-        copy_numbers(n, z, y);
-        copy_numbers(n, z, row);
+        double *const before = y;
+        y = z;
+        z = before;
+        copy_numbers(n, y, row);
     }
     if (tableau->fsal)
         copy_numbers(n, last, kept);

@@ -6,6 +6,7 @@
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC optimize("O3") /* vectors */
 #endif
+#define UNROLL _Pragma("GCC unroll 8")
 #include <hooke/base.h>
 enum { MOST = LIMIT_VARIABLES };
 #include "method/kernel/typed.h"
@@ -79,32 +80,41 @@ static int stride_of(int n)
     return (n + BLOCK - 1) / BLOCK * BLOCK;
 }
 
-/* As wide as any machine has: a wider type would live in memory where there are no such registers. */
-typedef double pair __attribute__((vector_size(16), aligned(8), may_alias));
-
-INLINE pair pair_at(const double *x)
-{
-    return *(const pair *)(const void *)x;
-}
-
-/* A combine_function. */
-static void combine_blocks(int n, int stride, const struct shares *shares, const double *k, const double *y, double *z)
-{
-    const int count = shares->count;
-    for (int i = 0; i < n; i += BLOCK) {
-        pair a = {-0.0, -0.0}, b = a, c = a, d = a;
-        for (int j = 0; j < count; j++) {
-            const double share = shares->share[j], *slope = k + shares->stage[j] * stride + i;
-            a += share * pair_at(slope);
-            b += share * pair_at(slope + 2);
-            c += share * pair_at(slope + 4);
-            d += share * pair_at(slope + 6);
-        }
-        *(pair *)(void *)(z + i) = pair_at(y + i) + a;
-        *(pair *)(void *)(z + i + 2) = pair_at(y + i + 2) + b;
-        *(pair *)(void *)(z + i + 4) = pair_at(y + i + 4) + c;
-        *(pair *)(void *)(z + i + 6) = pair_at(y + i + 6) + d;
+/*
+ * A combine_function, in vectors of so many numbers. A function for each width: a type that is wider than what its
+ * instructions know would live in memory.
+ */
+#define COMBINE(name, width, target)                                                                                   \
+    typedef double name##_vector __attribute__((vector_size(8 * (width)), aligned(8), may_alias));                     \
+    target static void name(int n, int stride, const struct shares *shares, const double *k, const double *y,          \
+                            double *z)                                                                                 \
+    {                                                                                                                  \
+        const int count = shares->count;                                                                               \
+        for (int i = 0; i < n; i += BLOCK) {                                                                           \
+            name##_vector sum[BLOCK / (width)];                                                                        \
+            UNROLL for (int b = 0; b < BLOCK / (width); b++) sum[b] = -(name##_vector){0};                             \
+            for (int j = 0; j < count; j++) {                                                                          \
+                const double share = shares->share[j];                                                                 \
+                const name##_vector *slope = (const name##_vector *)(const void *)(k + shares->stage[j] * stride + i); \
+                UNROLL for (int b = 0; b < BLOCK / (width); b++) sum[b] += share * slope[b];                           \
+            }                                                                                                          \
+            const name##_vector *from = (const name##_vector *)(const void *)(y + i);                                  \
+            name##_vector *to = (name##_vector *)(void *)(z + i);                                                      \
+            UNROLL for (int b = 0; b < BLOCK / (width); b++) to[b] = from[b] + sum[b];                                 \
+        }                                                                                                              \
     }
+COMBINE(combine_pairs, 2, )
+#if defined(__x86_64__)
+COMBINE(combine_fours, 4, __attribute__((target("avx2"))))
+#endif
+
+static combine_function *combine_blocks(void)
+{
+#if defined(__x86_64__)
+    if (__builtin_cpu_supports("avx2"))
+        return combine_fours;
+#endif
+    return combine_pairs;
 }
 
 static int64_t any_rk(const struct method *method, const struct march *march)
@@ -112,13 +122,13 @@ static int64_t any_rk(const struct method *method, const struct march *march)
     const struct system *system = march->step->system;
     struct whole whole;
     whole_take(&whole, system);
-    return picked_march(method, size_of(system), stride_of(system->n), combine_blocks, whole_slope, &whole, march);
+    return picked_march(method, size_of(system), stride_of(system->n), combine_blocks(), whole_slope, &whole, march);
 }
 
 static enum step_status any_step(const struct method *method, struct step *step)
 {
     const struct system *system = step->system;
-    return picked_step(method, size_of(system), stride_of(system->n), combine_blocks, any_slope, system, step);
+    return picked_step(method, size_of(system), stride_of(system->n), combine_blocks(), any_slope, system, step);
 }
 
 static int64_t any_split(const struct method *method, const struct march *march)
