@@ -132,6 +132,7 @@ static int run(const struct options *options)
     }
     session->keep_going = options->keep_going;
     session->safe = options->safe;
+    session->verbose = options->verbose;
     struct reply reply;
     reply_init(&reply, streams_sink(&streams));
     reply.quiet = options->quiet;

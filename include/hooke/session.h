@@ -212,6 +212,7 @@ struct session {
     char *record_path; /* file that executed lines are appended to, NULL: none */
     int record_fd;
     bool keep_going;  /* option -k */
+    bool verbose;     /* option -v: lines of scripts are shown before they are executed */
     bool safe;        /* option --safe: write only below the current directory */
     bool quit;        /* the user asked to leave */
     int status;       /* exit status so far */

@@ -25,6 +25,15 @@ static void execute(struct script *script, struct session *session, struct text 
     script->stopped = !session->keep_going || session->status == ERROR_CANCELLED || reply->failed || session->halted;
 }
 
+static void show(const struct session *session, struct text line, struct reply *reply)
+{
+    struct buffer safe = {0};
+    safe_text(&safe, line, false);
+    if (session->verbose)
+        reply_note(reply, "+ %s", buffer_view(&safe));
+    buffer_free(&safe);
+}
+
 bool script_feed(struct script *script, struct session *session, struct text line, struct reply *reply)
 {
     if (script->stopped || session->quit)
@@ -32,6 +41,7 @@ bool script_feed(struct script *script, struct session *session, struct text lin
     script->where.line++;
     if (script->where.line == 1 && text_starts(line, TEXT("\xEF\xBB\xBF")))
         line = (struct text){line.at + 3, line.len - 3};
+    show(session, line, reply);
     const struct text whole = line;
     line = text_trim(line);
     const bool comment = line.len > 0 && line.at[0] == '#';

@@ -7,17 +7,8 @@
 #include <string.h>
 #include <unistd.h>
 
-static void show(struct reply *reply, struct text line)
-{
-    struct buffer safe = {0};
-    safe_text(&safe, line, false);
-    reply_note(reply, "+ %s", safe.data ? safe.data : "");
-    buffer_free(&safe);
-}
-
 /* Standard input line by line, so that results of the first line are out before the second arrives. */
-static void run_input(struct session *session, const struct options *options, struct reply *reply,
-                      struct streams *streams)
+static void run_input(struct session *session, struct reply *reply, struct streams *streams)
 {
     struct script script;
     script_begin(&script, session, "-", NULL);
@@ -41,34 +32,25 @@ static void run_input(struct session *session, const struct options *options, st
             buffer_put(&line, (struct text){rest.at, len < room ? len : room});
             rest = end ? (struct text){end + 1, rest.len - len - 1} : (struct text){rest.at + len, 0};
             if (end) {
-                if (options->verbose) {
-                    show(reply, buffer_text(&line));
-                }
                 going = script_feed(&script, session, buffer_text(&line), reply);
                 buffer_clear(&line);
             }
         }
     }
     if (going && line.len > 0) {
-        if (options->verbose) {
-            show(reply, buffer_text(&line));
-        }
         script_feed(&script, session, buffer_text(&line), reply);
     }
     script_end(&script, session, reply);
     buffer_free(&line);
 }
 
-static void run_text(struct session *session, const struct options *options, const char *text, struct reply *reply)
+static void run_text(struct session *session, const char *text, struct reply *reply)
 {
     struct script script;
     script_begin(&script, session, "-c", NULL);
     struct text rest = text_of(text);
     struct text line;
     while (text_split(&rest, '\n', &line)) {
-        if (options->verbose) {
-            show(reply, line);
-        }
         if (!script_feed(&script, session, line, reply)) {
             break;
         }
@@ -82,9 +64,9 @@ void batch_run(struct session *session, const struct options *options, bool inpu
     for (int i = 0; i < options->tasks && !session->quit; i++) {
         const struct task *task = &options->task[i];
         if (task->kind == TASK_COMMAND) {
-            run_text(session, options, task->text, reply);
+            run_text(session, task->text, reply);
         } else if (strcmp(task->text, "-") == 0) {
-            run_input(session, options, reply, streams);
+            run_input(session, reply, streams);
         } else {
             script_file(session, task->text, NULL, reply);
         }
@@ -93,6 +75,6 @@ void batch_run(struct session *session, const struct options *options, bool inpu
         }
     }
     if (input && !session->quit) {
-        run_input(session, options, reply, streams);
+        run_input(session, reply, streams);
     }
 }

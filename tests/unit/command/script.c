@@ -336,6 +336,18 @@ static void control_characters_become_visible(void **state)
     bench_close(&b);
 }
 
+static void lines_are_shown_where_it_is_asked_for(void **state)
+{
+    (void)state;
+    struct bench b;
+    bench_open(&b, false);
+    write_file("inner.hk", "let two = 2\n", 12);
+    b.session->verbose = true;
+    assert_true(SCRIPT(&b, "let one = 1\nsource inner.hk"));
+    assert_string_equal(said(&b.err), "+ let one = 1\n+ source inner.hk\n+ let two = 2\n");
+    bench_close(&b);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -354,6 +366,7 @@ int main(void)
         cmocka_unit_test(cancelling_stops_a_run_and_the_script),
         cmocka_unit_test(prefixes_and_questions_are_for_the_prompt),
         cmocka_unit_test(control_characters_become_visible),
+        cmocka_unit_test(lines_are_shown_where_it_is_asked_for),
     };
     return cmocka_run_group_tests(tests, enter_folder, leave_folder);
 }
