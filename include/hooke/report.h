@@ -27,8 +27,8 @@ bool export_recording(const struct session *session, struct export *export, stru
 bool export_recorded(const struct session *session, const struct given *column, const struct given *every,
                      struct export *export, struct error *error);
 bool export_measurements(const struct session *session, struct export *export, struct error *error);
-bool export_sweep(const struct session *session, struct export *export, struct error *error);
-bool export_precision(const struct session *session, struct export *export, struct error *error);
+/* What the last study found, compare, precision or sweep; the runs where there were runs since. */
+bool export_study(const struct session *session, struct export *export, struct error *error);
 /* Fills the keys of the table: what made this run. */
 bool export_run_keys(const struct session *session, int place, struct export *export, struct error *error);
 /* A row for each run. */

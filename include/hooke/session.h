@@ -158,6 +158,8 @@ struct fit_band {
     double *half;           /* [variables][n] half the width */
 };
 
+enum studied { STUDIED_NONE, STUDIED_PRECISION, STUDIED_SWEEP, STUDIED_COMPARE };
+
 struct session {
     struct front front;
     struct setup setup;
@@ -191,13 +193,14 @@ struct session {
     struct kept_fit *kept_fit;
     int kept_fits;
     struct precision *precision; /* the last study, for `plot precision` and `export FILE table`; NULL: none */
-    int precision_runs;          /* next_run at that time: a later run makes the table of the runs the latest one */
+    struct compared *compared;   /* the last one, for `export FILE table`; NULL: none */
+    enum studied studied;        /* which of them was the last */
+    int studied_runs;            /* next_run at that time: after a later run its table is the latest */
 
     struct references references; /* of the scenes that were studied last */
     struct sweep *sweep; /* the last one, for `export FILE table`; NULL: none */
     struct sweep_measure sweep_measure[SWEEP_MEASURES];
     struct scene sweep_scene;
-    int sweep_runs; /* as precision_runs; the later of both has precision_runs -1 or not */
 
     struct snapshot *undo[LIMIT_UNDO], *redo[LIMIT_UNDO];
     int undos, redos;
@@ -267,6 +270,8 @@ enum charset session_charset(const struct session *session);
 /* ---- the session ---- */
 
 void session_changed(struct session *session);
+/* The result of that study is what `export FILE table` writes, until there is another run. */
+void session_studied(struct session *session, enum studied studied);
 /* Takes the run over (also when it fails: then it is destroyed) and makes it the current one. */
 bool session_add_run(struct session *session, struct run *run, struct error *error);
 bool session_add_recording(struct session *session, struct recording *recording, const char *options,

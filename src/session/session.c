@@ -56,6 +56,7 @@ void session_destroy(struct session *session)
     if (session->precision)
         precision_free(session->precision);
     free(session->precision);
+    free(session->compared);
     references_free(&session->references);
     if (session->sweep)
         sweep_free(session->sweep);
@@ -69,6 +70,12 @@ void session_destroy(struct session *session)
     typed_destroy(session->models);
     events_destroy(session->events);
     free(session);
+}
+
+void session_studied(struct session *session, enum studied studied)
+{
+    session->studied = studied;
+    session->studied_runs = session->next_run;
 }
 
 void session_changed(struct session *session)

@@ -277,6 +277,36 @@ bool study_compare_plan(const struct compare_request *request, double *steps, do
 bool study_compare(const struct compare_request *request, struct comparison *rows, int *count, struct error *error);
 void comparison_free(struct comparison *row); /* destroys the run if it is still there */
 
+/* A comparison as it is shown, written and kept: without the run, which has a life of its own. */
+struct compared_row {
+    struct comparison by; /* its run NULL */
+    const struct method *method;
+    double dt, tol; /* [s] and a number; NAN: the other one */
+    int64_t steps;
+    struct cost cost;
+    enum stop stop;
+    int number;                          /* of the run */
+    struct measured period;              /* [s] NAN: none, or not looked for */
+    double data_rms;                     /* from a recording, NAN: there is none */
+    enum quantity data_quantity;         /* of that */
+    char data_heading[LIMIT_NAME + 16];  /* "rms(y-data)"; empty: there is no recording */
+    bool mixed;                          /* the rows are not all timed by the same code */
+};
+
+/* Takes over what is known; period, data and `mixed` are to be filled in. */
+void compared_init(struct compared_row *row, const struct comparison *from);
+/* "10 ms", "tol 1e-06" */
+void compared_setting(const struct compared_row *row, struct buffer *text);
+extern const struct result_columns compared_columns; /* of struct compared_row */
+
+/* What a session keeps of a comparison. One piece of memory: free(). */
+struct compared {
+    struct scene scene;
+    double duration; /* [s] */
+    int rows;
+    struct compared_row row[];
+};
+
 /* ---- order: how fast the error falls with the step ----
  *
  * Fixed steps of duration/N with compensated sums, errors of the whole state at the end. The order is the slope over

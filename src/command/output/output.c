@@ -31,13 +31,8 @@ static bool fill_table(struct session *session, const struct arguments *given, s
         return export_measurements(session, export, error);
     if (is_given(given, "events"))
         return export_happenings(session, export, error);
-    if (is_given(given, "table") && session->sweep && session->precision_runs < 0 &&
-        session->sweep_runs == session->next_run)
-        return export_sweep(session, export, error);
     if (is_given(given, "table"))
-        return session->precision && session->precision_runs == session->next_run
-                   ? export_precision(session, export, error)
-                   : export_run_table(session, export, error);
+        return export_study(session, export, error);
     if (is_given(given, "data"))
         return export_recorded(session, given_for(given, "COLUMN"), given_for(given, "every"), export, error);
     return export_runs(session, runs, given_for(given, "COLUMN"), given_for(given, "every"), export, error) &&
@@ -143,15 +138,15 @@ COMMAND(export, .row = {"export", "", "write columns of runs, a recording or mea
                 "run; export\n"
                 "FILE. The form follows the end of the name: .csv .tsv .json. 'table' has "
                 "one row for each\n"
-                "run. --band adds NAME_low and NAME_high to each variable of a run of what 'adopt' took: the 95 % "
+                "run, or right after compare, precision and sweep what they have found. --band adds NAME_low and "
+                "NAME_high to each variable of a run of what 'adopt' took: the 95 % "
                 "band of the fit's uncertainty. The file - is the output.",
         .examples = "run; export run1.csv t,y,v\nexport - run all every=100ms", .see = "print save plot list",
         .flags = COMMAND_ANYTIME,
         ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED),
                   WORD("run", TYPE_RUN, .flags = ARG_MANY | ARG_ALL, .group = 1), WORD("data", TYPE_NONE, .group = 1),
                   WORD("measurements", TYPE_NONE, .group = 1), WORD("table", TYPE_NONE, .group = 1),
-                  WORD("events", TYPE_NONE, .group = 1),
-                  PLACE("COLUMN", TYPE_COLUMN, .flags = ARG_MANY),
+                  WORD("events", TYPE_NONE, .group = 1), PLACE("COLUMN", TYPE_COLUMN, .flags = ARG_MANY),
                   KEY("every", TYPE_VALUE, .quantity = QUANTITY_OTHER), OPTION("force", TYPE_NONE),
                   OPTION("band", TYPE_NONE), OPTION("format", TYPE_CHOICE, .choices = &table_format_catalog)))
 

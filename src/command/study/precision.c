@@ -127,7 +127,7 @@ static void keep_study(struct session *session, struct precision *precision)
         precision_free(session->precision);
     free(session->precision);
     session->precision = kept;
-    session->precision_runs = session->next_run;
+    session_studied(session, STUDIED_PRECISION);
 }
 
 HANDLER(precision)

@@ -260,8 +260,7 @@ static void keep_sweep(struct session *session, const struct sweep_request *requ
     session->sweep = kept;
     session->sweep_scene = *request->scene;
     memcpy(session->sweep_measure, request->measure, sizeof session->sweep_measure);
-    session->sweep_runs = session->next_run;
-    session->precision_runs = -1; /* a study before it is no longer the latest */
+    session_studied(session, STUDIED_SWEEP);
 }
 
 HANDLER(sweep)

@@ -1,0 +1,172 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What a row of a comparison says: to programs, to files, to people. */
+#include <hooke/study.h>
+
+#include <math.h>
+#include <string.h>
+
+void compared_init(struct compared_row *row, const struct comparison *from)
+{
+    const struct run *run = from->run;
+    *row = (struct compared_row){.by = *from,
+                                 .method = run->method,
+                                 .dt = run->plan.adaptive ? NAN : run->settings.dt,
+                                 .tol = run->plan.adaptive ? run->settings.tol : NAN,
+                                 .steps = run->steps,
+                                 .cost = run->cost,
+                                 .stop = run->stop,
+                                 .number = run->number,
+                                 .period = {NAN, NAN},
+                                 .data_rms = NAN};
+    row->by.run = NULL;
+}
+
+static const struct compared_row *compared(const void *row)
+{
+    return row;
+}
+
+/* ---- values ---- */
+
+static const char *method_of(const void *row)
+{
+    return compared(row)->method->row.name;
+}
+
+static double step_ns(const void *row)
+{
+    return timing_step_ns(&compared(row)->by.time, compared(row)->steps);
+}
+
+static const char *path_of(const void *row)
+{
+    return path_name(compared(row)->by.path);
+}
+
+static const char *status_of(const void *row)
+{
+    return stop_name(compared(row)->stop);
+}
+
+static enum quantity data_quantity(const void *row)
+{
+    return compared(row)->data_quantity;
+}
+
+/* A method that fails says so in the column of its energy. */
+static bool has_energy(const void *row)
+{
+    return isfinite(compared(row)->by.ledger.error_max) || stop_is_failure(compared(row)->stop);
+}
+
+static bool has_data(const void *row)
+{
+    return compared(row)->data_heading[0] != '\0';
+}
+
+static bool is_timed(const void *row)
+{
+    return isfinite(compared(row)->by.time.minimum);
+}
+
+/* ---- for people ---- */
+
+void compared_setting(const struct compared_row *row, struct buffer *text)
+{
+    if (isfinite(row->tol))
+        buffer_format(text, "tol %.3g", row->tol);
+    else
+        buffer_quantity(text, row->dt, QUANTITY_TIME, 4);
+}
+
+static void setting_cell(struct text_table *table, const void *row)
+{
+    struct buffer text = {0};
+    compared_setting(row, &text);
+    cell_take(table, &text);
+}
+
+static void energy_cell(struct text_table *table, const void *row)
+{
+    const enum stop stop = compared(row)->stop;
+    if (stop_is_failure(stop) || stop == STOP_GIVEN_UP)
+        cell_text(table, stop_name(stop));
+    else
+        cell_quantity(table, compared(row)->by.ledger.error_max, QUANTITY_NUMBER, 3);
+}
+
+static const char *data_head(const void *first)
+{
+    return compared(first)->data_heading;
+}
+
+static void period_cell(struct text_table *table, const void *row)
+{
+    const struct measured period = compared(row)->period;
+    struct buffer text = {0};
+    if (!isfinite(period.value))
+        buffer_char(&text, '-');
+    else
+        buffer_measured(&text, period, QUANTITY_TIME, 6);
+    cell_take(table, &text);
+}
+
+static void angle_cell(struct text_table *table, double radians)
+{
+    struct buffer text = {0};
+    buffer_phase(&text, radians);
+    cell_take(table, &text);
+}
+
+/* Marked where the times of other rows are by other code. */
+static void step_time_cell(struct text_table *table, const void *row)
+{
+    struct buffer text = {0};
+    buffer_step_time(&text, step_ns(row));
+    if (compared(row)->mixed && compared(row)->by.path == KERNEL_GENERAL)
+        buffer_put(&text, TEXT(" (!)"));
+    cell_take(table, &text);
+}
+
+/* ---- the columns ---- */
+
+#define AT(member) .at = offsetof(struct compared_row, member)
+
+/* clang-format off */
+static const struct result_column columns[] = {
+    {.name = "method", .kind = COLUMN_NAME, .text = method_of, .place = 1, .heading = "method"},
+    {.name = "dt", AT(dt), .quantity = QUANTITY_TIME,
+     .place = 2, .heading = "dt", .cell = setting_cell},
+    {.name = "tol", AT(tol)},
+    {.name = "steps", .kind = COLUMN_COUNT, AT(steps), .place = 3, .heading = "steps"},
+    {.name = "evals", .kind = COLUMN_COUNT, AT(cost.evals)},
+    {.name = "turning_steps", .kind = COLUMN_COUNT, AT(cost.turns)},
+    {.name = "error", AT(by.errors.max), .place = 5, .heading = "max error"},
+    {.name = "energy_error", AT(by.ledger.error_max), .place = 4, .heading = "|dE/E0|",
+     .cell = energy_cell, .flags = COLUMN_IF_ANY, .any = has_energy},
+    {.name = "energy_factor", AT(by.energy_factor)},
+    {.name = "predicted_factor", AT(by.predicted_factor)},
+    {.name = "order", AT(by.order)},
+    {.name = "phase_error", AT(by.errors.phase), .quantity = QUANTITY_ANGLE,
+     .place = 8, .heading = "phase err", .look = angle_cell, .flags = COLUMN_IF_ANY},
+    {.name = "period", AT(period.value), .quantity = QUANTITY_TIME, .place = 7,
+     .heading = "period T", .cell = period_cell, .flags = COLUMN_IF_ANY | COLUMN_NO_RECORD},
+    {.name = "period_uncertainty", AT(period.uncertainty), .quantity = QUANTITY_TIME,
+     .flags = COLUMN_NO_RECORD},
+    {.name = "data_rms", AT(data_rms), .quantity_of = data_quantity, .place = 6,
+     .head = data_head, .flags = COLUMN_IF_ANY | COLUMN_NO_RECORD, .any = has_data},
+    {.name = "time_min", AT(by.time.minimum), .quantity = QUANTITY_TIME,
+     .place = 9, .heading = "time", .look = cell_seconds},
+    {.name = "time_median", AT(by.time.median), .quantity = QUANTITY_TIME},
+    {.name = "ns_per_step", .real = step_ns, .place = 10, .heading = "ns/step",
+     .cell = step_time_cell, .flags = COLUMN_IF_ANY, .any = is_timed},
+    {.name = "path", .kind = COLUMN_NAME, .text = path_of},
+    {.name = "status", .kind = COLUMN_NAME, .text = status_of},
+    {.name = "reference_kept", .kind = COLUMN_BOOL, AT(by.reference_kept),
+     .flags = COLUMN_NO_FILE},
+    {.name = "verdict", .kind = COLUMN_CHARS, AT(by.verdict), .flags = COLUMN_NO_FILE},
+    {.name = "run", .kind = COLUMN_INT, AT(number)},
+};
+/* clang-format on */
+
+const struct result_columns compared_columns = RESULT_COLUMNS(columns, struct compared_row);
