@@ -52,6 +52,13 @@ struct held_run {
     const struct events *events; /* as they were when it began; NULL: none */
 };
 
+struct run_row { /* a run in the list of them */
+    const struct held_run *held;
+    bool current;
+};
+
+extern const struct result_columns run_columns; /* of struct run_row */
+
 struct held_recording {
     struct recording *recording;
     int references;
@@ -74,6 +81,8 @@ struct measurement {
     bool energy;              /* of the energy */
     char of[LIMIT_NAME + 16]; /* "run 1", "data swing3" */
 };
+
+extern const struct result_columns measurement_columns; /* of struct measurement */
 
 /* A fit that converged, for the report. */
 struct kept_fit {

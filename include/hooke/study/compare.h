@@ -117,6 +117,8 @@ struct contender {
     enum drag drag; /* DRAG_DEFAULT: the method's own */
 };
 
+const char *contender_drag(const struct contender *by); /* NULL: the method's own */
+
 struct precision_request {
     const struct scene *scene;
     const struct contender *contender;
@@ -353,6 +355,8 @@ struct order {
     bool switches; /* the forces switch, beside dry friction */
     char words[300]; /* why the scene spoils it, "" where nothing is to say */
 };
+
+extern const struct result_columns order_columns, order_point_columns; /* of struct order, struct order_point */
 
 /* False: the method does not apply, there is no reference, or cancelled (what is finished is kept: points > 0). */
 bool study_order(const struct order_request *request, struct order *order, struct error *error);

@@ -63,6 +63,10 @@ struct stability {
     double reached, largest; /* [s] and amplitude of that run over the natural one */
 };
 
+extern const struct result_columns stability_columns, stability_check_columns; /* of its structs */
+/* A growth a step for people: "1.00012", "1+2.3e-06". */
+void buffer_growth(struct buffer *out, double growth);
+
 bool study_stability(const struct stability_request *request, struct stability *stability, struct error *error);
 /* Growth a step on y' = lambda y with z = lambda dt (and its conjugate). NAN: the method does not apply there. */
 double stability_growth(const struct contender *by, double re, double im);

@@ -4,6 +4,7 @@
 #include "command/data/measuring.h"
 
 #include <math.h>
+#include <stdio.h>
 
 #define READINGS_LEAST 3
 #define SEEN 3.0 /* standard deviations */
@@ -20,13 +21,11 @@ void put_measured(struct buffer *text, const char *name, struct measured value, 
 void measure_begin(struct measuring *m, const char *quantity, struct measured value, enum quantity unit,
                    double periods)
 {
+    struct measurement row = {.value = value, .unit = unit, .periods = periods};
+    snprintf(row.quantity, sizeof row.quantity, "%s", quantity);
+    snprintf(row.of, sizeof row.of, "%s", m->subject.name);
     reply_begin(m->reply, "measure");
-    reply_string(m->reply, "quantity", quantity);
-    reply_real(m->reply, "value", value.value);
-    reply_real(m->reply, "uncertainty", value.uncertainty);
-    reply_string(m->reply, "unit", quantity_unit(unit));
-    reply_real(m->reply, "periods", periods);
-    reply_string(m->reply, "of", m->subject.name);
+    reply_columns(m->reply, &measurement_columns, &row);
 }
 
 static struct measured twice_over(struct measured x)

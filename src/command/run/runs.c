@@ -31,20 +31,8 @@ static void reply_row(const struct session *session, int place, struct reply *re
     }
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
-    reply_begin(reply, "runs");
-    reply_int(reply, "run", run->number);
-    reply_string(reply, "name", run->name[0] ? run->name : NULL);
-    reply_string(reply, "scene", run->scene.preset->row.name);
-    reply_string(reply, "method", run->method->row.name);
-    reply_real(reply, "dt", run->plan.adaptive ? NAN : run->settings.dt);
-    reply_real(reply, "tol", run->plan.adaptive ? run->settings.tol : NAN);
-    reply_int(reply, "steps", run->steps);
-    reply_real(reply, "t", run->t);
-    reply_int(reply, "rows", (int64_t)trace_count(run->trace));
-    reply_string(reply, "status", stop_name(run->stop));
-    reply_bool(reply, "current", place == session->current_run);
-    reply_string(reply, "note", held->note);
-    reply_end(reply);
+    const struct run_row row = {held, place == session->current_run};
+    reply_records(reply, "runs", &run_columns, &row, 1);
 }
 
 HANDLER(runs)

@@ -59,14 +59,7 @@ static void list_measurements(const struct session *session, struct reply *reply
         buffer_format(&text, "  of %s", m->of);
         reply_text(reply, buffer_text(&text));
         buffer_free(&text);
-        reply_begin(reply, "measure");
-        reply_string(reply, "quantity", m->quantity);
-        reply_real(reply, "value", m->value.value);
-        reply_real(reply, "uncertainty", m->value.uncertainty);
-        reply_string(reply, "unit", quantity_unit(m->unit));
-        reply_real(reply, "periods", m->periods);
-        reply_string(reply, "of", m->of);
-        reply_end(reply);
+        reply_records(reply, "measure", &measurement_columns, m, 1);
     }
 }
 

@@ -7,52 +7,32 @@
 
 /* ---- order ---- */
 
-static const char *setting_name(const struct contender *by)
+static void put_order(const struct session *session, const struct order *order, struct arena *arena,
+                      struct buffer *out)
 {
-    return by->drag == DRAG_DEFAULT ? "" : catalog_row(&drag_catalog, (size_t)by->drag - 1)->name;
-}
-
-static const char *point_state(const struct order_point *point)
-{
-    return point->refused             ? "refused"
-           : point->stop == STOP_FULL ? "out of budget"
-           : isnan(point->error)      ? stop_name(point->stop)
-           : point->fitted            ? "*"
-                                      : "";
-}
-
-static void put_order(const struct session *session, const struct order *order, struct arena *arena, struct buffer *out)
-{
-    static const char *const heading[] = {"dt", "steps", "error", "slope", ""};
-    const char *drag = setting_name(&order->by);
-    struct text_table table = {.arena = arena, .columns = (int)COUNT_OF(heading), .gap = 3, .indent = 2};
-    buffer_format(out, "%s%s%s, ", order->by.method->row.name, *drag ? " drag=" : "", drag);
+    const char *drag = contender_drag(&order->by);
+    struct text_table table = {.arena = arena, .gap = 3, .indent = 2};
+    buffer_format(out, "%s%s%s, ", order->by.method->row.name, drag ? " drag=" : "",
+                  drag ? drag : "");
     buffer_quantity(out, session->setup.settings.duration, QUANTITY_TIME, 4);
-    buffer_put(
-        out, TEXT(" of the scene in fixed steps with compensated sums; error of the whole state at the end, good to "));
+    buffer_put(out, TEXT(" of the scene in fixed steps with compensated sums; error of the whole "
+                         "state at the end, good to "));
     buffer_short(out, order->floor, 2);
     buffer_put(out, order->reference_kept ? TEXT(", by a solution found before\n") : TEXT("\n"));
-    for (size_t i = 0; i < COUNT_OF(heading); i++)
-        cell_text(&table, heading[i]);
-    for (int i = 0; i < order->points; i++) {
-        const struct order_point *point = &order->point[i];
-        cell_quantity(&table, point->dt, QUANTITY_TIME, 4);
-        cell_count(&table, point->steps);
-        cell_error(&table, point->error);
-        cell_quantity(&table, point->slope, QUANTITY_NUMBER, 4);
-        cell_text(&table, point_state(point));
-    }
+    columns_text(&order_point_columns, order->point, (size_t)order->points, true, &table);
     text_table_put(&table, out);
     int64_t turns = 0;
     for (int i = 0; i < order->points; i++)
         turns = order->point[i].turns > turns ? order->point[i].turns : turns;
     if (turns > 0)
-        buffer_format(out, "steps end at %s, in up to %lld extra ones a run; 'set turning off' goes across\n",
-                      order->switches ? "switches" : "turning points", (long long)turns);
+        buffer_format(
+            out, "steps end at %s, in up to %lld extra ones a run; 'set turning off' goes across\n",
+            order->switches ? "switches" : "turning points", (long long)turns);
     const char *verdict = catalog_row(&order_verdict_catalog, order->verdict)->name;
     if (order->fitted)
-        buffer_format(out, "order %.3f +- %.3f (* %d points, R^2 = %.8g), claimed %d: %s\n", order->slope, order->guard,
-                      order->fitted, order->r2, order->claimed, verdict);
+        buffer_format(out, "order %.3f +- %.3f (* %d points, R^2 = %.8g), claimed %d: %s\n",
+                      order->slope, order->guard, order->fitted, order->r2, order->claimed,
+                      verdict);
     else if (order->verdict == ORDER_EXACT)
         buffer_put(out, TEXT("exact: every step size gives the solution to rounding\n"));
     else
@@ -64,28 +44,11 @@ static void put_order(const struct session *session, const struct order *order, 
 static void reply_order(const struct order *order, struct reply *reply)
 {
     reply_begin(reply, "order");
-    reply_string(reply, "method", order->by.method->row.name);
-    reply_string(reply, "drag", order->by.drag == DRAG_DEFAULT ? NULL : setting_name(&order->by));
-    reply_int(reply, "order_claimed", order->claimed);
-    reply_real(reply, "order_measured", order->slope);
-    reply_real(reply, "guard", order->guard);
-    reply_real(reply, "r2", order->r2);
-    reply_int(reply, "points", order->fitted);
-    reply_string(reply, "verdict", catalog_row(&order_verdict_catalog, order->verdict)->name);
-    reply_real(reply, "floor", order->floor);
-    reply_bool(reply, "reference_kept", order->reference_kept);
-    reply_string(reply, "note", order->words[0] ? order->words : NULL);
+    reply_columns(reply, &order_columns, order);
     reply_array(reply, "sweep");
     for (int i = 0; i < order->points; i++) {
-        const struct order_point *point = &order->point[i];
         reply_object(reply, NULL);
-        reply_real(reply, "dt", point->dt);
-        reply_int(reply, "steps", point->steps);
-        reply_int(reply, "turning_steps", point->turns);
-        reply_real(reply, "error", point->error);
-        reply_real(reply, "slope", point->slope);
-        reply_bool(reply, "fitted", point->fitted);
-        reply_string(reply, "status", point->refused ? "refused" : stop_name(point->stop));
+        reply_columns(reply, &order_point_columns, &order->point[i]);
         reply_close(reply);
     }
     reply_close(reply);
@@ -96,12 +59,13 @@ HANDLER(order)
 {
     const struct given *method = given_for(given, "METHOD"), *dt = given_for(given, "dt"),
                        *drag = given_for(given, "drag");
-    struct order_request request = {.scene = &session->setup.scene,
-                                    .by = {(const struct method *)(const void *)method->item->row, DRAG_DEFAULT},
-                                    .dt = {NAN, NAN},
-                                    .duration = session->setup.settings.duration,
-                                    .references = &session->references,
-                                    .cancel = session->front.cancel};
+    struct order_request request = {
+        .scene = &session->setup.scene,
+        .by = {(const struct method *)(const void *)method->item->row, DRAG_DEFAULT},
+        .dt = {NAN, NAN},
+        .duration = session->setup.settings.duration,
+        .references = &session->references,
+        .cancel = session->front.cancel};
     if (drag->count)
         request.by.drag = (enum drag)(drag->item->index + 1);
     for (int i = 0; i < 2 && dt->count; i++) {
@@ -124,7 +88,8 @@ HANDLER(order)
 
 /* ---- selftest ---- */
 
-static void check_cell(struct text_table *table, const struct selftest_row *row, enum selftest_check check)
+static void check_cell(struct text_table *table, const struct selftest_row *row,
+                       enum selftest_check check)
 {
     struct buffer text = {0};
     if (!row->check[check].asked)
@@ -167,7 +132,8 @@ HANDLER(selftest)
         cell_text(&table, catalog_row(&selftest_catalog, i)->name);
     cell_text(&table, "");
     for (size_t i = 0; i < method_catalog.count; i++) {
-        const struct method *method = (const struct method *)(const void *)catalog_row(&method_catalog, i);
+        const struct method *method =
+            (const struct method *)(const void *)catalog_row(&method_catalog, i);
         struct selftest_row row;
         if (method->flags & METHOD_YARDSTICK)
             continue;
@@ -184,8 +150,8 @@ HANDLER(selftest)
         reply_selftest(&row, reply);
     }
     text_table_put(&table, &text);
-    buffer_format(&text, "%d methods: %d passed, %d failed; %.1f s\n", finished, finished - failures, failures,
-                  (double)(clock_ns() - begin) * 1e-9);
+    buffer_format(&text, "%d methods: %d passed, %d failed; %.1f s\n", finished,
+                  finished - failures, failures, (double)(clock_ns() - begin) * 1e-9);
     for (size_t i = 0; i < SELFTEST_CHECKS; i++)
         buffer_format(&text, "%s: %s\n", catalog_row(&selftest_catalog, i)->name,
                       catalog_row(&selftest_catalog, i)->brief);
@@ -195,29 +161,38 @@ HANDLER(selftest)
     if (cancelled(session->front.cancel))
         ok = error_set(error, ERROR_CANCELLED, "stopped after %d methods", finished);
     else if (!ok)
-        error_set(error, ERROR_NUMERICAL, "%d of %d methods are not what their rows claim: %.300s", failures, finished,
-                  buffer_view(&failed));
+        error_set(error, ERROR_NUMERICAL, "%d of %d methods are not what their rows claim: %.300s",
+                  failures, finished, buffer_view(&failed));
     buffer_free(&failed);
     return ok;
 }
 #endif
 
-COMMAND(order, .row = {"order", "", "measured order of a method on this scene, with guard bands", "", NULL},
+COMMAND(order,
+        .row = {"order", "", "measured order of a method on this scene, with guard bands", "",
+                NULL},
         .group = "STUDY",
-        .text = "Fixed steps from coarse to fine with compensated sums. The order is the slope of the error (of the "
+        .text = "Fixed steps from coarse to fine with compensated sums. The order is the slope of "
+                "the error (of the "
                 "whole state at\n"
-                "the end of 'duration') over the step, fitted where it means something: below the steps that are too "
+                "the end of 'duration') over the step, fitted where it means something: below the "
+                "steps that are too "
                 "coarse, above\n"
-                "rounding. Where the scene spoils the order (drag that is not smooth, stiffness, drag=explicit), it "
+                "rounding. Where the scene spoils the order (drag that is not smooth, stiffness, "
+                "drag=explicit), it "
                 "says so.",
-        .examples = "order verlet\nduration = 2 s; order rk4 dt=1ms:100ms", .see = "precision compare stability",
+        .examples = "order verlet\nduration = 2 s; order rk4 dt=1ms:100ms",
+        .see = "precision compare stability",
         ARGUMENTS(PLACE("METHOD", TYPE_CHOICE, .flags = ARG_REQUIRED, .choices = &method_catalog),
-                  KEY("dt", TYPE_RANGE, .quantity = QUANTITY_TIME), KEY("drag", TYPE_CHOICE, .choices = &drag_catalog)))
+                  KEY("dt", TYPE_RANGE, .quantity = QUANTITY_TIME),
+                  KEY("drag", TYPE_CHOICE, .choices = &drag_catalog)))
 
-COMMAND(selftest, .row = {"selftest", "", "what every method claims, measured on this machine", "", NULL},
+COMMAND(selftest,
+        .row = {"selftest", "", "what every method claims, measured on this machine", "", NULL},
         .group = "SESSION",
-        .text =
-            "Order on a Kepler orbit, areas kept by symplectic methods, the way back of symmetric ones, and runs on "
-            "both sides of\n"
-            "the stability limit, for every method. The exit status is 3 if one fails.",
-        .examples = "selftest\nset format json; selftest; set format text", .see = "order stability stress")
+        .text = "Order on a Kepler orbit, areas kept by symplectic methods, the way back of "
+                "symmetric ones, and runs on "
+                "both sides of\n"
+                "the stability limit, for every method. The exit status is 3 if one fails.",
+        .examples = "selftest\nset format json; selftest; set format text",
+        .see = "order stability stress")

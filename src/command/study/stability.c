@@ -6,39 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-#define ROUNDING 1e-10 /* a growth so near to 1 is none, as measured too */
-
 /* ---- one method in words ---- */
-
-static const char *verdict_name(const struct stability *s)
-{
-    return catalog_row(&stability_verdict_catalog, s->verdict)->name;
-}
-
-static void put_growth(struct buffer *out, double growth)
-{
-    const double beyond = fabs(growth - 1);
-    if (beyond < 1e-4 && beyond > ROUNDING)
-        buffer_format(out, "1%+.2e", growth - 1);
-    else
-        buffer_format(out,
-                      isfinite(growth) ? "%.7g"
-                      : isnan(growth)  ? "-"
-                                       : "overflow",
-                      beyond > ROUNDING ? growth : 1);
-}
-
-static void put_limit(struct buffer *out, const struct stability *s)
-{
-    if (isinf(s->dt_max))
-        buffer_put(out, TEXT("every step"));
-    else if (s->dt_max == 0)
-        buffer_put(out, TEXT("none"));
-    else if (isnan(s->dt_max))
-        buffer_char(out, '-');
-    else
-        buffer_quantity(out, s->dt_max, QUANTITY_TIME, 6);
-}
 
 static void put_checks(struct buffer *out, const struct stability *s)
 {
@@ -47,9 +15,9 @@ static void put_checks(struct buffer *out, const struct stability *s)
         buffer_put(out, i == 0   ? TEXT("  at dt: growth a step ")
                         : i == 1 ? TEXT("  just below dt_max: ")
                                  : TEXT("  just above dt_max: "));
-        put_growth(out, check->predicted);
+        buffer_growth(out, check->predicted);
         buffer_put(out, TEXT(" predicted, "));
-        put_growth(out, check->measured);
+        buffer_growth(out, check->measured);
         buffer_format(out, " measured in %lld steps: %s\n", (long long)check->steps,
                       check->agrees ? "agrees" : "DOES NOT AGREE");
     }
@@ -200,55 +168,19 @@ static bool put_picture(struct buffer *out, const struct session *session, const
 
 static void put_table(struct buffer *out, const struct stability *rows, int count, struct arena *arena)
 {
-    static const char *const heading[] = {"method", "dt", "dt_max", "growth", "measured", "energy", "verdict", ""};
-    struct text_table table = {.arena = arena, .columns = (int)COUNT_OF(heading), .gap = 2};
-    for (size_t i = 0; i < COUNT_OF(heading); i++)
-        cell_text(&table, heading[i]);
-    for (int i = 0; i < count; i++) {
-        const struct stability *s = &rows[i];
-        struct buffer limit = {0}, predicted = {0}, measured = {0};
-        put_limit(&limit, s);
-        put_growth(&predicted, s->growth_predicted);
-        put_growth(&measured, s->growth_measured);
-        cell_text(&table, s->by.method->row.name);
-        cell_quantity(&table, s->dt, QUANTITY_TIME, 4);
-        cell_take(&table, &limit);
-        cell_take(&table, &predicted);
-        cell_take(&table, &measured);
-        cell_quantity(&table, s->energy_factor, QUANTITY_NUMBER, 6);
-        cell_text(&table, verdict_name(s));
-        cell_text(&table, !s->agrees ? "DOES NOT AGREE" : s->checks || !s->linear ? "agrees" : "");
-    }
+    struct text_table table = {.arena = arena, .gap = 2};
+    columns_text(&stability_columns, rows, (size_t)count, true, &table);
     text_table_put(&table, out);
 }
 
 static void reply_stability(const struct stability *s, struct reply *reply)
 {
     reply_begin(reply, "stability");
-    reply_string(reply, "method", s->by.method->row.name);
-    reply_string(reply, "drag",
-                 s->by.drag == DRAG_DEFAULT ? NULL : catalog_row(&drag_catalog, (size_t)s->by.drag - 1)->name);
-    reply_real(reply, "dt", s->dt);
-    reply_real(reply, "dt_max", s->dt_max);
-    reply_real(reply, "growth_predicted", s->growth_predicted);
-    reply_real(reply, "growth_measured", s->growth_measured);
-    reply_real(reply, "growth_exact", s->growth_exact);
-    reply_real(reply, "energy_factor", s->energy_factor);
-    reply_string(reply, "verdict", verdict_name(s));
-    reply_bool(reply, "agrees", s->agrees);
-    reply_bool(reply, "linear", s->linear);
-    const bool oscillates = s->modes && s->worst.sign == STIFFNESS_POSITIVE;
-    reply_real(reply, "omega", oscillates ? s->worst.omega : NAN);
-    reply_real(reply, "zeta", oscillates ? s->worst.zeta : NAN);
-    reply_real(reply, "doubling_steps", s->doubling);
+    reply_columns(reply, &stability_columns, s);
     reply_array(reply, "checks");
     for (int i = 0; i < s->checks; i++) {
         reply_object(reply, NULL);
-        reply_real(reply, "dt", s->check[i].dt);
-        reply_real(reply, "growth_predicted", s->check[i].predicted);
-        reply_real(reply, "growth_measured", s->check[i].measured);
-        reply_int(reply, "steps", s->check[i].steps);
-        reply_bool(reply, "agrees", s->check[i].agrees);
+        reply_columns(reply, &stability_check_columns, &s->check[i]);
         reply_close(reply);
     }
     reply_close(reply);
