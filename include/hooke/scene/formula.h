@@ -65,6 +65,11 @@ struct jet {
  */
 struct jet expr_jet(const struct expr *expr, const struct jet *jet);
 /*
+ * As expr_jet(), over an argument within `half` of where the names are centre [slot]: what each part of the expression
+ * is there and its slope bound it, too (the mean value form, Moore 1966). t*t - 2*a*t + a*a is as narrow as (t - a)^2.
+ */
+struct jet expr_jet_about(const struct expr *expr, const struct jet *jet, const struct jet *centre, double half);
+/*
  * Where a function of x passes through 0 on a stretch: every place, which its bounds prove, or it says from where on
  * they do not.
  */

@@ -64,6 +64,7 @@ struct reference {
     double accuracy;            /* distance between both, or the conditioning floor of the closed form */
     struct singularity singular; /* where there is no reference because the solution ends */
     double meaning;             /* [s] after t0: from here on they differ by more than 1e-3; span: nowhere */
+    bool sudden;                /* there they part within 1/256 of the span: not as rounding grows */
     bool kept;                  /* by an earlier study of the same scene */
 };
 

@@ -255,6 +255,35 @@ struct jet expr_jet(const struct expr *expr, const struct jet *jet)
     return stack[0];
 }
 
+/* value and centre + slope [-half, half] are both true, so that what they share is. */
+static void narrow(struct jet *a, struct interval centre, double half)
+{
+    const struct interval by = interval_mul(a->slope, (struct interval){-half, half});
+    const struct interval about = interval_add(centre, by);
+    if (!(about.lo <= about.hi && about.lo <= a->value.hi && about.hi >= a->value.lo))
+        return; /* no numbers */
+    a->value.lo = fmax(a->value.lo, about.lo);
+    a->value.hi = fmin(a->value.hi, about.hi);
+}
+
+struct jet expr_jet_about(const struct expr *expr, const struct jet *jet, const struct jet *centre, double half)
+{
+    struct jet stack[2][LIMIT_EXPR_DEPTH];
+    int top = 0;
+    for (const struct op *op = expr->op; op < expr->op + expr->count; op++, top++) {
+        if (op->kind == OP_NAME) {
+            stack[0][top] = jet[op->slot];
+            stack[1][top] = centre[op->slot];
+            continue;
+        }
+        top -= op->kind == OP_NUMBER ? 0 : op_arity(op);
+        stack[0][top] = apply(op, &stack[0][top]);
+        stack[1][top] = apply(op, &stack[1][top]);
+        narrow(&stack[0][top], stack[1][top].value, half);
+    }
+    return stack[0][0];
+}
+
 const struct expr *expr_settle(const struct expr *expr, const struct expr_scope *scope,
                                int (*slot)(void *context, int slot), void *context, struct arena *arena)
 {

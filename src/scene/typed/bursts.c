@@ -30,7 +30,7 @@ struct way {
     const double *from, *to;
     double bend[2][LIMIT_VARIABLES]; /* from + s (rate + s (bend[0] + s bend[1])), 0 <= s <= 1 */
     double rate[LIMIT_VARIABLES];
-    struct jet name[1 + LIMIT_VARIABLES + TERM_VALUES];
+    struct jet name[1 + LIMIT_VARIABLES + TERM_VALUES], centre[1 + LIMIT_VARIABLES + TERM_VALUES];
 };
 
 /* Hermite's cubic, which knows the derivatives at the ends; straight where they say little about what is between. */
@@ -68,26 +68,41 @@ static struct jet between(double from, double to, double a, double b)
 }
 
 /* a < b in [0, 1]; a == b: a point. */
-static void go(struct way *way, double a, double b)
+static void name_all(const struct way *way, double a, double b, struct jet *name)
 {
     const struct typed *typed = way->typed;
     const int n = typed->model.n;
-    way->name[0] = between(way->t[0], way->t[1], a, b);
+    name[0] = between(way->t[0], way->t[1], a, b);
     for (int i = 0; i < n; i++)
-        way->name[1 + i] = along(way, i, a, b);
+        name[1 + i] = along(way, i, a, b);
     for (int i = 0; i <= typed->reads; i++)
-        way->name[1 + n + i] = jet_number(way->c[1 + i]);
-    for (int i = 0; i < typed->observes; i++)
-        way->name[2 + n + typed->reads + i] = expr_jet(typed->observe[i], way->name);
+        name[1 + n + i] = jet_number(way->c[1 + i]);
+}
+
+/* Of an expression of the names on [a, b]. */
+static struct jet bounds_of(const struct way *way, const struct expr *expr, double a, double b)
+{
+    return a == b ? expr_jet(expr, way->name)
+                  : expr_jet_about(expr, way->name, way->centre, (b - a) / 2 * (1 + ROUNDING));
 }
 
 static struct jet row_bounds(struct way *way, int row, double a, double b)
 {
+    const struct typed *typed = way->typed;
+    const int first = 2 + typed->model.n + typed->reads;
+    const double middle = a + (b - a) / 2;
     struct jet sum = jet_number(0);
-    go(way, a, b);
+    name_all(way, a, b, way->name);
+    if (a != b)
+        name_all(way, middle, middle, way->centre);
+    for (int i = 0; i < typed->observes; i++) {
+        way->name[first + i] = bounds_of(way, typed->observe[i], a, b);
+        if (a != b)
+            way->centre[first + i] = expr_jet(typed->observe[i], way->centre);
+    }
     for (enum typed_group g = 0; g < GROUPS; g++)
-        if (way->typed->group[g] && way->typed->group[g][row])
-            sum = jet_add(sum, expr_jet(way->typed->group[g][row], way->name));
+        if (typed->group[g] && typed->group[g][row])
+            sum = jet_add(sum, bounds_of(way, typed->group[g][row], a, b));
     return sum;
 }
 

@@ -28,8 +28,11 @@ static const struct candidate {
 
 #define ENOUGH 1e-12   /* agreement with which the search ends */
 #define STILL 1e-13    /* change on halving that is taken for rounding */
+#define SUDDEN 1e4     /* times as far apart as one time of the grid before */
+#define FIRST 3        /* grid times: growth from rounding to MEANING within so many is not told from a jump */
 #define MEANING 1e-3   /* where two references differ by more, neither means anything */
 #define COST_MOST 40e6 /* evaluations, Jacobians and solves of one solution, over n */
+#define COST_ALL 80e6  /* of all of them, over n: some seconds */
 #define TRIES 3
 #define TRIES_BURST 8
 #define SAME 1e-9 /* by which solutions may part that step otherwise */
@@ -50,6 +53,7 @@ struct search {
     const struct method *by[KIND_COUNT]; /* NULL: none of this kind yet */
     size_t size;                         /* [double] of one solution */
     bool failed;                         /* no memory */
+    int64_t left;                        /* of COST_ALL */
     bool stiff;                          /* an explicit method became too dear: the others will, too */
     int parts;                           /* adaptive steps end at so many parts of each grid interval, */
     struct burst *burst;                 /* [BURSTS] and at so many parts of each of these, in the order of the way */
@@ -236,7 +240,7 @@ static enum stop cross_bursts(struct search *search, struct solver *s, struct co
  * Every grid time is hit. Where the laws do not depend on time the clock starts anew at each of them, so that rounding
  * of the time does not add up. steps: in an interval, 0: adaptive.
  */
-static enum stop walk(struct search *search, struct solver *s, int64_t steps, double *grid)
+static enum stop walk_grid(struct search *search, struct solver *s, int64_t steps, double *grid)
 {
     const int n = s->system->n;
     const bool anew = s->system->autonomous, looking = steps == 0 && !search->looked;
@@ -264,6 +268,17 @@ static enum stop walk(struct search *search, struct solver *s, int64_t steps, do
     }
     search->looked |= looking;
     return STOP_END;
+}
+
+/* Within what is left of the cost of all of them. */
+static enum stop walk(struct search *search, struct solver *s, int64_t steps, double *grid)
+{
+    const int64_t most = s->most;
+    s->most = search->left < most ? search->left : most;
+    const enum stop stop = walk_grid(search, s, steps, grid);
+    search->left -= solver_cost(s);
+    s->most = most;
+    return stop;
 }
 
 /* Inside of a burst that is short the clock has few digits left: what is found there is as good as it can be. */
@@ -329,6 +344,28 @@ static bool try_candidate(struct search *search, const struct candidate *candida
     return ok;
 }
 
+/*
+ * Where two of them part for the first time. Rounding that grows takes its time from one power of ten to the next;
+ * what is a jump has another reason.
+ */
+static void set_meaning(const struct search *search, const double *a, const double *b)
+{
+    struct reference *reference = search->reference;
+    const int n = search->system->n;
+    double before = 0;
+    reference->meaning = reference->span;
+    reference->sudden = false;
+    for (int k = 1; k < STUDY_TIMES; k++) {
+        const double distance = grid_distance(reference, a + k * n, b + k * n);
+        if (!(distance < MEANING)) {
+            reference->meaning = reference->span * (k - 1) / (STUDY_TIMES - 1);
+            reference->sudden = k > FIRST && !(distance < SUDDEN * fmax(before, STILL));
+            return;
+        }
+        before = fmax(before, distance);
+    }
+}
+
 /* The new solution against those there are: the best agreement so far stays. */
 static void confront(struct search *search, enum kind kind)
 {
@@ -346,10 +383,7 @@ static void confront(struct search *search, enum kind kind)
         reference->by[0] = search->by[other];
         reference->by[1] = search->by[kind];
         memcpy(reference->y, with, search->size * sizeof *with);
-        reference->meaning = reference->span;
-        for (int k = STUDY_TIMES - 1; k > 0; k--)
-            if (!(grid_distance(reference, grid + k * search->system->n, with + k * search->system->n) < MEANING))
-                reference->meaning = reference->span * (k - 1) / (STUDY_TIMES - 1);
+        set_meaning(search, grid, with);
     }
 }
 
@@ -390,7 +424,7 @@ static void search_kinds(struct search *search, bool explicit_ones, bool others)
         const bool explicit = candidates[i].kind == KIND_EXPLICIT;
         if ((explicit ? !explicit_ones : !others) || (search->bursts > 0 && candidates[i].tol == 0))
             continue; /* steps of one size, short enough for a burst, would be too many */
-        if (try_candidate(search, &candidates[i])) {
+        if (search->left > 0 && try_candidate(search, &candidates[i])) {
             confront(search, candidates[i].kind);
             search->parts = search->system->autonomous ? PARTS : PARTS_IN_TIME;
         }
@@ -431,6 +465,7 @@ bool study_reference(const struct system *system, double span, const struct canc
     struct system smooth = *system; /* the reference keeps its order, whatever is compared with it */
     system_turn_at_kinks(&smooth);
     struct search search = {.system = &smooth, .reference = reference, .cancel = cancel, .size = size, .parts = 1};
+    search.left = (int64_t)(COST_ALL / system->n);
     search.grid = calloc((KIND_COUNT + 1) * size, sizeof *search.grid);
     search.burst = calloc(BURSTS, sizeof *search.burst);
     search.node = calloc(NODES, sizeof *search.node);
@@ -453,31 +488,14 @@ bool study_reference(const struct system *system, double span, const struct canc
         return search.failed ? error_memory(error)
                : cancelled(cancel)
                    ? error_set(error, ERROR_CANCELLED, "stopped while the reference solution was computed")
+                   : search.left <= 0
+                   ? error_set(error, ERROR_NUMERICAL,
+                               "no two methods of different kinds reach the end of this scene within %.0e evaluations: "
+                               "there is nothing to measure errors against; a shorter duration can be studied",
+                               COST_ALL / system->n)
                    : error_set(error, ERROR_NUMERICAL,
                                "no two methods of different kinds reach the end of this scene: there is nothing to "
                                "measure errors against");
     }
     return true;
-}
-
-void reference_free(struct reference *reference)
-{
-    free(reference->y);
-    reference->y = NULL;
-}
-
-void reference_describe(const struct reference *reference, struct buffer *text)
-{
-    if (reference->exact) {
-        buffer_put(text, TEXT("the closed form, good to "));
-        buffer_short(text, reference->accuracy, 2);
-        return;
-    }
-    buffer_format(text, "%s and %s, which agree to ", reference->by[0]->row.name, reference->by[1]->row.name);
-    buffer_short(text, reference->accuracy, 2);
-    if (reference->meaning != reference->span) {
-        buffer_put(text, TEXT(" only: they part at "));
-        buffer_quantity(text, fabs(reference->meaning), QUANTITY_TIME, 3);
-        buffer_put(text, TEXT(", beyond it no number means anything (rounding grows: chaos)"));
-    }
 }

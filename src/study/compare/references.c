@@ -5,6 +5,30 @@
 #include <stdlib.h>
 #include <string.h>
 
+void reference_free(struct reference *reference)
+{
+    free(reference->y);
+    reference->y = NULL;
+}
+
+void reference_describe(const struct reference *reference, struct buffer *text)
+{
+    if (reference->exact) {
+        buffer_put(text, TEXT("the closed form, good to "));
+        buffer_short(text, reference->accuracy, 2);
+        return;
+    }
+    buffer_format(text, "%s and %s, which agree to ", reference->by[0]->row.name, reference->by[1]->row.name);
+    buffer_short(text, reference->accuracy, 2);
+    if (reference->meaning != reference->span) {
+        buffer_put(text, TEXT(" only: they part at "));
+        buffer_quantity(text, fabs(reference->meaning), QUANTITY_TIME, 3);
+        buffer_put(text, reference->sudden ? TEXT(", beyond it no number means anything (at once: one of them missed "
+                                                  "something, or something there is not resolved)")
+                                           : TEXT(", beyond it no number means anything (rounding grows: chaos)"));
+    }
+}
+
 /* What a solution depends on. A typed model is never changed: each line makes another one. */
 static bool same_scene(const struct scene *a, const struct scene *b)
 {

@@ -134,16 +134,21 @@ static void test_inclusion(void **state)
         for (int i = 0; i < 9; i++)
             names.c[i / 3][i % 3] = i % 3 && random_unit(&seed) < 0.2 ? 0 : random_between(&seed, -3, 3);
         const double b = pow(10, random_between(&seed, -4, 0)), a = -b;
-        struct jet jet[3];
-        for (int i = 0; i < 3; i++)
+        struct jet jet[3], centre[3];
+        for (int i = 0; i < 3; i++) {
             jet[i] = name_jet(names.c[i], a, b);
-        const struct jet bounds = expr_jet(expr, jet);
+            centre[i] = name_jet(names.c[i], 0, 0);
+        }
+        const struct jet bounds = expr_jet(expr, jet), about = expr_jet_about(expr, jet, centre, b);
         useful += bounds.bend.lo > -HUGE_VAL && bounds.bend.hi < HUGE_VAL;
         for (int point = 0; point < 5; point++) {
             const double x = random_between(&seed, a, b), y = random_between(&seed, a, b), m = x + (y - x) / 2;
             const double fx = value_at(expr, &names, x), fy = value_at(expr, &names, y);
             const double fm = value_at(expr, &names, m), w = (y - x) / 2;
             const double rounding = 1e-14 * (fabs(fx) + fabs(fy) + fabs(fm));
+            if (!inside(about.value, fx, 0) || about.value.lo < bounds.value.lo || about.value.hi > bounds.value.hi)
+                fail_msg("%s: %.17g outside of %.17g .. %.17g about the centre", shown(&text), fx, about.value.lo,
+                         about.value.hi);
             if (!inside(bounds.value, fx, 0))
                 fail_msg("%s: %.17g outside of %.17g .. %.17g", shown(&text), fx, bounds.value.lo,
                          bounds.value.hi);
