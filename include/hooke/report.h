@@ -27,7 +27,11 @@ bool export_recording(const struct session *session, struct export *export, stru
 bool export_recorded(const struct session *session, const struct given *column, const struct given *every,
                      struct export *export, struct error *error);
 bool export_measurements(const struct session *session, struct export *export, struct error *error);
-/* What the last study found, compare, precision or sweep; the runs where there were runs since. */
+/* The result of a study is what export_study() writes, until there is another run; without memory what was there
+ * stays. method, reference: what is said of it beside duration and scene, NULL: nothing. */
+void keep_study(struct session *session, const struct result_columns *columns, const void *rows, size_t count,
+                const char *method, const char *reference);
+/* What the last study found; the runs where there were runs since. */
 bool export_study(const struct session *session, struct export *export, struct error *error);
 /* Fills the keys of the table: what made this run. */
 bool export_run_keys(const struct session *session, int place, struct export *export, struct error *error);

@@ -211,7 +211,8 @@ struct result_columns {
 void reply_columns(struct reply *reply, const struct result_columns *columns, const void *row);
 void reply_records(struct reply *reply, const char *kind, const struct result_columns *columns, const void *rows,
                    size_t count);
-/* The table to files, without keys, from the arena; text stays where it is in the rows. False: no memory. */
+/* The table to files, without keys, from the arena; it holds when the rows are gone, as long as what their names point
+ * to. False: no memory. */
 bool columns_table(const struct result_columns *columns, const void *rows, size_t count, struct arena *arena,
                    struct table *table);
 /* Adds heading and cells to a table that is empty; its `columns` is counted here. A failure is in table->failed. */

@@ -167,7 +167,7 @@ struct fit_band {
     double *half;           /* [variables][n] half the width */
 };
 
-enum studied { STUDIED_NONE, STUDIED_PRECISION, STUDIED_SWEEP, STUDIED_COMPARE };
+enum studied { STUDIED_NONE, STUDIED_PRECISION, STUDIED_SWEEP, STUDIED_TABLE };
 
 struct session {
     struct front front;
@@ -202,7 +202,8 @@ struct session {
     struct kept_fit *kept_fit;
     int kept_fits;
     struct precision *precision; /* the last study, for `plot precision` and `export FILE table`; NULL: none */
-    struct compared *compared;   /* the last one, for `export FILE table`; NULL: none */
+    struct arena study_arena;    /* of the table that follows */
+    struct table study;          /* of compare, order or stability: for `export FILE table` */
     enum studied studied;        /* which of them was the last */
     int studied_runs;            /* next_run at that time: after a later run its table is the latest */
 

@@ -50,30 +50,42 @@ static bool export_sweep(const struct session *session, struct export *export, s
     return keys_finish(&keys, export, error);
 }
 
-static bool export_compared(const struct session *session, struct export *export,
-                            struct error *error)
+void keep_study(struct session *session, const struct result_columns *columns, const void *rows,
+                size_t count, const char *method, const char *reference)
 {
-    const struct compared *compared = session->compared;
-    const struct comparison *first = &compared->row[0].by;
+    struct arena arena = {0};
+    struct export export = {.arena = &arena};
     struct keys keys;
-    struct buffer duration = {0}, reference = {0};
-    if (!columns_table(&compared_columns, compared->row, (size_t)compared->rows, export->arena,
-                       &export->table))
-        return error_memory(error);
-    if (!keys_begin(&keys, export, error))
-        return false;
-    buffer_exact(&duration, (struct measured){compared->duration, 0}, QUANTITY_TIME);
-    keys_add(&keys, "duration", &duration);
-    if (first->reference[0]) {
-        buffer_format(&reference, "%s and %s, which agree to ", first->reference[0]->row.name,
-                      first->reference[1]->row.name);
-        buffer_short(&reference, first->errors.floor, 2);
-        keys_add(&keys, "reference", &reference);
-    } else if (isfinite(first->errors.max)) {
-        keys_add_text(&keys, "reference", "the closed form");
+    struct error ignored;
+    struct buffer duration = {0};
+    bool ok = columns_table(columns, rows, count, &arena, &export.table) &&
+              keys_begin(&keys, &export, &ignored);
+    if (ok) {
+        buffer_exact(&duration, (struct measured){session->setup.settings.duration, 0},
+                     QUANTITY_TIME);
+        if (method)
+            keys_add_text(&keys, "method", method);
+        keys_add(&keys, "duration", &duration);
+        if (reference && reference[0])
+            keys_add_text(&keys, "reference", reference);
+        keys_add_scene(&keys, &session->setup.scene);
+        ok = keys_finish(&keys, &export, &ignored);
     }
-    keys_add_scene(&keys, &compared->scene);
-    return keys_finish(&keys, export, error);
+    if (!ok) {
+        arena_reset(&arena);
+        return;
+    }
+    arena_reset(&session->study_arena);
+    session->study_arena = arena;
+    session->study = export.table;
+    session_studied(session, STUDIED_TABLE);
+}
+
+static bool export_kept(const struct session *session, struct export *export, struct error *error)
+{
+    (void)error;
+    export->table = session->study;
+    return true;
 }
 
 bool export_run_table(const struct session *session, struct export *export, struct error *error)
@@ -101,7 +113,7 @@ bool export_study(const struct session *session, struct export *export, struct e
         [STUDIED_NONE] = export_run_table,
         [STUDIED_PRECISION] = export_precision,
         [STUDIED_SWEEP] = export_sweep,
-        [STUDIED_COMPARE] = export_compared,
+        [STUDIED_TABLE] = export_kept,
     };
     return writes[session->studied_runs == session->next_run ? session->studied : STUDIED_NONE](
         session, export, error);

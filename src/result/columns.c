@@ -103,8 +103,10 @@ static bool fill_values(const struct result_columns *columns, const struct resul
             value[i] = (double)count_of(column, row);
         else if (column->kind == COLUMN_BOOL)
             text[i] = bool_of(column, row) ? "true" : "false";
-        else
+        else if (column->kind == COLUMN_NAME)
             text[i] = text_in(column, row);
+        else if (!(text[i] = arena_text(arena, text_of(member(column, row)))))
+            return false;
         if (!numbers && !text[i])
             text[i] = "";
     }

@@ -56,7 +56,7 @@ void session_destroy(struct session *session)
     if (session->precision)
         precision_free(session->precision);
     free(session->precision);
-    free(session->compared);
+    arena_reset(&session->study_arena);
     references_free(&session->references);
     if (session->sweep)
         sweep_free(session->sweep);

@@ -302,14 +302,6 @@ void compared_init(struct compared_row *row, const struct comparison *from);
 void compared_setting(const struct compared_row *row, struct buffer *text);
 extern const struct result_columns compared_columns; /* of struct compared_row */
 
-/* What a session keeps of a comparison. One piece of memory: free(). */
-struct compared {
-    struct scene scene;
-    double duration; /* [s] */
-    int rows;
-    struct compared_row row[];
-};
-
 /* ---- order: how fast the error falls with the step ----
  *
  * Fixed steps of duration/N with compensated sums, errors of the whole state at the end. The order is the slope over

@@ -138,7 +138,7 @@ COMMAND(export, .row = {"export", "", "write columns of runs, a recording or mea
                 "run; export\n"
                 "FILE. The form follows the end of the name: .csv .tsv .json. 'table' has "
                 "one row for each\n"
-                "run, or right after compare, precision and sweep what they have found. --band adds NAME_low and "
+                "run, or right after compare, order, precision, stability and sweep what they have found. --band adds NAME_low and "
                 "NAME_high to each variable of a run of what 'adopt' took: the 95 % "
                 "band of the fit's uncertainty. The file - is the output.",
         .examples = "run; export run1.csv t,y,v\nexport - run all every=100ms", .see = "print save plot list",

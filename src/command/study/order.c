@@ -82,6 +82,8 @@ HANDLER(order)
         reply_text(reply, buffer_text(&text));
         buffer_free(&text);
         reply_order(&order, reply);
+        keep_study(session, &order_point_columns, order.point, (size_t)order.points,
+                   order.by.method->row.name, NULL);
     }
     return ok;
 }

@@ -116,7 +116,7 @@ static void reply_study(const struct session *session, const struct arguments *g
 }
 
 /* The session takes it over; without memory the one before stays. */
-static void keep_study(struct session *session, struct precision *precision)
+static void keep_precision(struct session *session, struct precision *precision)
 {
     struct precision *kept = malloc(sizeof *kept);
     if (!kept)
@@ -164,7 +164,7 @@ HANDLER(precision)
     if (precision.curves > 0) {
         reply_study(session, given, &precision, &absentees.text, (double)(clock_ns() - begin) * 1e-9, reply);
         reply_precision(&precision, given->arena, reply);
-        keep_study(session, &precision);
+        keep_precision(session, &precision);
     }
     buffer_free(&absentees.text);
     precision_free(&precision);

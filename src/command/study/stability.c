@@ -244,6 +244,8 @@ HANDLER(stability)
     buffer_free(&text);
     for (int i = 0; i < count && reply->format != FORMAT_TEXT; i++)
         reply_stability(&rows[i], reply);
+    if (count > 0)
+        keep_study(session, &stability_columns, rows, (size_t)count, NULL, NULL);
     return ok;
 }
 #endif

@@ -115,19 +115,19 @@ static void reply_table(const struct session *session, const struct comparison *
     buffer_free(&text);
 }
 
-/* For `export FILE table`; without memory the one before stays. */
 static void keep_comparison(struct session *session, const struct compared_row *rows, int count)
 {
-    struct compared *kept = malloc(sizeof *kept + (size_t)count * sizeof *rows);
-    if (!kept)
-        return;
-    kept->scene = session->setup.scene;
-    kept->duration = session->setup.settings.duration;
-    kept->rows = count;
-    memcpy(kept->row, rows, (size_t)count * sizeof *rows);
-    free(session->compared);
-    session->compared = kept;
-    session_studied(session, STUDIED_COMPARE);
+    const struct comparison *first = &rows[0].by;
+    struct buffer reference = {0};
+    if (first->reference[0]) {
+        buffer_format(&reference, "%s and %s, which agree to ", first->reference[0]->row.name,
+                      first->reference[1]->row.name);
+        buffer_short(&reference, first->errors.floor, 2);
+    } else if (isfinite(first->errors.max)) {
+        buffer_put(&reference, TEXT("the closed form"));
+    }
+    keep_study(session, &compared_columns, rows, (size_t)count, NULL, buffer_view(&reference));
+    buffer_free(&reference);
 }
 
 /* ---- the command ---- */
