@@ -11,7 +11,7 @@
 
 /* ---- tables ---- */
 
-enum table_format { TABLE_CSV, TABLE_TSV, TABLE_JSON };
+enum table_format { TABLE_CSV, TABLE_TSV, TABLE_JSON, TABLE_MARKDOWN };
 
 struct table_column {
     const char *name, *unit;
@@ -31,7 +31,7 @@ struct table {
     size_t rows;
 };
 
-extern const struct catalog table_format_catalog; /* struct row at the enum's place: csv, tsv, json */
+extern const struct catalog table_format_catalog; /* struct row at the enum's place: csv, tsv, json, md */
 
 /* Every double reads back bit for bit; `.` and newline whatever the locale. Text cells that could be a formula or
  * contain the separator are quoted. */

@@ -136,7 +136,7 @@ COMMAND(export, .row = {"export", "", "write columns of runs, a recording or mea
                 "row each so much\n"
                 "time, as the steps fall; at even times, from inside the steps, are those of: set record every 0.1 s; "
                 "run; export\n"
-                "FILE. The form follows the end of the name: .csv .tsv .json. 'table' has "
+                "FILE. The form follows the end of the name: .csv .tsv .json .md. 'table' has "
                 "one row for each\n"
                 "run, or right after compare, order, precision, stability and sweep what they have found. --band adds NAME_low and "
                 "NAME_high to each variable of a run of what 'adopt' took: the 95 % "

@@ -147,6 +147,21 @@ static void a_file_has_units_and_leaves_cells_empty(void **state)
     arena_reset(&arena);
 }
 
+static void markdown_shows_text_as_text(void **state)
+{
+    (void)state;
+    static const struct table_key keys[] = {{"dt", "10 ms"}, {"note", "a *b*\nc"}};
+    static const double y[] = {-0.5, NAN};
+    static const char *const words[] = {"a|b", "<i>"};
+    static const struct table_column column[] = {{"y_0", "m", y, NULL}, {"word", "", NULL, words}};
+    struct buffer out = {0};
+    table_format(&(struct table){keys, 2, column, 2, 2}, TABLE_MARKDOWN, &out);
+    assert_string_equal(buffer_view(&out), "- dt: 10 ms\n- note: a \\*b\\*\\\\x0ac\n\n"
+                                           "| y\\_0 (m) | word |\n| ---: | --- |\n"
+                                           "| -0.5 | a\\|b |\n|  | \\<i\\> |\n");
+    buffer_free(&out);
+}
+
 /* ---- people ---- */
 
 static void seen(const struct pendulum *from, size_t count, bool wide, const char *expected)
@@ -184,6 +199,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(records_have_every_key_and_null_for_what_is_missing),
         cmocka_unit_test(a_file_has_units_and_leaves_cells_empty),
+        cmocka_unit_test(markdown_shows_text_as_text),
         cmocka_unit_test(people_see_columns_in_their_places_where_a_row_has_a_value),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
