@@ -65,6 +65,11 @@ struct reference {
     struct singularity singular; /* where there is no reference because the solution ends */
     double meaning;             /* [s] after t0: from here on they differ by more than 1e-3; span: nowhere */
     bool sudden;                /* there they part within 1/256 of the span: not as rounding grows */
+    double shortest;            /* [s] the shortest stretch that its steps had to be cut for, 0: none */
+    double bound;               /* [s] no step of it is longer, except of one of the two methods */
+    bool again;                 /* computed again, in shorter steps, because finer runs disagreed with it */
+    const struct method *against[2]; /* their runs agree with each other and not with it: not resolved; NULL: nobody */
+    double apart;                    /* by so much, in amplitudes */
     bool kept;                  /* by an earlier study of the same scene */
 };
 
@@ -72,6 +77,9 @@ struct reference {
  * agree to reach the end. Of a failure `singular` holds. */
 bool study_reference(const struct system *system, double span, const struct cancel *cancel,
                      struct reference *reference, struct error *error);
+/* As study_reference(), where no step of any method is longer than `step` [s]. */
+bool study_reference_again(const struct system *system, double span, double step, const struct cancel *cancel,
+                           struct reference *reference, struct error *error);
 void reference_free(struct reference *reference);
 /* "dop853 and gauss6, which agree …" */
 void reference_describe(const struct reference *reference, struct buffer *text);
@@ -101,6 +109,11 @@ struct references {
  */
 bool references_get(struct references *references, const struct scene *scene, const struct system *system, double span,
                     const struct cancel *cancel, struct reference *reference, struct error *error);
+/* One that is suspect, computed again in steps of at most `step` [s], and kept instead. False: that cannot be done, and
+ * the old one stays (ERROR_NUMERICAL), or cancelled. */
+bool references_again(struct references *references, const struct scene *scene, const struct system *system,
+                      double span, double step, const struct cancel *cancel, struct reference *reference,
+                      struct error *error);
 /* What is kept of it; NULL: nothing, or that there is none. */
 const struct reference *references_find(const struct references *references, const struct scene *scene, double span);
 void references_free(struct references *references);
@@ -195,6 +208,7 @@ struct precision_row {
     struct precision_curve curve;
     double accuracy; /* of the reference */
     bool kept;       /* the reference, by an earlier study */
+    bool resolved;   /* it is not contradicted by the finest runs of two methods */
     const struct precision *precision;
 };
 

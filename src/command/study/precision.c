@@ -83,7 +83,10 @@ static void put_marks(struct buffer *text, const struct precision *precision)
     if (few)
         buffer_put(text, TEXT("!  fewer samples than of the others: a solve takes long\n"));
     if (lost)
-        buffer_put(text, TEXT("lost: the error is as large as the motion\n"));
+        buffer_put(text, precision->reference.against[0]
+                             ? TEXT("apart: as far from the reference as the motion is large; which is right is not "
+                                    "resolved\n")
+                             : TEXT("lost: the error is as large as the motion\n"));
     if (probed)
         buffer_put(text, TEXT("probe: lost in the 1/256 of the time where most happens; no more was solved\n"));
     if (scaled)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* precision: each method swept from coarse steps to the floor of rounding, its errors measured, everything timed. */
-#include "study/compare/solve.h"
+#include "study/compare/suspect.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -35,6 +35,7 @@ struct sweeping {
     struct precision *precision;
     struct precision_curve *curve;
     double *grid;
+    struct witnesses witnesses;
     int hardest;   /* grid time before the interval where the motion goes furthest */
     size_t room;   /* points allocated */
     int64_t begin; /* clock */
@@ -175,8 +176,11 @@ static bool measure(struct sweeping *sweep, struct precision_point *point, bool 
     point->steps = solver.steps;
     point->cost = solver.step.cost;
     solver_free(&solver);
-    if (point->stop == STOP_END)
+    if (point->stop == STOP_END) {
         grid_errors(&precision->system, &precision->reference, sweep->grid, &point->errors);
+        witness_tell(&sweep->witnesses, precision->curves, &precision->reference, curve->by.method, point->steps,
+                     sweep->grid);
+    }
     point->below = point->errors.max <= precision->reference.accuracy;
     return true;
 }
@@ -404,6 +408,51 @@ static bool prepare(const struct precision_request *request, struct precision *p
     return true;
 }
 
+/* All curves against the reference; what their finest runs say is left behind. */
+static bool sweep_once(struct sweeping *sweep, int64_t begin, double seconds, struct error *error)
+{
+    struct precision *precision = sweep->precision;
+    const int contenders = sweep->request->contenders;
+    bool ok = true;
+    precision->points = precision->curves = 0;
+    for (int c = 0; c < contenders; c++)
+        sweep->witnesses.one[c].by = NULL;
+    sweep->hardest = hardest_interval(precision);
+    for (int c = 0; c < contenders && ok; c++) {
+        const double left = SWEEP_SHARE * seconds - seconds_since(begin);
+        sweep->curve = &precision->curve[c];
+        sweep->curve->first = precision->points;
+        sweep->curve->count = 0;
+        ok = sweep_curve(sweep, fmax(left, 0.02 * seconds) / (contenders - c), error);
+    }
+    return ok;
+}
+
+/* A reference that they contradict is computed again, so that it sees what they see, and all is measured anew. */
+static bool sweep_all(const struct precision_request *request, struct precision *precision, int64_t begin,
+                      double seconds, struct error *error)
+{
+    struct sweeping sweep = {.request = request, .precision = precision};
+    struct reference *reference = &precision->reference;
+    double step;
+    sweep.grid = malloc((size_t)STUDY_TIMES * (size_t)precision->system.n * sizeof *sweep.grid);
+    bool ok = (sweep.grid && witnesses_init(&sweep.witnesses, &precision->system, request->contenders)) ||
+              error_memory(error);
+    ok = ok && sweep_once(&sweep, begin, seconds, error);
+    if (ok && reference_suspect(reference, &sweep.witnesses, &step) && !reference->again) {
+        struct error none;
+        if (references_again(request->references, request->scene, &precision->system, request->duration, step,
+                             request->cancel, reference, &none)) {
+            ok = sweep_once(&sweep, begin, 2 * seconds, error);
+            if (ok)
+                reference_suspect(reference, &sweep.witnesses, &step);
+        }
+    }
+    witnesses_free(&sweep.witnesses);
+    free(sweep.grid);
+    return ok;
+}
+
 bool study_precision(const struct precision_request *request, struct precision *precision, struct error *error)
 {
     *precision = (struct precision){0};
@@ -414,17 +463,7 @@ bool study_precision(const struct precision_request *request, struct precision *
     const int64_t begin = clock_ns();
     const double usual = precision_is_stiff(&precision->system, request->duration) ? SECONDS_STIFF : SECONDS;
     const double seconds = request->seconds > 0 ? request->seconds : usual;
-    struct sweeping sweep = {.request = request, .precision = precision};
-    sweep.grid = malloc((size_t)STUDY_TIMES * (size_t)precision->system.n * sizeof *sweep.grid);
-    sweep.hardest = hardest_interval(precision);
-    bool ok = sweep.grid || error_memory(error);
-    for (int c = 0; c < request->contenders && ok; c++) {
-        const double left = SWEEP_SHARE * seconds - seconds_since(begin);
-        sweep.curve = &precision->curve[c];
-        sweep.curve->first = precision->points;
-        ok = sweep_curve(&sweep, fmax(left, 0.02 * seconds) / (request->contenders - c), error);
-    }
-    free(sweep.grid);
+    bool ok = sweep_all(request, precision, begin, seconds, error);
     if (!ok) /* the one that was under way */
         precision->points = precision->curve[precision->curves].first;
     for (int c = 0; c < precision->curves; c++)

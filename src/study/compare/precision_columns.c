@@ -14,6 +14,7 @@ const struct precision_row *precision_rows(const struct precision *precision, st
                                         .curve = precision->curve[point->curve],
                                         .accuracy = precision->reference.accuracy,
                                         .kept = precision->reference.kept,
+                                        .resolved = !precision->reference.against[0],
                                         .precision = precision};
     }
     return row;
@@ -127,7 +128,7 @@ static void marks_cell(struct text_table *table, const void *row)
         buffer_put(&text,
                    point->stop == STOP_FULL ? TEXT("too long") : text_of(stop_name(point->stop)));
     else if (!precision_meaningful(point))
-        buffer_put(&text, TEXT("lost"));
+        buffer_put(&text, ((const struct precision_row *)row)->resolved ? TEXT("lost") : TEXT("apart"));
     if (point->asymptotic)
         buffer_char(&text, '*');
     if (point->below)
@@ -186,6 +187,7 @@ static const struct result_column columns[] = {
     {.name = "asymptotic", .kind = COLUMN_BOOL, AT(point.asymptotic), .flags = COLUMN_NO_FILE},
     {.name = "reference_accuracy", AT(accuracy), .flags = COLUMN_NO_FILE},
     {.name = "reference_kept", .kind = COLUMN_BOOL, AT(kept), .flags = COLUMN_NO_FILE},
+    {.name = "reference_resolved", .kind = COLUMN_BOOL, AT(resolved), .flags = COLUMN_NO_FILE},
     {.name = "slope", AT(curve.slope), .flags = COLUMN_NO_FILE},
     {.name = "slope_expected", AT(curve.expected), .flags = COLUMN_NO_FILE},
     {.name = "slope_differs", .kind = COLUMN_BOOL, AT(curve.differs), .flags = COLUMN_NO_FILE},

@@ -426,30 +426,25 @@ static void search_kinds(struct search *search, bool explicit_ones, bool others)
             continue; /* steps of one size, short enough for a burst, would be too many */
         if (search->left > 0 && try_candidate(search, &candidates[i])) {
             confront(search, candidates[i].kind);
-            search->parts = search->system->autonomous ? PARTS : PARTS_IN_TIME;
+            const int parts = search->system->autonomous ? PARTS : PARTS_IN_TIME;
+            search->parts = search->parts > parts ? search->parts : parts;
+            reference->bound = fabs(reference->span) / (STUDY_TIMES - 1) / search->parts;
         }
         if (reference->by[1] && reference->accuracy <= ENOUGH)
             break;
     }
 }
 
-/* Looked for first: two methods that do not get there would take long to find out. */
-static bool refuse_singular(const struct system *system, struct reference *reference, struct error *error)
-{
-    const double t0 = system->t0;
-    reference->singular = system_singularity(system, t0, system->start, t0 + reference->span);
-    if (isnan(reference->singular.t))
-        return true;
-    reference_free(reference);
-    error_set(error, ERROR_NUMERICAL,
-              "the solution %s at t = %.6g s: beyond there is nothing to measure errors against",
-              singularity_text(&reference->singular), reference->singular.t);
-    return error_hint(error, "a shorter one can be studied: duration = %.3g s", 0.9 * fabs(reference->singular.t - t0));
-}
-
 bool study_reference(const struct system *system, double span, const struct cancel *cancel, struct reference *reference,
                      struct error *error)
 {
+    return study_reference_again(system, span, fabs(span), cancel, reference, error);
+}
+
+bool study_reference_again(const struct system *system, double span, double step, const struct cancel *cancel,
+                           struct reference *reference, struct error *error)
+{
+    const double least = ceil(fmin(fabs(span) / (STUDY_TIMES - 1) / step, 1 << 16));
     const size_t size = (size_t)STUDY_TIMES * (size_t)system->n;
     *reference = (struct reference){.span = span, .meaning = span, .singular = {.t = NAN}, .n = system->n};
     reference->scored = system->order == 2 ? system->n / 2 : system->n;
@@ -460,11 +455,12 @@ bool study_reference(const struct system *system, double span, const struct canc
         take_closed_form(system, reference);
         return true;
     }
-    if (!refuse_singular(system, reference, error))
+    if (!reference_exists(system, reference, error))
         return false;
     struct system smooth = *system; /* the reference keeps its order, whatever is compared with it */
     system_turn_at_kinks(&smooth);
-    struct search search = {.system = &smooth, .reference = reference, .cancel = cancel, .size = size, .parts = 1};
+    struct search search = {.system = &smooth, .reference = reference, .cancel = cancel, .size = size};
+    search.parts = (int)fmax(least, 1);
     search.left = (int64_t)(COST_ALL / system->n);
     search.grid = calloc((KIND_COUNT + 1) * size, sizeof *search.grid);
     search.burst = calloc(BURSTS, sizeof *search.burst);
@@ -480,6 +476,9 @@ bool study_reference(const struct system *system, double span, const struct canc
     search_kinds(&search, !late, true);
     if (late && !(reference->by[1] && reference->accuracy <= ENOUGH))
         search_kinds(&search, true, false);
+    reference->shortest = search.bursts > 0 ? HUGE_VAL : 0;
+    for (int i = 0; i < search.bursts; i++)
+        reference->shortest = fmin(reference->shortest, fabs(search.burst[i].to - search.burst[i].from));
     free(search.grid);
     free(search.burst);
     free(search.node);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* References that were computed before: a scene that is studied again has its own already. */
-#include <hooke/study.h>
+#include "study/compare/solve.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -9,6 +9,19 @@ void reference_free(struct reference *reference)
 {
     free(reference->y);
     reference->y = NULL;
+}
+
+bool reference_exists(const struct system *system, struct reference *reference, struct error *error)
+{
+    const double t0 = system->t0;
+    reference->singular = system_singularity(system, t0, system->start, t0 + reference->span);
+    if (isnan(reference->singular.t))
+        return true;
+    reference_free(reference);
+    error_set(error, ERROR_NUMERICAL,
+              "the solution %s at t = %.6g s: beyond there is nothing to measure errors against",
+              singularity_text(&reference->singular), reference->singular.t);
+    return error_hint(error, "a shorter one can be studied: duration = %.3g s", 0.9 * fabs(reference->singular.t - t0));
 }
 
 void reference_describe(const struct reference *reference, struct buffer *text)
@@ -20,6 +33,13 @@ void reference_describe(const struct reference *reference, struct buffer *text)
     }
     buffer_format(text, "%s and %s, which agree to ", reference->by[0]->row.name, reference->by[1]->row.name);
     buffer_short(text, reference->accuracy, 2);
+    if (reference->against[0]) {
+        buffer_format(text, ", but %s and %s agree with each other and are ", reference->against[0]->row.name,
+                      reference->against[1]->row.name);
+        buffer_short(text, reference->apart, 2);
+        buffer_put(text, TEXT(" from it, also after it was computed again in shorter steps: which is right is not "
+                              "resolved"));
+    }
     if (reference->meaning != reference->span) {
         buffer_put(text, TEXT(" only: they part at "));
         buffer_quantity(text, fabs(reference->meaning), QUANTITY_TIME, 3);
@@ -109,6 +129,24 @@ bool references_get(struct references *references, const struct scene *scene,
     if (references && (ok || error->code == ERROR_NUMERICAL))
         keep(references, scene, span, reference, ok ? NULL : error);
     return ok;
+}
+
+bool references_again(struct references *references, const struct scene *scene, const struct system *system,
+                      double span, double step, const struct cancel *cancel, struct reference *reference,
+                      struct error *error)
+{
+    struct reference anew;
+    if (!study_reference_again(system, span, fmin(step, reference->bound / 2), cancel, &anew, error))
+        return false;
+    anew.again = true;
+    reference_free(reference);
+    *reference = anew;
+    struct kept_reference *kept = find(references, scene, span);
+    if (kept) {
+        reference_free(&kept->reference);
+        kept->used = copy(reference, &kept->reference) ? kept->used : 0;
+    }
+    return true;
 }
 
 void references_free(struct references *references)

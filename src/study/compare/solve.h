@@ -38,6 +38,10 @@ int64_t solver_cost(const struct solver *solver);
 enum stop solver_run(struct solver *solver, double *grid, const struct cancel *cancel);
 enum stop solver_stop(enum step_status status);
 
+/* False: the solution ends on the way, and the reference is freed. Asked first: two methods that do not get there would
+ * take long to find out. */
+bool reference_exists(const struct system *system, struct reference *reference, struct error *error);
+
 /* Largest |a - b| over the scored variables of one grid time, in units of the amplitudes. */
 double grid_distance(const struct reference *reference, const double *a, const double *b);
 /* All errors of grid states against the reference. */
